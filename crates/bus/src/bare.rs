@@ -70,7 +70,11 @@ impl<T: Payload> BareSender<T> {
     /// If iceoryx2 refuses.
     pub fn send(&self, count: usize, mut fill: impl FnMut(usize) -> T) -> Result<(), BusError> {
         let refused = |error: &str| failed(&self.service, "send", error.to_owned());
-        let mut slice = SharedMemory::loan(&self.port, count).map_err(refused)?;
+        let mut place = None;
+        SharedMemory::loan(&self.port, count, &mut place).map_err(refused)?;
+        let Some(slice) = &mut place else {
+            return Err(refused("there is no slice"));
+        };
         let first = slice.payload_mut().as_mut_ptr().cast::<T>();
         for index in 0..count {
             let sample = fill(index);
@@ -78,7 +82,7 @@ impl<T: Payload> BareSender<T> {
             unsafe { first.add(index).write(sample) };
         }
         // SAFETY: every sample was written, and the header is empty.
-        unsafe { SharedMemory::send(slice) }.map_err(refused)?;
+        unsafe { SharedMemory::send(&mut place) }.map_err(refused)?;
         if let Some(notifier) = &self.notifier {
             let _ = notifier.notify();
         }

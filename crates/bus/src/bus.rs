@@ -4,7 +4,7 @@
 //! services, a kill at the wrong moment would leave a service that no process can open, and the first process would
 //! decide about sizes. With a holder, a topic exists before its first use and as long as the instance runs.
 
-use std::sync::atomic::Ordering::SeqCst;
+use std::sync::atomic::Ordering::{Release, SeqCst};
 use std::sync::atomic::fence;
 use std::time::Duration;
 
@@ -264,8 +264,9 @@ impl<S: Transport> Waiter<S> {
             });
         }
         self.listen(S::listen(&bus.node, &bus.service(topic))?);
+        bus.hint(topic)?.listeners().fetch_add(1, Release);
         // A publisher that does not see this listener yet does not wake it, but has written its slice before: the first
-        // question of the wait finds the slice (see `Publisher::send_slice`).
+        // question of the wait finds the slice (see the module `wake_up`).
         fence(SeqCst);
         Ok(())
     }
@@ -372,12 +373,14 @@ mod tests {
         let mut waiter = bus.waiter(WaitMode::Event);
         waiter.watch(&bus, &topic).unwrap();
         let day = Duration::from_secs(86_400);
-        let woken = waiter.wait_at_a_glance(day, |_| subscriber.may_have_slices()).unwrap();
+        let woken = waiter
+            .wait_at_a_glance((day, None), |_| subscriber.may_have_slices())
+            .unwrap();
         assert_eq!((woken, subscriber.take(9, |_, _| ()).unwrap()), (Woken::Work, 1));
         send();
         // Readable: the publisher has notified.
         let mut looks = Vec::new();
-        let woken = waiter.wait_at_a_glance(day, |look| {
+        let woken = waiter.wait_at_a_glance((day, None), |look| {
             looks.push(look);
             look == Look::Full
         });

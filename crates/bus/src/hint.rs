@@ -19,25 +19,32 @@ use messages::TopicName;
 
 use crate::line::Lines;
 
-/// The word of a topic, in the memory of the topic's lines or of the process.
+/// The words of a topic, in the memory of the topic's lines or of the process.
 #[derive(Debug)]
 pub(crate) enum Hint {
     Shared(Lines),
-    InProcess(Arc<AtomicU64>),
+    InProcess(Arc<Words>),
+}
+
+/// The words of a topic in a process.
+#[derive(Debug, Default)]
+pub(crate) struct Words {
+    sends: AtomicU64,
+    listeners: AtomicU64,
 }
 
 impl Hint {
     /// The word of `topic` among the users of `root` in this process.
     pub(crate) fn in_process(root: &Path, topic: &TopicName) -> Self {
-        type Words = HashMap<(PathBuf, String), Weak<AtomicU64>>;
-        static WORDS: LazyLock<Mutex<Words>> = LazyLock::new(Mutex::default);
+        type OfTopics = HashMap<(PathBuf, String), Weak<Words>>;
+        static WORDS: LazyLock<Mutex<OfTopics>> = LazyLock::new(Mutex::default);
         let mut words = WORDS.lock().unwrap_or_else(PoisonError::into_inner);
         words.retain(|_, word| word.strong_count() > 0);
         let place = words.entry((root.to_owned(), topic.as_str().to_owned())).or_default();
         Self::InProcess(place.upgrade().unwrap_or_else(|| {
-            let word = Arc::default();
-            *place = Arc::downgrade(&word);
-            word
+            let words = Arc::default();
+            *place = Arc::downgrade(&words);
+            words
         }))
     }
 
@@ -45,7 +52,16 @@ impl Hint {
     pub(crate) fn word(&self) -> &AtomicU64 {
         match self {
             Self::Shared(lines) => lines.sends(),
-            Self::InProcess(word) => word,
+            Self::InProcess(words) => &words.sends,
+        }
+    }
+
+    /// The word that changes with each new listener.
+    #[inline]
+    pub(crate) fn listeners(&self) -> &AtomicU64 {
+        match self {
+            Self::Shared(lines) => lines.listeners(),
+            Self::InProcess(words) => &words.listeners,
         }
     }
 }

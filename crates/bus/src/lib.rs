@@ -1,13 +1,14 @@
 //! Topics in shared memory: the only crate that uses iceoryx2 (PL-2, PL-5, PL-8, PL-11).
 //!
 //! Processes of a deployment exchange slices of fixed-layout samples (see the `messages` crate) without copies: a
-//! publisher writes samples where subscribers read them. This crate has seven parts, built on iceoryx2:
+//! publisher writes samples where subscribers read them. This crate has eight parts, built on iceoryx2:
 //!
 //! | type | purpose |
 //! |---|---|
 //! | [`Root`], [`Claim`] | folder of a deployment, right to run the deployment, and removal of all its files |
 //! | [`Bus`], [`TopicHold`] | connection of a process; the keeper holds every topic, other processes only open topics |
 //! | [`Publisher`] | writes slices in place, with sequence numbers and progress; never waits for anybody |
+//! | [`BatchWriter`] | collects samples in the slice that a publisher sends next |
 //! | [`Subscriber`] | takes slices, and counts missing samples per publisher |
 //! | [`LogWriter`], [`LogReader`] | a log, written with a few stores per sample, for readers at any speed |
 //! | [`OrderPort`] | gives orders to fusion and receives their states |
@@ -62,10 +63,12 @@
 
 mod bare;
 pub mod base;
+mod batch_writer;
 mod bus;
 mod error;
 mod hint;
 mod line;
+mod loaned;
 mod log;
 mod mapping;
 mod membership;
@@ -85,8 +88,10 @@ mod subscriber;
 mod transport;
 mod unborn;
 mod waiter;
+mod wake_up;
 
 pub use bare::{BareReceiver, BareSender, BareSettings};
+pub use batch_writer::BatchWriter;
 pub use bus::Bus;
 pub use error::{BusError, PortRole};
 pub use line::{PublisherLine, PublisherState};

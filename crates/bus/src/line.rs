@@ -46,6 +46,8 @@ struct LineHead {
     ends: AtomicU64,
     /// How many slices have been sent: see the module `hint`.
     sends: AtomicU64,
+    /// How many listeners have come: see the module `wake_up`.
+    listeners: AtomicU64,
 }
 
 #[repr(C, align(64))]
@@ -158,6 +160,12 @@ impl Lines {
     #[inline]
     pub(crate) fn sends(&self) -> &AtomicU64 {
         &self.head().sends
+    }
+
+    /// The word that changes with each new listener.
+    #[inline]
+    pub(crate) fn listeners(&self) -> &AtomicU64 {
+        &self.head().listeners
     }
 
     /// Every line that a publisher has or had.

@@ -52,13 +52,18 @@ pub trait Ports: Medium + Sized + 'static {
     #[doc(hidden)]
     fn listen(node: &Node<Self>, service: &Service<'_>) -> Result<DropGuard<Listener<Self>>, BusError>;
     #[doc(hidden)]
-    fn loan(port: &PublisherPort<Self>, length: usize) -> Result<DropGuard<Loan<Self>>, &'static str>;
+    fn loan(
+        port: &PublisherPort<Self>,
+        length: usize,
+        place: &mut Option<DropGuard<Loan<Self>>>,
+    ) -> Result<(), &'static str>;
     /// # Safety
-    /// Every sample and the header must have been written.
+    /// Every sample and the header of the slice in `place` must have been written.
     #[doc(hidden)]
-    unsafe fn send(slice: DropGuard<Loan<Self>>) -> Result<(), &'static str>;
+    unsafe fn send(place: &mut Option<DropGuard<Loan<Self>>>) -> Result<(), &'static str>;
+    /// Wakes the listeners. Returns whether there are any.
     #[doc(hidden)]
-    fn wake(wake_ups: &WakeUps<Self>);
+    fn wake(wake_ups: &WakeUps<Self>) -> bool;
     #[doc(hidden)]
     fn receive(port: &SubscriberPort<Self>) -> Result<Option<DropGuard<TakenSlice<Self>>>, ReceiveError>;
     #[doc(hidden)]
@@ -191,17 +196,26 @@ macro_rules! transport {
                 service.listener(node).map(DropGuard::new)
             }
 
-            fn loan(port: &PublisherPort<Self>, length: usize) -> Result<DropGuard<Loan<Self>>, &'static str> {
-                service::loan(port, length).map(DropGuard::new)
+            // Loans have some two hundred bytes: they are moved as little as possible.
+            fn loan(
+                port: &PublisherPort<Self>,
+                length: usize,
+                place: &mut Option<DropGuard<Loan<Self>>>,
+            ) -> Result<(), &'static str> {
+                *place = Some(DropGuard::new(service::loan(port, length)?));
+                Ok(())
             }
 
-            unsafe fn send(slice: DropGuard<Loan<Self>>) -> Result<(), &'static str> {
-                // SAFETY: as asked for.
-                unsafe { service::send(slice.into_inner()) }
+            unsafe fn send(place: &mut Option<DropGuard<Loan<Self>>>) -> Result<(), &'static str> {
+                match place.take() {
+                    // SAFETY: as asked for.
+                    Some(slice) => unsafe { service::send(slice.into_inner()) },
+                    None => Err("there is no slice"),
+                }
             }
 
-            fn wake(wake_ups: &WakeUps<Self>) {
-                service::wake(wake_ups);
+            fn wake(wake_ups: &WakeUps<Self>) -> bool {
+                service::wake(wake_ups)
             }
 
             fn receive(port: &SubscriberPort<Self>) -> Result<Option<DropGuard<TakenSlice<Self>>>, ReceiveError> {

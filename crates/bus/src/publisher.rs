@@ -9,24 +9,25 @@
 
 use std::marker::PhantomData;
 use std::sync::Arc;
-use std::sync::atomic::Ordering::{self, SeqCst};
-use std::sync::atomic::{AtomicU64, fence};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use messages::{BatchHeader, Topic};
 
 use crate::error::BusError;
 use crate::hint::Hint;
 use crate::line::OwnLine;
+use crate::loaned::LoanedSlice;
 use crate::ports::{DropGuard, Sending, Transport};
 use crate::sends::Word as _;
-use crate::service::{PublisherPort, WakeUps};
+use crate::service::PublisherPort;
 use crate::transport::Payload;
+use crate::wake_up::WakeUp;
 
 /// Sends slices of samples `T` on one topic.
 #[derive(Debug)]
 pub struct Publisher<S: Transport, T: Payload> {
     port: DropGuard<PublisherPort<S>>,
-    wake_ups: DropGuard<WakeUps<S>>,
+    wake_up: WakeUp<S>,
     /// Dropped after the port: when the line is marked as ended, no further slice enters the queue.
     line: Option<OwnLine>,
     hint: Hint,
@@ -73,7 +74,7 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
     ) -> Self {
         Self {
             port: opened.port,
-            wake_ups: opened.wake_ups,
+            wake_up: WakeUp::new(opened.wake_ups),
             line,
             hint,
             samples: PhantomData,
@@ -143,45 +144,114 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
     /// [`BusError::Send`] if a slice could not be sent; those before it were. The samples that were not sent are
     /// counted here, keep their numbers, and so are counted as lost by subscribers. Sending may be tried again.
     pub fn send(&mut self, mark: Mark, count: usize, mut fill: impl FnMut(usize, u64) -> T) -> Result<(), BusError> {
-        let first_sequence = self.header.first_sequence;
-        if let Some(line) = &self.line {
-            line.number(first_sequence + count as u64);
-        }
+        self.number(count);
         let mut done = 0;
         loop {
             let length = (count - done).min(self.slice_len);
             let last = done + length == count;
-            let header = BatchHeader {
-                progress_ns: if last {
-                    mark.progress_ns
-                } else {
-                    self.header.progress_ns
-                },
-                sent_ns: mark.sent_ns,
-                flags: self.header.flags | if last && mark.end { BatchHeader::END } else { 0 },
-                ..self.header
-            };
-            let fill_one = |index| fill(done + index, header.first_sequence + index as u64);
-            if let Err(reason) = self.send_slice(header, length, fill_one) {
-                self.header.first_sequence = first_sequence + count as u64;
-                self.counts.not_sent += (count - done) as u64;
-                return Err(BusError::Send {
-                    topic: self.topic.clone(),
-                    samples: count - done,
-                    reason,
-                });
+            let first_sequence = self.header.first_sequence;
+            let fill_one = |index| fill(done + index, first_sequence + index as u64);
+            if let Err(reason) = self.send_slice(self.header_of(&mark, last), length, fill_one) {
+                return Err(self.give_up(count - done, reason));
             }
-            self.header.first_sequence += length as u64;
-            self.counts.samples += length as u64;
-            self.counts.slices += 1;
+            self.count_slice(length);
             done += length;
             if last {
-                self.header.progress_ns = mark.progress_ns;
-                if let Some(line) = &self.line {
-                    line.beat(mark.sent_ns);
-                }
+                self.end_send(&mark);
                 return Ok(());
             }
+        }
+    }
+
+    /// Sends a slice that has been written ahead, as one whole send. Each sample passes `finish` beside its sequence
+    /// number. To be [settled](Self::settle).
+    ///
+    /// # Errors
+    /// As [`send`](Self::send).
+    #[inline]
+    pub(crate) fn send_written(
+        &mut self,
+        mark: Mark,
+        slice: &mut LoanedSlice<S, T>,
+        mut finish: impl FnMut(&mut T, u64),
+    ) -> Result<(), BusError> {
+        let count = slice.len();
+        self.number(count);
+        for (sequence, sample) in (self.header.first_sequence..).zip(slice.written()) {
+            finish(sample, sequence);
+        }
+        if let Err(reason) = slice.send(&self.header_of(&mark, true)) {
+            return Err(self.give_up(count, reason));
+        }
+        self.hint.word().raise();
+        self.wake_up.wake_at(&self.hint, mark.sent_ns);
+        self.count_slice(count);
+        self.end_send(&mark);
+        Ok(())
+    }
+
+    /// Wakes readers that came lately and are of another language: to be called when there is nothing to send.
+    #[inline]
+    pub(crate) fn settle(&mut self) {
+        self.wake_up.settle();
+    }
+
+    /// Loans a slice of `length` samples.
+    ///
+    /// # Errors
+    /// Why there is none.
+    #[inline]
+    pub(crate) fn loan(&self, slice: &mut LoanedSlice<S, T>, length: usize) -> Result<(), &'static str> {
+        slice.loan(&self.port, length)
+    }
+
+    /// States in the line, before a send, that the next `count` numbers are given to samples.
+    #[inline]
+    fn number(&self, count: usize) {
+        if let Some(line) = &self.line {
+            line.number(self.header.first_sequence + count as u64);
+        }
+    }
+
+    /// Header of the next slice; the `last` one of a send has its mark.
+    #[inline]
+    fn header_of(&self, mark: &Mark, last: bool) -> BatchHeader {
+        BatchHeader {
+            progress_ns: if last {
+                mark.progress_ns
+            } else {
+                self.header.progress_ns
+            },
+            sent_ns: mark.sent_ns,
+            flags: self.header.flags | if last && mark.end { BatchHeader::END } else { 0 },
+            ..self.header
+        }
+    }
+
+    #[inline]
+    fn count_slice(&mut self, length: usize) {
+        self.header.first_sequence += length as u64;
+        self.counts.samples += length as u64;
+        self.counts.slices += 1;
+    }
+
+    #[inline]
+    fn end_send(&mut self, mark: &Mark) {
+        self.header.progress_ns = mark.progress_ns;
+        if let Some(line) = &self.line {
+            line.beat(mark.sent_ns);
+        }
+    }
+
+    /// Gives up the last `samples` of a send.
+    #[cold]
+    fn give_up(&mut self, samples: usize, reason: &'static str) -> BusError {
+        self.header.first_sequence += samples as u64;
+        self.counts.not_sent += samples as u64;
+        BusError::Send {
+            topic: self.topic.clone(),
+            samples,
+            reason,
         }
     }
 
@@ -220,30 +290,19 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
     }
 
     fn send_slice(
-        &self,
+        &mut self,
         header: BatchHeader,
         length: usize,
         mut fill: impl FnMut(usize) -> T,
     ) -> Result<(), &'static str> {
-        let mut slice = S::loan(&self.port, length)?;
-        let place = std::ptr::from_mut(slice.user_header_mut()).cast::<BatchHeader>();
-        // SAFETY: the topic was opened with the size and alignment of a `BatchHeader` for this place.
-        unsafe { place.write(header) };
-        let octets = slice.payload_mut();
-        debug_assert_eq!(octets.len(), length * size_of::<T>());
-        let first = octets.as_mut_ptr().cast::<T>();
+        let mut slice = LoanedSlice::none();
+        self.loan(&mut slice, length)?;
         for index in 0..length {
-            let sample = fill(index);
-            // SAFETY: the slice has `length` places of the size and alignment of `T`, with which the topic was opened.
-            unsafe { first.add(index).write(sample) };
+            slice.push(&fill(index));
         }
-        // SAFETY: every sample was written, and the header.
-        unsafe { S::send(slice) }?;
+        slice.send(&header)?;
         self.hint.word().raise();
-        // The slice is in the queues before the listeners are counted, and a new listener is counted before its owner
-        // looks into the queues: one of the two sees the other.
-        fence(SeqCst);
-        S::wake(&self.wake_ups);
+        self.wake_up.wake();
         Ok(())
     }
 

@@ -308,13 +308,15 @@ pub(crate) unsafe fn send<S: Medium>(slice: Loan<S>) -> Result<(), &'static str>
     slice.send().map(|_| ()).map_err(send_reason)
 }
 
-/// Wakes the waiting readers, if there are any.
-pub(crate) fn wake<S: Medium>(wake_ups: &WakeUps<S>) {
-    if wake_ups.service.dynamic_config().number_of_listeners() > 0 {
+/// Wakes the waiting readers. Returns whether there are any.
+pub(crate) fn wake<S: Medium>(wake_ups: &WakeUps<S>) -> bool {
+    let has_listeners = wake_ups.service.dynamic_config().number_of_listeners() > 0;
+    if has_listeners {
         // Notifying fails only for services with deadlines, which ours are not. A wake-up that does not arrive delays a
         // subscriber (see the waiter), but loses nothing.
         let _ = wake_ups.notifier.notify();
     }
+    has_listeners
 }
 
 /// The next slice of the queue.

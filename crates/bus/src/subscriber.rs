@@ -246,6 +246,12 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
         !self.received.are_all(self.hint.word())
     }
 
+    /// From now on a slice may wait, whatever publishers hint, until [`receive`](Self::receive) finds nothing.
+    #[inline]
+    pub fn disregard_hints(&mut self) {
+        self.received = ReceivedSends::default();
+    }
+
     /// Returns whether a slice waits (or a take would return an error). Costs some hundred nanoseconds.
     pub fn has_slices(&self) -> bool {
         S::has_slices(&self.port)

@@ -44,6 +44,10 @@ pub const BACKSTOP: Duration = Duration::from_millis(100);
 /// Time between two full looks of a waiter that spins.
 const FULL_LOOK: Duration = Duration::from_millis(1);
 
+/// How long before an expected slice a hybrid waiter is awake: the end of a sleep comes so much too late at most, on a
+/// machine at rest.
+const AWAKE_BEFORE: Duration = Duration::from_micros(100);
+
 /// While spinning, the clock is read once in so many questions; a shared core is then offered to others.
 const QUESTIONS_PER_LOOK_AT_THE_CLOCK: usize = 16;
 
@@ -54,7 +58,7 @@ pub enum WaitMode {
     Spin,
     /// Sleep until notified.
     Event,
-    /// Ask again and again for a while, then sleep until notified.
+    /// Ask again and again for a while, then sleep until notified; ask again and again around an expected time.
     Hybrid {
         /// How long to spin, nanoseconds.
         spin_ns: u64,
@@ -172,17 +176,17 @@ impl<S: Transport> Waiter<S> {
     /// # Errors
     /// [`BusError::Wait`] if the system refuses to wait.
     pub fn wait(&mut self, timeout: Duration, mut has_work: impl FnMut() -> bool) -> Result<Woken, BusError> {
-        self.wait_at_a_glance(timeout, |_| has_work())
+        self.wait_at_a_glance((timeout, None), |_| has_work())
     }
 
     /// Waits as [`wait`](Self::wait) does, with glances where a full look is not due: full looks follow each sleep, and
-    /// each millisecond of spinning.
+    /// each millisecond of spinning. If work is `expected` after a time, a hybrid waiter also spins around that time.
     ///
     /// # Errors
     /// [`BusError::Wait`] if the system refuses to wait.
     pub fn wait_at_a_glance(
         &mut self,
-        timeout: Duration,
+        (timeout, expected): (Duration, Option<Duration>),
         mut has_work: impl FnMut(Look) -> bool,
     ) -> Result<Woken, BusError> {
         if has_work(Look::Glance) {
@@ -197,11 +201,28 @@ impl<S: Transport> Waiter<S> {
         if spin_until(start, spin, self.yields, &mut has_work) {
             return Ok(Woken::Work);
         }
+        // Times from the start at which to be awake again, and to sleep again.
+        let mut awake = match (self.mode, expected) {
+            (WaitMode::Hybrid { spin_ns }, Some(expected)) if expected < timeout => {
+                let around = Duration::from_nanos(spin_ns).max(AWAKE_BEFORE);
+                Some((expected.saturating_sub(AWAKE_BEFORE), expected + around))
+            }
+            _ => None,
+        };
         loop {
+            if let Some((from, until)) = awake
+                && start.elapsed() >= from
+            {
+                awake = None;
+                if spin_until(start, until.min(timeout), self.yields, &mut has_work) {
+                    return Ok(Woken::Work);
+                }
+            }
             let Some(left) = timeout.checked_sub(start.elapsed()).filter(|d| !d.is_zero()) else {
                 return Ok(Woken::Timeout);
             };
-            let time = left.min(BACKSTOP);
+            let until_awake = awake.map(|(from, _)| from.saturating_sub(start.elapsed()));
+            let time = left.min(until_awake.unwrap_or(BACKSTOP)).min(BACKSTOP);
             let slept = self.sleep(time)?;
             if has_work(Look::Full) {
                 self.missed += u64::from(slept == Slept::FullTime && time == BACKSTOP);
@@ -265,5 +286,31 @@ fn spin_until(start: Instant, time: Duration, yields: bool, has_work: &mut impl 
         if yields {
             thread::yield_now();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::transport::InProcess;
+
+    #[test]
+    fn a_hybrid_waiter_spins_around_an_expected_time() {
+        let half = Duration::from_millis(500);
+        let mode = WaitMode::Hybrid {
+            spin_ns: half.as_nanos() as u64,
+        };
+        let mut waiter: Waiter<InProcess> = Waiter::new(mode);
+        let glances_after_sleep = |waiter: &mut Waiter<InProcess>, expected| {
+            let (begun, mut late) = (Instant::now(), 0);
+            let woken = waiter.wait_at_a_glance((3 * half, expected), |look| {
+                late += u32::from(look == Look::Glance && begun.elapsed() > half + half / 2);
+                false
+            });
+            assert_eq!(woken.unwrap(), Woken::Timeout);
+            late
+        };
+        assert_eq!(glances_after_sleep(&mut waiter, None), 0);
+        assert!(glances_after_sleep(&mut waiter, Some(2 * half)) > 0);
     }
 }

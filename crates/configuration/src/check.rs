@@ -132,6 +132,7 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<(Deployment, E
         receivers,
         links: raw.links,
         checkpoint: raw.checkpoint,
+        machine: raw.machine,
         system_tracks: SystemTracks {
             max: engine.capacity.system_tracks(),
             exchange: engine.exchange,

@@ -13,7 +13,7 @@ use settings::{Degrees, Seconds, SettingsError, Unread};
 use tracking::cutting::Boundaries;
 use tracking::settings::SensorModel;
 
-use deployment::{Checkpoint, Fusion, Link, PlotFormat, RecordedFormat, ReportOrder, Truncated};
+use deployment::{Checkpoint, Fusion, Link, Machine, PlotFormat, RecordedFormat, ReportOrder, Truncated};
 
 settings::settings! {
     /// A deployment.
@@ -57,6 +57,8 @@ settings::settings! {
         recorder: Unread = Unread;
         /// Memory of fusion for its successor.
         checkpoint: Checkpoint = Checkpoint::default();
+        /// Machine.
+        machine: Machine = Machine::default();
         /// Display.
         display: Unread = Unread;
         /// Launcher.

@@ -41,6 +41,14 @@ settings::settings! {
         deadline_us: f64 = 1000.0, in [0.1, 1e9];
     }
 
+    /// The machine, while the deployment runs.
+    pub struct Machine {
+        /// Longest time that a sleeping core may take to wake up, requested from the kernel by holding
+        /// `/dev/cpu_dma_latency` open. Cores then use more power while idle. Fusion refuses to start if the kernel
+        /// refuses the request.
+        cpu_dma_latency_us: Option<i32> = None, in [0, 1_000_000], usually "no limit";
+    }
+
     /// Memory of fusion, and of adapters with a tracker, that outlasts the process: a successor resumes the same
     /// tracks with the same numbers. Not used for recordings, which can be repeated.
     pub struct Checkpoint {

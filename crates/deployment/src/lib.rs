@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 use frames::SystemFrame;
 
 pub use crate::platform::{Platform, PlatformFeed, PlatformInput};
-pub use fusion::{Checkpoint, Fusion, WaitWord};
+pub use fusion::{Checkpoint, Fusion, Machine, WaitWord};
 pub use link::{Link, LinkPeer, LinkTls, RemoteTopic, check_endpoint, check_links};
 pub use names::check_name;
 pub use network::{Asterix, Live, NetworkOutput, Receiver, ReceiverTransport, category};
@@ -81,6 +81,8 @@ pub struct Deployment {
     pub system_tracks: SystemTracks,
     /// Memory of fusion and adapters for their successors.
     pub checkpoint: Checkpoint,
+    /// The machine.
+    pub machine: Machine,
     /// Facts about services.
     pub services: Services,
 }

@@ -53,7 +53,7 @@ const RESTORED_SLICES: usize = 4;
 /// Pauses of the housekeeper: while there is work other than health, or there may be decisions, and while there is
 /// none.
 const PAUSE: Duration = Duration::from_millis(10);
-const IDLE_PAUSE: Duration = Duration::from_millis(80);
+const IDLE_PAUSE: Duration = Duration::from_millis(200);
 
 /// Loop's side of a housekeeper.
 #[derive(Debug)]

@@ -22,6 +22,7 @@ mod process;
 mod queues;
 pub mod service;
 pub mod signals;
+mod wake_up_limit;
 
 pub use agent::{Agent, Turn};
 pub use clock::Now;
@@ -32,3 +33,4 @@ pub use numbered_files::NumberedFiles;
 pub use pause::LookPause;
 pub use process::{DeploymentProcess, Options, Speed};
 pub use service::Rest;
+pub use wake_up_limit::WakeUpLimit;

@@ -3,10 +3,9 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use bus::{Bus, Look, Transport, WaitMode, Waiter};
+use bus::{Bus, Transport, WaitMode, Waiter};
 use deployment::{Deployment, ReportOrder, Source};
-use fusion::suspects::SuspectTreatment;
-use fusion::{Driver, Engine, Merger, PushOutcome, ReportNumber, Settings, Sink as _};
+use fusion::{Driver, Engine, Merger, PushOutcome, Settings, Sink as _};
 use messages::{
     BatchHeader, Counter, NO_SOURCE, Order, OrderKind, OrderState, OrderStatus, ProcessKind, Refusal, Restored,
     SensorTrack, Stream, StreamId, TrackState,
@@ -19,22 +18,23 @@ use runtime::{Agent, HealthEntry, Now, Speed, Turn};
 use crate::clocks::Clocks;
 use crate::continuity::{FusionStart, Keeping, TakeOver};
 use crate::health;
-use crate::inputs::{InputReport, SourceInput};
+use crate::inputs::SourceInput;
 use crate::log::Log;
 use crate::output::TrackOutput;
 use crate::smoothing::SmoothingQueue;
-use crate::source_time::{CommonOffsets, SourceTime};
+use crate::source_time::CommonOffsets;
+
+mod arrival;
 
 /// Maximum number of reports in one turn: a flood does not delay other work.
 const REPORTS_PER_TURN: usize = 256;
-/// Order `arrival`: number of sources searched after each round. A look costs some forty nanoseconds.
-const LOOKS_PER_ROUND: usize = 2;
-/// Order `arrival`: maximum number of states published together while a slice of several reports is processed.
-const SENT_TOGETHER: usize = 16;
 /// Order `arrival`: longest time between two full looks at all sources, nanoseconds: if the loop spins, and if it
 /// sleeps. A full look finds the slices of publishers that give no hint.
 const FULL_LOOK_SPINNING_NS: i64 = 1_000_000;
 const FULL_LOOK_SLEEPING_NS: i64 = 200_000_000;
+/// Longest time without work until the next turn; and without tracks, if no standby waits for signs of life.
+const IDLE: Duration = Duration::from_millis(20);
+const IDLE_EMPTY: Duration = Duration::from_millis(100);
 /// Order `time`: slices taken from one source before the turn of the next source.
 const SLICES_PER_SOURCE: usize = 4;
 /// Age beyond which an order is refused, nanoseconds: the sender has given up.
@@ -50,13 +50,16 @@ pub struct FusionAgent<S: Transport> {
     output: TrackOutput<S>,
     queues: Arc<Queues>,
     waiter: Waiter<S>,
+    /// Order `arrival`: the report in work.
+    report: SensorTrack,
     /// Order `arrival`: sources of the present round.
     round: Vec<usize>,
-    /// Next source to look at.
+    /// First source to look at in the next round.
     look_at: usize,
     /// When the next full look is due, monotonic, nanoseconds, and the time between two.
     full_look_ns: i64,
     full_look_every_ns: i64,
+    idle_empty: Duration,
     /// Order `time`: reports that wait for their turn.
     merger: Option<Merger>,
     /// Recordings: publishes fusion's progress, so that no sample is lost.
@@ -163,8 +166,10 @@ impl<S: Transport> FusionAgent<S> {
                 WaitMode::Event => FULL_LOOK_SLEEPING_NS,
                 WaitMode::Spin | WaitMode::Hybrid { .. } => FULL_LOOK_SPINNING_NS,
             },
+            idle_empty: if config.has_standby() { IDLE } else { IDLE_EMPTY },
             queues,
             waiter,
+            report: SensorTrack::default(),
             round: Vec::with_capacity(inputs.len()),
             look_at: 0,
             merger: (config.order == ReportOrder::Time).then(|| Merger::new(streams.len(), config.system_tracks.queue)),
@@ -198,6 +203,23 @@ impl<S: Transport> FusionAgent<S> {
         }
         self.keeping = start.resume(&mut self.driver, &mut self.inputs, &mut self.output, now)?;
         self.output.send(self.progress_ns, false)
+    }
+
+    /// Longest time without work until the next turn: short while tracks may change without a report.
+    fn idle(&self) -> Duration {
+        let engine = self.driver.engine();
+        let states = [
+            TrackState::Tentative,
+            TrackState::Confirmed,
+            TrackState::Coasted,
+            TrackState::Suspended,
+        ];
+        let has_tracks = states.iter().any(|state| engine.count_in_state(*state) > 0);
+        if has_tracks || self.reached.is_some() {
+            IDLE
+        } else {
+            self.idle_empty
+        }
     }
 
     #[cold]
@@ -292,148 +314,6 @@ impl<S: Transport> FusionAgent<S> {
                 *told_ms = offset_ms;
                 self.driver.set_source_clock(input.source, offset_ms);
             }
-        }
-    }
-
-    /// Order `arrival`: processes reports as they arrive, in rounds. A round takes one report of each source with
-    /// waiting reports; the source whose slice was sent first comes first. A flood of one source therefore costs each
-    /// other source the time of one report, and the rest of the flood waits in its own queue.
-    fn work_on_arrival(&mut self, now: Now) -> anyhow::Result<bool> {
-        let machine = now;
-        let now = self.clocks.engine_time(machine);
-        if self.reached.is_none() && self.clocks.is_due(machine) {
-            self.look_at_clocks(machine);
-        }
-        if machine.mono_ns >= self.full_look_ns {
-            self.look_fully(machine.mono_ns)?;
-        }
-        let mut worked = 0;
-        // Recordings wait for the smoothing thread.
-        let waits = self.reached.is_some() && !self.output.can_smooth();
-        while !waits && worked < REPORTS_PER_TURN && self.begin_round()? {
-            worked += self.round.len();
-            for place in 0..self.round.len() {
-                self.work_off_one(self.round[place], now)?;
-            }
-            // After the work, so that a single report does not wait.
-            for _ in 0..LOOKS_PER_ROUND {
-                self.look_at_next()?;
-            }
-        }
-        self.driver.advance(self.passed_ns(now), &mut self.output);
-        self.output.send(self.progress_ns, false)?;
-        Ok(worked > 0)
-    }
-
-    /// Order `arrival`: returns the time up to which time has passed; `now` contains the engine's time.
-    fn passed_ns(&self, now: Now) -> i64 {
-        if self.reached.is_none() {
-            return now.utc_ns;
-        }
-        // In a replay: the progress of the slowest source with data.
-        let running = self.inputs.iter().filter(|input| !input.has_ended);
-        let reached = running.map(|input| match input.time {
-            SourceTime::Unpaced => input.progress_ns,
-            _ => input.time.paced_ns(now).unwrap_or(i64::MIN),
-        });
-        reached.min().unwrap_or(i64::MIN)
-    }
-
-    /// Lists the sources with waiting reports. Returns whether there are any. While no such source is known, all
-    /// sources are searched until one is found.
-    fn begin_round(&mut self) -> anyhow::Result<bool> {
-        self.list_round();
-        if self.round.is_empty() {
-            for _ in 0..self.inputs.len() {
-                if self.look_at_next()? {
-                    self.list_round();
-                    break;
-                }
-            }
-        }
-        if self.round.len() > 1 {
-            let inputs = &self.inputs;
-            // By number for equal times of sending: the order must not depend on the start of the search.
-            self.round
-                .sort_unstable_by_key(|index| (inputs[*index].sent_ns(), *index));
-        }
-        Ok(!self.round.is_empty())
-    }
-
-    /// Looks at all sources, whether or not a publisher has given a hint.
-    #[cold]
-    fn look_fully(&mut self, now_ns: i64) -> anyhow::Result<()> {
-        self.full_look_ns = now_ns.saturating_add(self.full_look_every_ns);
-        for input in &mut self.inputs {
-            input.reach(mono_ns, Look::Full)?;
-        }
-        Ok(())
-    }
-
-    /// Looks at the next source. Returns whether it has a waiting report.
-    fn look_at_next(&mut self) -> anyhow::Result<bool> {
-        let input = &mut self.inputs[self.look_at];
-        input.reach(mono_ns, Look::Glance)?;
-        let found = input.sent_ns().is_some();
-        self.look_at += 1;
-        if self.look_at == self.inputs.len() {
-            self.look_at = 0;
-        }
-        Ok(found)
-    }
-
-    fn list_round(&mut self) {
-        let has_some = self
-            .inputs
-            .iter()
-            .enumerate()
-            .filter(|(_, input)| input.sent_ns().is_some());
-        self.round.clear();
-        self.round.extend(has_some.map(|(index, _)| index));
-    }
-
-    /// Processes the next report of one source.
-    fn work_off_one(&mut self, index: usize, now: Now) -> anyhow::Result<()> {
-        let Some(InputReport {
-            mut report,
-            number,
-            last,
-        }) = self.inputs[index].next_report(now, self.common)
-        else {
-            return Ok(());
-        };
-        let passed_ns = self.passed_ns(now);
-        let source = self.inputs[index].source;
-        let keeping = self.keeping.as_ref();
-        let verdict = keeping.map_or(SuspectTreatment::Sound, |keeping| keeping.begin_report(source, number));
-        if verdict != SuspectTreatment::Quarantine {
-            self.driver.report(&mut report, number, passed_ns, &mut self.output);
-        }
-        if verdict != SuspectTreatment::Sound {
-            self.pass_suspect(&mut report, number, verdict);
-        }
-        self.progress_ns = self.progress_ns.max(self.inputs[index].progress_ns);
-        if last || self.output.waiting() >= SENT_TOGETHER {
-            self.output.send(self.progress_ns, false)?;
-        }
-        if last {
-            // A source with further reports keeps its place in the rounds.
-            self.inputs[index].reach(mono_ns, Look::Glance)?;
-        }
-        Ok(())
-    }
-
-    /// Skips a report in which fusion has died. A report in quarantine has no effect except for a count, and is
-    /// stored.
-    #[cold]
-    fn pass_suspect(&mut self, report: &mut SensorTrack, number: ReportNumber, verdict: SuspectTreatment) {
-        if verdict == SuspectTreatment::Quarantine {
-            self.driver.quarantine(report, number);
-            // Further such reports are counted, and not stored.
-            let _ = self.queues.quarantined.push(*report);
-        }
-        if let Some(keeping) = &mut self.keeping {
-            keeping.clear(self.driver.engine_mut(), report.source, number);
         }
     }
 
@@ -539,22 +419,24 @@ impl<S: Transport> Agent for FusionAgent<S> {
         if self.end_sent && self.output.all_received()? {
             return Ok(Turn::Finished);
         }
-        Ok(if worked {
-            Turn::Worked
-        } else {
-            Turn::Idle(Duration::from_millis(20))
-        })
+        Ok(if worked { Turn::Worked } else { Turn::Idle(self.idle()) })
     }
 
     fn wait(&mut self, at_most: Duration) -> anyhow::Result<()> {
+        self.output.settle();
+        let now_ns = mono_ns();
+        let expected = self.inputs.iter().filter_map(SourceInput::expected_ns);
+        let expected = expected.filter(|time_ns| *time_ns >= now_ns).min();
+        let expected = expected.map(|time_ns| Duration::from_nanos(time_ns.abs_diff(now_ns)));
         let (inputs, by_time) = (&mut self.inputs, self.merger.is_some());
         // The slice counts as taken at once; a fault recurs in the next turn, which reports it.
         let has_some = |input: &mut SourceInput<S>, look| match by_time {
             true => input.has_slices(),
             false => input.reach(mono_ns, look).unwrap_or(true),
         };
-        self.waiter
-            .wait_at_a_glance(at_most, |look| inputs.iter_mut().any(|input| has_some(input, look)))?;
+        self.waiter.wait_at_a_glance((at_most, expected), |look| {
+            inputs.iter_mut().any(|input| has_some(input, look))
+        })?;
         Ok(())
     }
 

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use bus::{Bus, Look, ReceiveOutcome, Slice, Subscriber, Transport, Waiter};
+use bus::{Bus, Look, ReceiveOutcome, Slice, Subscriber, Transport, WaitMode, Waiter};
 use deployment::Deployment;
 use fusion::ReportNumber;
 use fusion::checkpoint::SourcePosition;
@@ -10,6 +10,7 @@ use messages::{BatchHeader, Counter, Counters, SensorTrack};
 use runtime::{Now, Speed};
 
 use crate::clocks::ClockReading;
+use crate::forecast::Forecast;
 use crate::source_time::{CommonOffsets, SourceTime};
 
 /// Silence after which a source has no vote on the right clock, nanoseconds.
@@ -26,14 +27,14 @@ pub(crate) struct SourceInput<S: Transport> {
     pub(crate) slice_len: usize,
     /// Latest progress mark, UTC, nanoseconds.
     pub(crate) progress_ns: i64,
-    /// Order `arrival`: whether a full look found a slice, so that looks stay full until the queue is empty.
-    looks_fully: bool,
     /// Order `arrival`: the slice that is being worked off.
     in_hand: Option<InHand<S>>,
     /// Order `arrival`: judge of the source's clock.
     pub(crate) time: SourceTime,
     /// Monotonic time of the latest slice, nanoseconds.
     heard_ns: i64,
+    /// In mode `hybrid`: forecast of the next slice.
+    forecast: Option<Forecast>,
     /// Whether the source has announced its end.
     pub(crate) has_ended: bool,
     /// Order `arrival`, recordings: processed slices and the following number, until published.
@@ -54,15 +55,16 @@ pub(crate) struct SourceInput<S: Transport> {
 #[derive(Debug)]
 struct InHand<S: Transport> {
     slice: Slice<S, SensorTrack>,
+    /// Header of the slice.
+    header: BatchHeader,
     /// Place of the report that is next.
     next: usize,
     taken_ns: i64,
 }
 
-/// A report out of the slice in hand.
-#[derive(Debug)]
+/// Number of the next report of the slice in hand.
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct InputReport {
-    pub(crate) report: SensorTrack,
     pub(crate) number: ReportNumber,
     /// Whether the report was the last of its slice.
     pub(crate) last: bool,
@@ -88,10 +90,10 @@ impl<S: Transport> SourceInput<S> {
                 subscriber,
                 slice_len: topic.capacity.slice_len,
                 progress_ns: i64::MIN,
-                looks_fully: false,
                 in_hand: None,
                 time: SourceTime::of(source, speed),
                 heard_ns: i64::MIN,
+                forecast: matches!(waiter.mode(), WaitMode::Hybrid { .. }).then(Forecast::default),
                 has_ended: false,
                 passed: Vec::new(),
                 next_number: 0,
@@ -104,39 +106,60 @@ impl<S: Transport> SourceInput<S> {
         Ok(inputs)
     }
 
-    /// Takes the next slice in hand if none is, in a full look or where a publisher has given a hint. `false` if there
-    /// is none; `true` if one is in hand now, or if so many unusable ones were passed over that it is time to look
+    /// Takes the next slice in hand if none is, in a full look or where a publisher has given a hint. After a full look
+    /// that found something, looks stay full until the queue is empty. `false` if there is none; `true` if one is in hand now, or if so many unusable ones were passed over that it is time to look
     /// elsewhere before looking here again.
     #[inline]
     pub(crate) fn reach(&mut self, clock: fn() -> i64, look: Look) -> anyhow::Result<bool> {
         if self.in_hand.is_some() {
             return Ok(true);
         }
-        if look == Look::Glance && !self.looks_fully && !self.subscriber.may_have_slices() {
+        if look == Look::Glance && !self.may_have_slices() {
             return Ok(false);
         }
         let found = self.look_into_queue(clock)?;
-        self.looks_fully = found && (self.looks_fully || look == Look::Full);
+        if look == Look::Full && found {
+            self.subscriber.disregard_hints();
+        }
         Ok(found)
     }
 
+    /// Whether a glance would look into the queue: a few instructions, since most glances find nothing.
+    #[inline]
+    pub(crate) fn may_have_slices(&self) -> bool {
+        self.subscriber.may_have_slices()
+    }
+
+    #[inline(never)]
     fn look_into_queue(&mut self, clock: fn() -> i64) -> anyhow::Result<bool> {
         for _ in 0..PASSED_OVER_MAX {
             match self.subscriber.receive()? {
                 ReceiveOutcome::Nothing => return Ok(false),
                 ReceiveOutcome::Rejected | ReceiveOutcome::OfOlderEpoch => {}
-                ReceiveOutcome::Slice(slice) if slice.samples().is_empty() => self.pass(slice.header()),
                 ReceiveOutcome::Slice(slice) => {
-                    self.heard_ns = slice.header().sent_ns;
-                    self.time.state(slice.header().clock_offset_ms);
-                    let next = self.count_done(slice.header(), slice.samples().len());
-                    if next == slice.samples().len() {
-                        self.pass(slice.header());
+                    let (header, reports) = (*slice.header(), slice.samples().len());
+                    if reports == 0 {
+                        self.pass(&header);
+                        continue;
+                    }
+                    self.heard_ns = header.sent_ns;
+                    if let Some(forecast) = &mut self.forecast {
+                        forecast.learn(header.sent_ns);
+                    }
+                    self.time.state(header.clock_offset_ms);
+                    let next = self.count_done(&header, reports);
+                    if next == reports {
+                        self.pass(&header);
                         continue;
                     }
                     // Read here, not before: until the slice is in hand it may not have been published.
                     let taken_ns = clock();
-                    self.in_hand = Some(InHand { slice, next, taken_ns });
+                    self.in_hand = Some(InHand {
+                        slice,
+                        header,
+                        next,
+                        taken_ns,
+                    });
                     return Ok(true);
                 }
             }
@@ -166,9 +189,9 @@ impl<S: Transport> SourceInput<S> {
     ) -> anyhow::Result<()> {
         (self.done, self.done_ns) = (done.or(self.done), done_ns);
         if let Some(hand) = self.in_hand.take() {
-            let next = self.count_done(hand.slice.header(), hand.slice.samples().len());
+            let next = self.count_done(&hand.header, hand.slice.samples().len());
             if next == hand.slice.samples().len() {
-                self.pass(hand.slice.header());
+                self.pass(&hand.header);
             } else {
                 self.in_hand = Some(InHand { next, ..hand });
             }
@@ -188,9 +211,21 @@ impl<S: Transport> SourceInput<S> {
         }
     }
 
+    /// Whether a slice is in hand.
+    #[inline]
+    pub(crate) fn has_reports(&self) -> bool {
+        self.in_hand.is_some()
+    }
+
     /// When the slice in hand was sent, monotonic, nanoseconds.
+    #[inline]
     pub(crate) fn sent_ns(&self) -> Option<i64> {
-        self.in_hand.as_ref().map(|hand| hand.slice.header().sent_ns)
+        self.in_hand.as_ref().map(|hand| hand.header.sent_ns)
+    }
+
+    /// When the next slice is expected, monotonic, nanoseconds.
+    pub(crate) fn expected_ns(&self) -> Option<i64> {
+        self.forecast.as_ref().and_then(Forecast::next_ns)
     }
 
     /// Returns the clock of a source with recent reports; the engine's time is `ahead_s` ahead of the machine's UTC.
@@ -199,21 +234,28 @@ impl<S: Transport> SourceInput<S> {
         self.time.known(ahead_s).filter(|_| is_heard)
     }
 
-    /// Returns the next report of the slice in hand, stamped with its source and its time; `now` has the engine's time.
-    /// The last report releases the slice, whose watermark then holds.
-    pub(crate) fn next_report(&mut self, now: Now, clocks: CommonOffsets) -> Option<InputReport> {
+    /// Writes the next report of the slice in hand into `report`, stamped with its source and its time; `now` has the
+    /// engine's time. The last report releases the slice, whose watermark then holds.
+    #[inline]
+    pub(crate) fn next_report(
+        &mut self,
+        report: &mut SensorTrack,
+        now: Now,
+        clocks: CommonOffsets,
+    ) -> Option<InputReport> {
         let hand = self.in_hand.as_mut()?;
-        let (header, reports) = (hand.slice.header(), hand.slice.samples());
-        let (sent_ns, publisher) = (header.sent_ns, header.incarnation);
-        let sequence = header.first_sequence.wrapping_add(hand.next as u64);
-        let report = stamped(reports.get(hand.next)?, self.source, hand.taken_ns);
+        let reports = hand.slice.samples();
+        let (sent_ns, publisher) = (hand.header.sent_ns, hand.header.incarnation);
+        let sequence = hand.header.first_sequence.wrapping_add(hand.next as u64);
+        *report = *reports.get(hand.next)?;
+        stamp(report, self.source, hand.taken_ns);
         self.next_number = report.sequence.wrapping_add(1);
         hand.next += 1;
         let last = hand.next == reports.len();
         self.time.begin(report.time_of_measurement_ns, sent_ns);
         let is_wild = !self.time.believes(report.time_of_measurement_ns, sent_ns, now, clocks);
         if last {
-            let header = *hand.slice.header();
+            let header = hand.header;
             self.in_hand = None;
             self.pass(&header);
         }
@@ -222,7 +264,7 @@ impl<S: Transport> SourceInput<S> {
             sequence,
             is_wild,
         };
-        Some(InputReport { report, number, last })
+        Some(InputReport { number, last })
     }
 
     /// Order `time`: a slice of `publisher` was taken; its reports are new from number `first` on.
@@ -258,7 +300,9 @@ impl<S: Transport> SourceInput<S> {
             // Read here, not before the take: between the two the slice may have been published.
             let taken_ns = clock();
             for report in reports {
-                visit(&stamped(report, source, taken_ns));
+                let mut report = *report;
+                stamp(&mut report, source, taken_ns);
+                visit(&report);
             }
             *progress_ns = (*progress_ns).max(batch.progress_ns);
             header(batch, reports);
@@ -284,10 +328,9 @@ impl<S: Transport> SourceInput<S> {
     }
 }
 
-fn stamped(report: &SensorTrack, source: u16, taken_ns: i64) -> SensorTrack {
-    let mut report = *report;
+#[inline]
+fn stamp(report: &mut SensorTrack, source: u16, taken_ns: i64) {
     report.stages.taken_ns = taken_ns;
     // A topic is its source: what a report says of its source is not believed.
     report.source = source;
-    report
 }

@@ -16,6 +16,7 @@
 mod agent;
 mod clocks;
 mod continuity;
+mod forecast;
 mod health;
 mod inputs;
 mod log;
@@ -36,7 +37,7 @@ use deployment::{Process, WaitWord};
 use fusion::Settings;
 use runtime::cores::Placement;
 use runtime::housekeeping::{Housekeeper, Queues};
-use runtime::{Now, Rest, cores};
+use runtime::{Now, Rest, WakeUpLimit, cores};
 
 use crate::part::FusionPart;
 use crate::smoothing::SmoothingThread;
@@ -51,10 +52,12 @@ const REST: Rest = Rest {
 /// Runs fusion with the engine of `settings` until every source has ended or a stop is requested.
 ///
 /// # Errors
-/// If the machine refuses a required setting, or shared memory fails.
+/// If the machine refuses a required setting or a limit of wake-ups, or shared memory fails.
 pub fn run(process: &Process, settings: &Settings) -> anyhow::Result<()> {
     let config = &process.config;
     let fusion = &config.fusion;
+    let limit_us = config.machine.cpu_dma_latency_us;
+    let _limit = (limit_us.map(WakeUpLimit::request).transpose()).map_err(anyhow::Error::msg)?;
     let queues = Queues::new(fusion.decisions);
     // One entry for the process as a whole, and one for each source.
     let entries_max = 1 + config.sources.len();

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use bus::{Bus, Mark, Publisher, Transport};
+use bus::{BatchWriter, Bus, BusError, Mark, Publisher, Transport};
 use deployment::{Deployment, ReportOrder};
 use fusion::{FilterInput, Sink};
-use messages::{Counter, Decision, OrderState, ProcessKind, StreamId, SystemTrack};
+use messages::{Counter, Decision, OrderState, ProcessKind, StreamId, SystemTrack, Topic};
 use runtime::clock::{boot_identity, mono_ns};
 use runtime::flow::Flow;
 use runtime::housekeeping::Queues;
@@ -15,10 +15,9 @@ use crate::smoothing::SmoothingQueue;
 /// System-track states that wait to be sent as one slice.
 #[derive(Debug)]
 pub(crate) struct TrackOutput<S: Transport> {
-    publisher: Publisher<S, SystemTrack>,
-    waiting: Vec<SystemTrack>,
-    /// Publisher for other centres.
-    own: Option<OwnTracks<S>>,
+    states: BatchWriter<S, SystemTrack>,
+    /// States by the sources here alone, for other centres.
+    own: Option<BatchWriter<S, SystemTrack>>,
     /// For recordings: the recorder must keep up.
     flow: Option<Flow<S>>,
     /// Number of the deployment.
@@ -33,24 +32,12 @@ pub(crate) struct TrackOutput<S: Transport> {
     smoothing_dropped: u64,
 }
 
-/// States by the sources here alone that wait to be sent as one slice.
-#[derive(Debug)]
-struct OwnTracks<S: Transport> {
-    publisher: Publisher<S, SystemTrack>,
-    waiting: Vec<SystemTrack>,
-}
-
 impl<S: Transport> Sink for TrackOutput<S> {
+    #[inline]
     fn track(&mut self, track: &SystemTrack) {
-        self.waiting.push(*track);
-        if let Some(queue) = &self.smoothing {
-            let (epoch, origin) = (self.publisher.epoch(), self.origin);
-            let state = SystemTrack {
-                epoch,
-                origin,
-                ..*track
-            };
-            self.smoothing_dropped += u64::from(!queue.state(state));
+        self.states.push(track);
+        if self.smoothing.is_some() {
+            self.smooth(track);
         }
     }
 
@@ -66,7 +53,7 @@ impl<S: Transport> Sink for TrackOutput<S> {
 
     fn own_track(&mut self, track: &SystemTrack) {
         if let Some(own) = &mut self.own {
-            own.waiting.push(*track);
+            own.push(track);
         }
     }
 
@@ -104,18 +91,13 @@ impl<S: Transport> TrackOutput<S> {
         // The ends of all tracks at once fit too.
         let room = topic.capacity.slice_len + config.system_tracks.max;
         let boot = boot_identity();
-        let own = || -> anyhow::Result<_> {
-            Ok(OwnTracks {
-                publisher: bus
-                    .publisher(&messages::own_tracks(), incarnation)?
-                    .with_epoch(epoch)
-                    .of_boot(boot),
-                waiting: Vec::with_capacity(room),
-            })
+        let writer = |topic: &Topic<SystemTrack>| -> Result<_, BusError> {
+            let publisher: Publisher<S, SystemTrack> = bus.publisher(topic, incarnation)?;
+            Ok(BatchWriter::new(publisher.with_epoch(epoch).of_boot(boot), room))
         };
+        let own = || writer(&messages::own_tracks());
         Ok(Self {
-            publisher: bus.publisher(&topic, incarnation)?.with_epoch(epoch).of_boot(boot),
-            waiting: Vec::with_capacity(room),
+            states: writer(&topic)?,
             own: config.system_tracks.exchange.then(own).transpose()?,
             flow: follow.then(flow).transpose()?,
             origin: config.origin,
@@ -139,18 +121,18 @@ impl<S: Transport> TrackOutput<S> {
 
     /// Marks states as continuing the tracks of the previous epoch.
     pub(crate) fn go_on(&mut self) {
-        self.publisher.go_on();
+        self.states.publisher_mut().go_on();
         if let Some(queue) = &self.smoothing {
             queue.go_on();
         }
         if let Some(own) = &mut self.own {
-            own.publisher.go_on();
+            own.publisher_mut().go_on();
         }
     }
 
     /// Start-up number of fusion, and number of the next state that is sent.
     pub(crate) fn next(&self) -> (u64, u64) {
-        (self.publisher.epoch(), self.publisher.next_sequence())
+        (self.states.publisher().epoch(), self.states.publisher().next_sequence())
     }
 
     /// Whether another slice's worth may be worked off: consumers that must not miss anything have room for it.
@@ -158,7 +140,7 @@ impl<S: Transport> TrackOutput<S> {
         if !self.can_smooth() {
             return Ok(false);
         }
-        let sent = self.publisher.counts().slices;
+        let sent = self.states.publisher().counts().slices;
         let Some(flow) = &mut self.flow else { return Ok(true) };
         flow.update(sent)?;
         Ok(flow.may_send(sent))
@@ -171,71 +153,82 @@ impl<S: Transport> TrackOutput<S> {
 
     /// Whether enough waits to fill a slice.
     pub(crate) fn is_full(&self) -> bool {
-        self.waiting.len() >= self.publisher.slice_len()
+        self.states.len() >= self.states.publisher().slice_len()
     }
 
     /// How many wait.
     pub(crate) fn waiting(&self) -> usize {
-        self.waiting.len()
+        self.states.len()
+    }
+
+    /// Passes a state on to the smoothing thread.
+    #[cold]
+    fn smooth(&mut self, track: &SystemTrack) {
+        if let Some(queue) = &self.smoothing {
+            let (epoch, origin) = (self.states.publisher().epoch(), self.origin);
+            let state = SystemTrack {
+                epoch,
+                origin,
+                ..*track
+            };
+            self.smoothing_dropped += u64::from(!queue.state(state));
+        }
     }
 
     /// Sends waiting states; with `end`, announces the end.
+    #[inline]
     pub(crate) fn send(&mut self, progress_ns: i64, end: bool) -> anyhow::Result<()> {
-        if self.waiting.is_empty() && !end {
+        if self.states.is_empty() && !end {
             return Ok(());
         }
+        self.send_batch(progress_ns, end)
+    }
+
+    fn send_batch(&mut self, progress_ns: i64, end: bool) -> anyhow::Result<()> {
         if let Some(queue) = self.smoothing.as_ref().filter(|_| end) {
             self.smoothing_dropped += u64::from(!queue.end());
         }
-        let (waiting, sent_ns, deadline_ns) = (&mut self.waiting, mono_ns(), self.deadline_ns);
-        let (epoch, origin) = (self.publisher.epoch(), self.origin);
-        let count = waiting.len();
-        let mut missed = 0;
-        self.publisher.send(
-            Mark {
-                progress_ns,
-                sent_ns,
-                end,
-            },
-            count,
-            |index, sequence| {
-                let track = &mut waiting[index];
-                (track.sequence, track.epoch, track.origin) = (sequence, epoch, origin);
-                track.stages.fused_ns = sent_ns;
-                missed += u64::from(track.stages.taken_ns != 0 && sent_ns - track.stages.taken_ns > deadline_ns);
-                *track
-            },
-        )?;
-        self.deadline_misses += missed;
-        self.waiting.clear();
-        let Some(OwnTracks { publisher, waiting }) = &mut self.own else {
-            return Ok(());
-        };
+        let (sent_ns, deadline_ns) = (mono_ns(), self.deadline_ns);
         let mark = Mark {
             progress_ns,
             sent_ns,
             end,
         };
-        publisher.send(mark, waiting.len(), |index, sequence| {
-            let track = &mut waiting[index];
+        let (epoch, origin) = (self.states.publisher().epoch(), self.origin);
+        let stamp = |track: &mut SystemTrack, sequence| {
             (track.sequence, track.epoch, track.origin) = (sequence, epoch, origin);
             track.stages.fused_ns = sent_ns;
-            *track
+        };
+        let mut missed = 0;
+        self.states.send(mark, |track, sequence| {
+            stamp(track, sequence);
+            missed += u64::from(track.stages.taken_ns != 0 && sent_ns - track.stages.taken_ns > deadline_ns);
         })?;
-        waiting.clear();
+        self.deadline_misses += missed;
+        if let Some(own) = &mut self.own {
+            own.send(mark, stamp)?;
+        }
         Ok(())
+    }
+
+    /// Wakes readers that came lately: to be called at times, and before a sleep.
+    pub(crate) fn settle(&mut self) {
+        self.states.settle();
+        if let Some(own) = &mut self.own {
+            own.settle();
+        }
     }
 
     /// Returns whether all required readers have everything.
     pub(crate) fn all_received(&mut self) -> anyhow::Result<bool> {
-        let sent = self.publisher.counts().slices;
+        let sent = self.states.publisher().counts().slices;
         let Some(flow) = &mut self.flow else { return Ok(true) };
         flow.update(sent)?;
         Ok(flow.all_done(sent))
     }
 
     pub(crate) fn count(&self, counters: &mut messages::Counters) {
-        counters[Counter::Published] = self.publisher.counts().samples;
+        counters[Counter::Published] = self.states.publisher().counts().samples;
         counters[Counter::DeadlineMisses] = self.deadline_misses;
         counters[Counter::DecisionsDropped] = self.decisions_dropped;
         counters[Counter::SmoothingDropped] = self.smoothing_dropped;

@@ -7,7 +7,7 @@
 //! ```text
 //!   leader  ──▶ checkpoint: tracks, numbers, positions, a sign of life each millisecond
 //!      │             │
-//!      │ lock        ▼ every 5 to 40 ms
+//!      │ lock        ▼ every 5 to 100 ms
 //!   standby: drops the reports that the leader has finished; is the leader's process gone? its sign of life old?
 //!      │
 //!      └─ gone: the lock is free      old: SIGKILL, then the lock is free
@@ -43,10 +43,10 @@ use crate::inputs::SourceInput;
 
 /// Time between two looks at the leader while reports come.
 pub(crate) const LOOK: Duration = Duration::from_millis(5);
-/// Longest time between two looks while none come: also limited by a part of the time after which a leader counts as
-/// hung, so that several looks fit into it.
-const LOOK_IDLE: Duration = Duration::from_millis(40);
-const LOOKS_PER_TAKEOVER: u32 = 4;
+/// Longest time between two looks while none come: also limited to three quarters of the time after which a leader
+/// counts as hung, and to a quarter of it while the leader shows no sign of life.
+const LOOK_IDLE: Duration = Duration::from_millis(100);
+const LOOKS_PER_TAKEOVER: i64 = 4;
 /// Time between two looks without a leader, or at the leader's end.
 const BRIEF: Duration = Duration::from_millis(1);
 /// Time for which a process that starts as standby leaves the lead to another process.
@@ -91,6 +91,8 @@ pub(crate) struct StandbyFusion {
     leader: Option<Leader>,
     /// Time for which the leader's sign of life has not changed, as far as this process ran.
     still_ns: i64,
+    /// Whether the last look found no new sign of life.
+    is_still: bool,
     looked_ns: i64,
     pause: LookPause,
     /// Slices received from all sources, at the last look.
@@ -148,10 +150,11 @@ impl StandbyFusion {
             ready,
             leader: None,
             still_ns: 0,
+            is_still: false,
             looked_ns: now.mono_ns,
             pause: LookPause::between(
                 LOOK,
-                LOOK_IDLE.min(Duration::from_nanos(takeover_ns.unsigned_abs()) / LOOKS_PER_TAKEOVER),
+                LOOK_IDLE.min(Duration::from_nanos(takeover_ns.unsigned_abs()) * 3 / 4),
             ),
             slices: 0,
             courteous_until_ns: now.mono_ns.saturating_add(courtesy_ns),
@@ -191,8 +194,7 @@ impl StandbyFusion {
     }
 
     fn follow(&mut self, process: &Process, now: Now) -> anyhow::Result<()> {
-        // A pause of the whole machine is none of the leader.
-        let elapsed_ns = (now.mono_ns - self.looked_ns).min((self.pause() + LOOK).as_nanos() as i64);
+        let elapsed_ns = self.elapsed_ns(now);
         self.looked_ns = now.mono_ns;
         if self.leader.as_ref().is_none_or(Leader::is_gone) {
             self.find(process);
@@ -209,7 +211,8 @@ impl StandbyFusion {
         let has_received = std::mem::replace(&mut self.slices, slices) != slices;
         self.pause.after(has_received);
         let clock = clock_of(leader.memory.words(), &self.layout).unwrap_or(leader.clock);
-        self.still_ns = match clock == leader.clock {
+        self.is_still = clock == leader.clock;
+        self.still_ns = match self.is_still {
             true => self.still_ns.saturating_add(elapsed_ns),
             // The leader may have stopped at once after that sign of life.
             false => now.mono_ns.saturating_sub(clock.turn_ns).clamp(0, elapsed_ns),
@@ -256,13 +259,30 @@ impl StandbyFusion {
         }
     }
 
+    /// Time since the last look, nanoseconds. A look that comes late counts as a short one: a pause of the whole
+    /// machine is none of the leader.
+    fn elapsed_ns(&self, now: Now) -> i64 {
+        let due_ns = (self.pause() + LOOK).as_nanos() as i64;
+        let passed_ns = now.mono_ns - self.looked_ns;
+        if passed_ns <= due_ns {
+            passed_ns
+        } else {
+            due_ns.min(self.takeover_ns / LOOKS_PER_TAKEOVER + LOOK.as_nanos() as i64)
+        }
+    }
+
     /// Time until the next look: no longer than a leader that stands still is waited for.
     pub(crate) fn pause(&self) -> Duration {
         let left_ns = self
             .takeover_ns
             .saturating_sub(self.still_ns)
             .max(LOOK.as_nanos() as i64);
-        self.pause.present().min(Duration::from_nanos(left_ns.unsigned_abs()))
+        let most_ns = if self.is_still {
+            left_ns.min(self.takeover_ns / LOOKS_PER_TAKEOVER)
+        } else {
+            left_ns
+        };
+        self.pause.present().min(Duration::from_nanos(most_ns.unsigned_abs()))
     }
 
     /// Waits for the end of the leader's process, at most for `at_most`.

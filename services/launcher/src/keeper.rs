@@ -21,10 +21,12 @@ use runtime::instance::hold_topics;
 use runtime::{Agent, HealthEntry, Now, Turn};
 
 use crate::durable::CheckpointCopier;
-use crate::link::{HealthByProcess, KeeperLink, LauncherFacts, ProcessHealth};
+use crate::link::{ChildFacts, HealthByProcess, KeeperLink, LauncherFacts, ProcessHealth};
 
-/// Time between two looks. Nothing here is urgent: the launcher itself observes the ends of its children.
+/// Time between two looks while a child starts, and while all run. Nothing here is urgent: the launcher itself observes
+/// the ends of its children, and its message about an end wakes the keeper.
 const PAUSE: Duration = Duration::from_millis(50);
+const CALM_PAUSE: Duration = Duration::from_millis(200);
 /// Time between two messages about the children, nanoseconds.
 const PERIOD_NS: i64 = 200_000_000;
 /// Time between searches for dead processes without a known death, nanoseconds: processes that joined by themselves
@@ -90,7 +92,12 @@ impl Agent for Keeper<'_> {
         if self.link.say(&self.heard) {
             self.heard.clear();
         }
-        Ok(Turn::Idle(PAUSE))
+        Ok(Turn::Idle(if self.is_calm() { CALM_PAUSE } else { PAUSE }))
+    }
+
+    fn wait(&mut self, at_most: Duration) -> anyhow::Result<()> {
+        self.link.wait(at_most);
+        Ok(())
     }
 
     fn health(&self, entries: &mut Vec<HealthEntry>) {
@@ -104,6 +111,13 @@ impl Agent for Keeper<'_> {
 }
 
 impl Keeper<'_> {
+    /// Whether all children run, and none is being stopped.
+    fn is_calm(&self) -> bool {
+        let runs = |child: &ChildFacts| child.life == LifeState::Running as u8;
+        let facts = self.facts.as_ref().filter(|facts| !facts.stopping);
+        facts.is_some_and(|facts| facts.children.iter().all(runs))
+    }
+
     fn listen_to_launcher(&mut self) -> bool {
         let mut has_news = false;
         while let Some(facts) = self.link.hear() {

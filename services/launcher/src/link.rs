@@ -9,7 +9,10 @@ use std::collections::BTreeMap;
 use std::io;
 use std::os::fd::{AsFd as _, OwnedFd};
 use std::os::unix::net::UnixDatagram;
+use std::time::Duration;
 
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::io::Errno;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
@@ -93,6 +96,21 @@ impl KeeperLink {
         serde_json::to_vec(word).is_ok_and(|octets| self.0.send(&octets).is_ok())
     }
 
+    /// Waits for a message or a signal, at most for `at_most`.
+    pub(crate) fn wait(&self, at_most: Duration) {
+        let timeout = Timespec {
+            tv_sec: at_most.as_secs().cast_signed(),
+            tv_nsec: at_most.subsec_nanos().into(),
+        };
+        let mut sockets = [PollFd::new(&self.0, PollFlags::IN)];
+        match poll(&mut sockets, Some(&timeout)) {
+            // A signal may be a stop request.
+            Ok(0) | Err(Errno::INTR) => {}
+            Ok(_) if sockets[0].revents().contains(PollFlags::IN) => {}
+            Ok(_) | Err(_) => std::thread::sleep(at_most),
+        }
+    }
+
     /// Returns the next received message.
     pub(crate) fn hear<T: DeserializeOwned>(&self) -> Option<T> {
         let mut octets = vec![0; WORD_MAX];
@@ -118,5 +136,16 @@ mod tests {
             assert!(keeper.hear::<LauncherFacts>().is_some());
         }
         assert!(launcher.say(&LauncherFacts::default()), "there is room again");
+    }
+
+    #[test]
+    fn a_message_ends_a_wait() {
+        let (launcher, other) = KeeperLink::pair().unwrap();
+        let keeper = KeeperLink(UnixDatagram::from(other));
+        keeper.wait(Duration::from_millis(1));
+        assert!(keeper.hear::<LauncherFacts>().is_none());
+        assert!(launcher.say(&LauncherFacts::default()));
+        keeper.wait(Duration::from_secs(86_400));
+        assert!(keeper.hear::<LauncherFacts>().is_some());
     }
 }

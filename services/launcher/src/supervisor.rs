@@ -454,10 +454,16 @@ impl<'a> Supervisor<'a> {
 
     fn sleep(&self, now: Instant, limit: Option<Instant>) {
         let next = self.children.next_restart().into_iter().chain(limit).min();
-        let sleep = next.map_or(Wake::TICK, |next| next.saturating_duration_since(now).min(Wake::TICK));
+        let tick = if self.is_calm() { TELL_PERIOD } else { Wake::TICK };
+        let sleep = next.map_or(tick, |next| next.saturating_duration_since(now).min(tick));
         if !sleep.is_zero() {
             self.wake.wait(sleep);
         }
+    }
+
+    /// Whether all children run: then the next event is a signal, or not urgent.
+    fn is_calm(&self) -> bool {
+        self.start.is_complete && self.children.iter().all(Child::is_up)
     }
 
     /// Stops all children, one kind after the other.

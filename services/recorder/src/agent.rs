@@ -17,7 +17,7 @@ use crate::start::Start;
 /// Maximum number of turns at the end for writing the slices still waiting.
 const TURNS_AT_CLOSE: usize = 1000;
 /// Longest wait for data, whose arrival ends it.
-const IDLE: Duration = Duration::from_millis(80);
+const IDLE: Duration = Duration::from_millis(200);
 
 /// Recorder agent; generic over the transport, so that tests drive it in process.
 #[derive(Debug)]

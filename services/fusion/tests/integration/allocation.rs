@@ -1,8 +1,9 @@
 //! Once it runs, the loop allocates nothing: taking slices, fusing, publishing, waiting, counting (PL-4).
 //!
 //! One exception, which is not ours: iceoryx2 0.10 keeps the state of a loaned slice in one small block, taken when the
-//! slice is loaned and given back before the send returns. So the numbers are exact: one block for each slice
-//! published, none kept.
+//! slice is loaned and given back before its send returns. The next slice is loaned after each send. So the numbers are
+//! exact: as many blocks are given back as are taken, one for each slice published, and a second one where the slice
+//! loaned ahead has another length than the batch.
 
 #[path = "../../../../crates/bus/tests/integration/common/heap.rs"]
 mod heap;
@@ -172,7 +173,13 @@ fn the_loop_allocates_nothing() {
             let slices = reader.counts().slices - slices;
             // Ports that meet for the first time may allocate.
             if step >= 10 {
-                assert_eq!((used.taken, used.given_back), (slices, slices), "step {step}, {wait}");
+                let taken = slices..=2 * slices;
+                assert!(
+                    taken.contains(&used.taken),
+                    "step {step}, {wait}: {} of {slices}",
+                    used.taken
+                );
+                assert_eq!(used.taken, used.given_back, "step {step}, {wait}");
                 assert!(used.largest_bytes <= SMALL_BYTES);
             }
         }
