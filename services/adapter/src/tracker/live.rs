@@ -17,6 +17,7 @@ use tracking::wide_area::arrivals::Arrivals;
 
 use crate::Processed;
 use crate::channel::SourceChannel;
+use crate::tracker::silence::SilentSensors;
 
 /// Longest wait for detections in one turn, bounded by health messages and stop requests.
 const PATIENCE: Duration = Duration::from_millis(50);
@@ -28,6 +29,7 @@ const SLICES_PER_TURN: usize = 64;
 pub(super) struct TrackerAgent {
     channel: SourceChannel,
     sensors: Vec<TrackedSensor>,
+    silent: SilentSensors,
     waiter: Waiter<SharedMemory>,
     steady: SteadyClock,
     /// Events of a turn: monotonic time of receipt (nanoseconds), place of the sensor, event.
@@ -63,6 +65,7 @@ impl TrackerAgent {
             });
         }
         Ok(Self {
+            silent: SilentSensors::new(tracker.1.tracker(), process.config.sensors_of(tracker.0)),
             channel: SourceChannel::open(process, tracker)?,
             sensors,
             waiter,
@@ -129,7 +132,15 @@ impl Agent for TrackerAgent {
         self.take(now)?;
         self.channel.listen()?;
         for (came_ns, place, event) in &self.taken {
+            self.silent.came(*place, event.time_ns(), *came_ns);
             self.channel.event(*place, event, *came_ns)?;
+        }
+        for (place, sensor) in self.sensors.iter().enumerate() {
+            let is_silent = !sensor.events.has_slices();
+            let due = is_silent.then(|| self.silent.statement(place, now.mono_ns)).flatten();
+            if let Some(event) = due {
+                self.channel.event(place, &event, now.mono_ns)?;
+            }
         }
         self.channel.publish()?;
         Ok(match self.taken.is_empty() {

@@ -8,6 +8,7 @@
 
 mod live;
 mod recorded;
+mod silence;
 
 use deployment::Process;
 use runtime::Agent;
