@@ -54,6 +54,7 @@ mod coupling;
 #[cfg(test)]
 mod crowd_tests;
 pub mod cutting;
+mod departure;
 mod detection_rate;
 mod directions;
 #[cfg(test)]

@@ -5,6 +5,7 @@ use crate::cluster_update::ClusterUpdate;
 use crate::clutter::log_density;
 use crate::counts::TrackerCounts;
 use crate::coupling::Coupling;
+use crate::departure::Departures;
 use crate::directions::{Claims, Directions};
 use crate::explanation::{Explanation, Observer, TrackEvent};
 use crate::gate::gates;
@@ -28,6 +29,7 @@ pub(crate) struct ScanUpdate {
     gating: Gating,
     coupling: Coupling,
     unresolved: Unresolved,
+    departures: Departures,
     replies: ScanReplies,
     clusters: ClusterUpdate,
     log_clutter: Vec<f64>,
@@ -51,6 +53,7 @@ impl ScanUpdate {
                     .iter()
                     .any(|sensor| sensor.model.resolution_cell.is_some()),
             ),
+            departures: Departures::new(detections),
             coupling: Coupling::new(tracks, 4 * tracks + PAIRS_MAX, detections),
             replies: ScanReplies::new(detections, settings.identity, settings.initiation.height_sigma_m),
             clusters: ClusterUpdate::new(tracks, detections),
@@ -91,6 +94,7 @@ impl ScanUpdate {
             });
         }
         let guess = &settings.initiation;
+        self.departures.clear();
         self.log_clutter.clear();
         self.log_clutter
             .extend(plots.iter().map(|plot| log_density(&plot.measurement, density, guess)));
@@ -101,6 +105,10 @@ impl ScanUpdate {
             self.gating
                 .run(before, plots, (*time_ns, &self.replies), &looking, counts);
             self.unresolved.find(before, plots, *time_ns, &looking);
+            let is_inside = &mut self.is_inside[..plots.len()];
+            outside(before, &self.gating, is_inside);
+            self.departures
+                .find((before, plots), &self.gating, is_inside, &looking, settings);
             let seen = (&plots[..], &self.log_clutter[..]);
             self.coupling
                 .run((&mut self.gating, &self.unresolved), before, seen, &looking, settings);
@@ -111,6 +119,7 @@ impl ScanUpdate {
             log_clutter: &self.log_clutter,
             gating: &self.gating,
             unresolved: &self.unresolved,
+            departures: &self.departures,
             settings,
             sensor: &looking,
             support,
@@ -189,12 +198,15 @@ fn outside(before: &Population, gating: &Gating, is_inside: &mut [bool]) -> usiz
 /// A cluster of one detection that is in no gate: false, or the first of a new track (HT-4).
 fn begin_cluster(scan: &ScanContext<'_>, plot: u32, next: &mut Population, counts: &mut TrackerCounts) {
     let weight = (scan.log_weight + scan.plots[plot as usize].log_weight).exp();
-    let share = scan.settings.initiation.new_target_share * weight;
+    let inherited = scan.departures.motion(plot);
+    let splitting = &scan.settings.splitting;
+    let of_split = scan.departures.share(plot, scan.log_clutter[plot as usize], splitting);
+    let share = of_split.unwrap_or(scan.settings.initiation.new_target_share) * weight;
     let reliability = share / (1.0 + share);
     if reliability <= 0.0 || reliability < scan.settings.reduction.reliability_min {
         return;
     }
-    let Some(mut track) = branching::begin(scan, plot, None, next.next_root) else {
+    let Some(mut track) = branching::begin(scan, plot, inherited, next.next_root) else {
         return;
     };
     if !next.has_room(1, 2, 1) {

@@ -119,12 +119,20 @@ settings::settings! {
     pub struct Splitting {
         /// Expected new targets per expected false detection in the gates of confirmed tracks; off: the value of
         /// `[initiation]`.
-        new_target_share: Option<f64> = Some(1.0), in [1e-6, 1e3];
+        new_target_share: Option<f64> = Some(3.0), in [1e-6, 1e3];
+        /// Most targets that are expected to leave a confirmed track in a scan: where false detections are dense, new
+        /// targets in gates are rarer than `new_target_share`; off: they are not.
+        leaving_max: Option<f64> = Some(0.1), in [1e-6, 1e3];
         /// In a cluster with a confirmed track, new tracks start only in the gate of a confirmed track (SP-1).
         start_in_confirmed_gates: bool = false;
         /// Least reliability of a single branch with half of its detections in confirmed tracks' gates, for its
         /// confirmation; off: only `[confirmation]`.
-        reliability_min: Option<f64> = Some(0.985), in [0.501, 1];
+        reliability_min: Option<f64> = Some(0.95), in [0.501, 1];
+        /// The same from the third detection of the branch on, if it is less; off: `reliability_min`.
+        third_reliability_min: Option<f64> = Some(0.9), in [0.501, 1];
+        /// Time since which a target may have left a confirmed track without a detection of its own: where it may have
+        /// come since then, new tracks start as in the gate of that track. Needs `parents_motion`; off: in gates only.
+        departed_s: Option<f64> = Some(10.0), in [0, 1e3];
         /// Number of the confirmed track's best branches whose motion new tracks start with (SP-2).
         parents_motion: Option<usize> = Some(4), in [1, CLUSTER_TRACKS_MAX];
         /// Most new tracks per interpretation (SP-3, SP-4).
