@@ -19,6 +19,7 @@ use crate::joined::JoinedClusters;
 use crate::limits::{CLUSTER_TRACKS_MAX, PAIRS_MAX};
 use crate::parents::Parents;
 use crate::ranked::{Alternative, COLUMNS_MAX, OWN, PROBLEMS_MAX, Ranked, Solution};
+use crate::settings::Starts;
 use crate::unresolved::{PAIRS_OF_HYPOTHESIS_MAX, SHARED};
 
 /// Most ways to begin the tracks that a parent lacks.
@@ -333,7 +334,8 @@ fn log_share_of_new(joined: &JoinedClusters<'_>, lacking: usize, row: usize) -> 
     let settings = joined.scan.settings;
     let place = joined.plots[row].1 as usize;
     let plot = &joined.scan.plots[place];
-    if plot.measurement.place().is_none() || joined.is_start_forbidden(row) {
+    let is_forbidden = settings.starts == Starts::Designated || joined.is_start_forbidden(row);
+    if plot.measurement.place().is_none() || is_forbidden {
         return None;
     }
     let is_echo = joined.scan.gating.is_echo[place];

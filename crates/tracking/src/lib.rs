@@ -55,6 +55,7 @@ mod coupling;
 mod crowd_tests;
 pub mod cutting;
 mod departure;
+mod designation;
 mod detection_rate;
 mod directions;
 #[cfg(test)]

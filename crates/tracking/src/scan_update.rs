@@ -6,6 +6,7 @@ use crate::clutter::log_density;
 use crate::counts::TrackerCounts;
 use crate::coupling::Coupling;
 use crate::departure::Departures;
+use crate::designation::designate;
 use crate::directions::{Claims, Directions};
 use crate::explanation::{Explanation, Observer, TrackEvent};
 use crate::gate::gates;
@@ -16,7 +17,7 @@ use crate::plot::Scan;
 use crate::population::{Cluster, Hypothesis, Population};
 use crate::scan_context::ScanContext;
 use crate::sensor::Sensor;
-use crate::settings::Settings;
+use crate::settings::{Settings, Starts};
 use crate::track::Track;
 use crate::unresolved::Unresolved;
 use crate::wide_area::support::Support;
@@ -74,6 +75,10 @@ impl ScanUpdate {
         observer: Option<&dyn Observer>,
         counts: &mut TrackerCounts,
     ) {
+        if settings.sensors[scan.sensor].model.designates {
+            let sensor = &self.sensors[scan.sensor];
+            return designate(scan, (before, next), sensor, settings, observer, counts);
+        }
         let Scan { time_ns, sensor, plots } = scan;
         next.follow(before, *time_ns);
         next.next_serial = next.next_serial.wrapping_add(plots.len() as u32).max(1);
@@ -197,6 +202,9 @@ fn outside(before: &Population, gating: &Gating, is_inside: &mut [bool]) -> usiz
 
 /// A cluster of one detection that is in no gate: false, or the first of a new track (HT-4).
 fn begin_cluster(scan: &ScanContext<'_>, plot: u32, next: &mut Population, counts: &mut TrackerCounts) {
+    if scan.settings.starts == Starts::Designated {
+        return;
+    }
     let weight = (scan.log_weight + scan.plots[plot as usize].log_weight).exp();
     let inherited = scan.departures.motion(plot);
     let splitting = &scan.settings.splitting;

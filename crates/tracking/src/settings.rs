@@ -7,6 +7,7 @@ use std::collections::BTreeSet;
 
 use settings::{KeyValue, Node, Place, Range, SettingsError};
 
+pub use crate::designation::Starts;
 use crate::field_of_view::FieldOfView;
 use crate::identity::IdentitySettings;
 use crate::initiation::Initiation;
@@ -29,6 +30,9 @@ settings::settings! {
         check Settings::check;
         /// Sensors with known facts; offline, other sensors have default settings.
         sensors as "sensor": Vec<SensorFacts> = Vec::new();
+        /// Where tracks start: at detections of every sensor, or only at those of sensors that designate targets
+        /// (`designates`).
+        starts: Starts = Starts::Any;
         /// Gates around predicted measurements.
         gate: Gate = Gate::default();
         /// Models of motion (HT-13).
@@ -79,6 +83,9 @@ settings::settings! {
         clutter_density: Option<f64> = None, in [1e-30, 1e6], usually "learned";
         /// Region with detections of targets. Targets outside the region are not missed.
         field_of_view: Option<FieldOfView> = None, usually "everywhere";
+        /// Set for a source of designations: each of its detections is a target to follow, and has a confirmed track at
+        /// once unless a confirmed track is there.
+        designates: bool = false;
         /// Smallest distance between detections of different targets in a scan; without the key, a target gives at
         /// most one detection.
         resolution_m: Option<f64> = None, in [1e-3, 1e5];
@@ -213,8 +220,12 @@ impl Settings {
         self.capacity.open_scans.max(compared)
     }
 
-    /// No two sensors have one number.
+    /// No two sensors have one number; tracks can start.
     fn check(&self) -> Result<(), SettingsError> {
+        if self.starts == Starts::Designated && !self.sensors.iter().any(|sensor| sensor.model.designates) {
+            let what = "needs a sensor with designates = true, whose detections are the targets to follow";
+            return Err(SettingsError::new("starts", what));
+        }
         let mut known = BTreeSet::new();
         let mut sensors = self.sensors.iter().map(|sensor| sensor.sensor_id).enumerate();
         sensors
