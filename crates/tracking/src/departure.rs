@@ -1,11 +1,11 @@
 //! Departures: detections outside the gates of confirmed tracks that may be of targets that left them (SP-1, SP-2).
 //!
-//! A target that splits off is new in the gate of the confirmed track, where new targets are expected. But if the sensor
-//! misses it in its first scans, its first own detection lies outside the gate: the track has followed the other target.
-//! There it looked like any first detection, which is most likely false and of unknown speed, and the split was shown
-//! scans later. So a detection outside all gates is compared with the targets that may have left a confirmed track
-//! `splitting.departed_s` ago: with the change of velocity of a manoeuvre since then. A track that begins there inherits
-//! this motion, in which place and velocity are correlated, and new targets are as frequent as in the gates.
+//! A target that splits off is new in the gate of the confirmed track, where new targets are expected. But if the
+//! sensor misses it in its first scans, its first own detection lies outside the gate: the track has followed the other
+//! target. There it looked like any first detection, which is most likely false and of unknown speed, and the split was
+//! shown scans later. So a detection outside all gates is compared with the targets that may have left a confirmed
+//! track `splitting.departed_s` ago: with the change of velocity of a manoeuvre since then. A track that begins there
+//! inherits this motion, in which place and velocity are correlated, and new targets are as frequent as in the gates.
 //!
 //! Limit: of several tracks that a target may have left, the likeliest counts.
 

@@ -1,14 +1,14 @@
 //! Designations: targets that are to be followed, named by place.
 //!
-//! An operator, or another system, designates a target, and the tracker follows it: *maintenance only*. The obvious way,
-//! an order beside the data, would be used at a time that depends on the machine. A designation has the time for which
-//! its place is right, and must find its place among the scans; after a late scan it must be used again. So a
-//! designation is a detection of a sensor of its own that `designates`: it comes as detections do, over a topic, as rows
-//! or in a file, it is recorded with them, and the same input gives the same tracks.
+//! An operator, or another system, designates a target, and the tracker follows it: *maintenance only*. The obvious
+//! way, an order beside the data, would be used at a time that depends on the machine. A designation has the time for
+//! which its place is right, and must find its place among the scans; after a late scan it must be used again. So a
+//! designation is a detection of a sensor of its own that `designates`: it comes as detections do, over a topic, as
+//! rows or in a file, it is recorded with them, and the same input gives the same tracks.
 //!
 //! A designated target has a confirmed track at once, unless a confirmed track is there already: an operator's place
-//! does not improve a track. Nobody is missed by a scan of designations. With `starts = "designated"` nothing else begins
-//! a track; tracks end as ever.
+//! does not improve a track. Nobody is missed by a scan of designations. With `starts = "designated"` nothing else
+//! begins a track; tracks end as ever.
 
 use crate::counts::TrackerCounts;
 use crate::explanation::{Explanation, Observer, TrackEvent, TrackRecord};
@@ -19,16 +19,6 @@ use crate::population::{Cluster, Hypothesis, Population};
 use crate::sensor::Sensor;
 use crate::settings::Settings;
 use crate::track::Track;
-
-settings::words! {
-    /// Detections at which tracks start.
-    pub enum Starts {
-        /// Detections of every sensor.
-        Any = "any",
-        /// Designations only.
-        Designated = "designated",
-    }
-}
 
 /// Makes the population after a scan of designations.
 pub(crate) fn designate(
@@ -116,8 +106,8 @@ fn add(population: &mut Population, track: Track) {
 
 #[cfg(test)]
 mod tests {
-    use super::Starts;
     use crate::Tracker;
+    use crate::initiation::Starts;
     use crate::settings::{SensorFacts, Settings};
     use crate::testing::{S, position, settings};
     use observations::Detection;

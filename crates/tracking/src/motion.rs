@@ -266,8 +266,8 @@ impl TargetMotion {
         self
     }
 
-    /// The motion of a target that has left one of this motion [like this](Self::leaving), `seconds` ago: since then, the
-    /// change of its velocity has moved it in the plane.
+    /// The motion of a target that has left one of this motion [like this](Self::leaving), `seconds` ago: since then,
+    /// the change of its velocity has moved it in the plane.
     pub(crate) fn left(self, seconds: f64, settings: &MotionSettings) -> Self {
         let mut left = self.leaving(settings);
         for row in 0..AXES - 1 {

@@ -7,10 +7,10 @@ use std::collections::BTreeSet;
 
 use settings::{KeyValue, Node, Place, Range, SettingsError};
 
-pub use crate::designation::Starts;
 use crate::field_of_view::FieldOfView;
 use crate::identity::IdentitySettings;
 use crate::initiation::Initiation;
+pub use crate::initiation::Starts;
 pub use crate::life::{Confirmation, Deletion, DeletionSettings};
 use crate::limits::{CLUSTER_TRACKS_MAX, HISTORY_MAX, HYPOTHESES_MAX, OPEN_SCANS_MAX};
 pub use crate::motion::{ManoeuvreSettings, MotionSettings};

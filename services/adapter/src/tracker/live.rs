@@ -15,9 +15,9 @@ use runtime::{Agent, HealthEntry, Now, Turn};
 use sources::{Pipeline, Processing, Samples};
 use tracking::wide_area::arrivals::Arrivals;
 
+use super::silence::SilentSensors;
 use crate::Processed;
 use crate::channel::SourceChannel;
-use crate::tracker::silence::SilentSensors;
 
 /// Longest wait for detections in one turn, bounded by health messages and stop requests.
 const PATIENCE: Duration = Duration::from_millis(50);

@@ -3,12 +3,13 @@
 //! A scan without detections is information: what is there was missed. A radar reports its north, and rows can state
 //! empty scans; of other sensors the next detection showed them at last, and until then tracks stood still. Here the
 //! time of a sensor with a stated period goes on with the clock, from its latest event. Once the sensor is silent for
-//! longer than a period and the wait (a second period without `wait_s`), its time is stated at each further period, as an event like those that it sends
-//! itself: published and recorded, so that `koseki track` makes the same tracks of the recording.
+//! longer than a period and the wait (a second period without `wait_s`), its time is stated at each further period, as
+//! an event like those that it sends itself: published and recorded, so that `koseki track` makes the same tracks of
+//! the recording.
 //!
 //! The clock counts from the latest event as the event came, so that neither an error of the sensor's clock nor a
-//! constant delay matters. After a silence of [`SILENT_SCANS_MAX`] periods, or one that raises the alarm, the sensor may be
-//! dead: nothing more is stated.
+//! constant delay matters. After a silence of [`SILENT_SCANS_MAX`] periods, or one that raises the alarm, the sensor
+//! may be dead: nothing more is stated.
 //!
 //! Limit: scans that the sensor numbers itself (`stated`) cannot be numbered for it.
 
