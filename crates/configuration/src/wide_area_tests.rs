@@ -76,6 +76,7 @@ fn every_key_is_heard() {
                 reliability_min: 0.8,
                 detections_min: 3,
                 log_likelihood_ratio_min: Some(2.0),
+                ..Confirmation::default()
             },
             company_min: 0.25,
         }),

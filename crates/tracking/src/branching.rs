@@ -116,7 +116,8 @@ impl Branches {
         counts: &mut TrackerCounts,
     ) -> u32 {
         if self.begun[row] == UNMADE {
-            let inherited = self.parents_motion(joined, row);
+            let departed = || joined.scan.departures.motion(joined.plots[row].1);
+            let inherited = self.parents_motion(joined, row).or_else(departed);
             counts.starts_with_parents_motion += u64::from(inherited.is_some());
             let in_company = u32::from(joined.is_in_confirmed_gate(row));
             self.begun[row] = match begin(joined.scan, joined.plots[row].1, inherited, next.next_root) {

@@ -54,6 +54,8 @@ pub(crate) struct Gating {
     is_named: Vec<bool>,
     /// By detection: whether it has the address of a track in whose gate it lies.
     pub(crate) is_echo: Vec<bool>,
+    /// By detection: whether its reply names a track anywhere: it has left no other one.
+    pub(crate) names: Vec<bool>,
     /// (representative, cluster), sorted.
     pub(crate) clusters: Vec<(u32, u32)>,
     /// (representative, detection), sorted; detections of no cluster last.
@@ -75,6 +77,7 @@ impl Gating {
             owner: Vec::with_capacity(plots_max),
             is_named: Vec::with_capacity(plots_max),
             is_echo: Vec::with_capacity(plots_max),
+            names: Vec::with_capacity(plots_max),
             clusters: Vec::with_capacity(tracks_max),
             plots: Vec::with_capacity(2 * (4 * tracks_max + PAIRS_MAX) + plots_max),
             shared: Vec::with_capacity(2 * (4 * tracks_max + PAIRS_MAX) + plots_max),
@@ -139,6 +142,8 @@ impl Gating {
         self.is_named.resize(plots.len(), false);
         self.is_echo.clear();
         self.is_echo.resize(plots.len(), false);
+        self.names.clear();
+        self.names.resize(plots.len(), false);
         self.owner.clear();
         self.owner.resize(plots.len(), NONE);
     }
@@ -161,6 +166,24 @@ impl Gating {
         } else {
             self.near.extend(0..plots as u32);
         }
+    }
+
+    /// Finds the detections with a place that is near this prediction, in their order; none of a prediction that is
+    /// nearly anywhere.
+    pub(crate) fn near(&self, predicted: &TargetMotion, gate: f64, near: &mut Vec<u32>) {
+        near.clear();
+        let predicted = predicted.widest();
+        let [xx, xy, _, yy, ..] = predicted.position_covariance();
+        let [east, north, ..] = predicted.mean;
+        let reach_m = gate.sqrt() * distance::largest_sigma2([xx, xy, yy]);
+        // Written so that NaN finds none.
+        let few_cells = 2.0 * reach_m <= CELLS_MAX * CELL_M;
+        if !few_cells {
+            return;
+        }
+        self.grid
+            .near(east, north, reach_m, CELLS_MAX as i32 + 1, |item| near.push(item));
+        near.sort_unstable();
     }
 
     /// Adds the track's likeliest pairs with the detections found near it, in the order of detections.
@@ -240,6 +263,7 @@ impl Gating {
             for track in cluster.tracks.clone() {
                 let compared = &population.tracks[track as usize];
                 for item in replies.naming(&compared.identity) {
+                    self.names[item as usize] = true;
                     let mut far = self.pairs[far_begin..].iter().filter(|pair| pair.track == track);
                     let near = &self.pairs[self.pairs_of(track)];
                     if near.iter().any(|pair| pair.plot == item) || far.any(|pair| pair.plot == item) {

@@ -188,16 +188,11 @@ impl HypothesisStore {
             let counted = branches.filter(|branch| confirmation.is_seen_enough(branch));
             // A second detection of one target begins a tree beside it, in which either has the next one: so for a
             // split a single branch must be as likely.
-            let (together, with_company) = counted.fold((0.0, 0.0_f64), |(all, with_company), branch| {
-                let company = if branch.company() >= COMPANY_MIN {
-                    branch.reliability
-                } else {
-                    0.0
-                };
-                (all + branch.reliability, with_company.max(company))
+            let (together, is_split) = counted.fold((0.0, false), |(all, is_split), branch| {
+                let has_split = branch.company() >= COMPANY_MIN && splitting.is_beyond_doubt(branch);
+                (all + branch.reliability, is_split || has_split)
             });
-            let of_split = splitting.reliability_min;
-            if confirmation.is_beyond_doubt(together) || of_split.is_some_and(|least| with_company >= least) {
+            if confirmation.is_beyond_doubt(together) || is_split {
                 self.give_number(root, next_number, counts);
             }
         }
@@ -285,6 +280,13 @@ mod tests {
     fn a_tree_is_as_likely_as_its_branches_together() {
         assert_eq!(numbers([0.6, 0.399, 0.001], 0), [1, 1, 0]);
         assert_eq!(numbers([0.6, 0.3, 0.1], 0), [0; 3]);
+    }
+
+    #[test]
+    fn the_third_detection_of_a_split_needs_even_less() {
+        assert_eq!(numbers([0.93, 0.06, 0.01], 2), [1, 1, 0]);
+        assert_eq!(numbers([0.89, 0.1, 0.01], 2), [0; 3]);
+        assert_eq!(numbers([0.93, 0.06, 0.01], 1), [0; 3], "hardly any company");
     }
 
     #[test]

@@ -16,6 +16,16 @@ use observations::DetectionKind;
 
 use crate::measurement::DetectionMeasurement;
 
+settings::words! {
+    /// Detections at which tracks start.
+    pub enum Starts {
+        /// Detections of every sensor.
+        Any = "any",
+        /// Designations only.
+        Designated = "designated",
+    }
+}
+
 settings::settings! {
     /// Assumptions on a target before its first observation.
     #[derive(Copy)]

@@ -19,6 +19,7 @@ use crate::joined::JoinedClusters;
 use crate::limits::{CLUSTER_TRACKS_MAX, PAIRS_MAX};
 use crate::parents::Parents;
 use crate::ranked::{Alternative, COLUMNS_MAX, OWN, PROBLEMS_MAX, Ranked, Solution};
+use crate::settings::Starts;
 use crate::unresolved::{PAIRS_OF_HYPOTHESIS_MAX, SHARED};
 
 /// Most ways to begin the tracks that a parent lacks.
@@ -333,14 +334,20 @@ fn log_share_of_new(joined: &JoinedClusters<'_>, lacking: usize, row: usize) -> 
     let settings = joined.scan.settings;
     let place = joined.plots[row].1 as usize;
     let plot = &joined.scan.plots[place];
-    if plot.measurement.place().is_none() || joined.is_start_forbidden(row) {
+    let is_forbidden = settings.starts == Starts::Designated || joined.is_start_forbidden(row);
+    if plot.measurement.place().is_none() || is_forbidden {
         return None;
     }
-    let of_split = settings.splitting.new_target_share;
-    let of_split = of_split.filter(|_| joined.is_in_confirmed_gate(row));
+    let is_echo = joined.scan.gating.is_echo[place];
+    let in_gate = settings.splitting.new_target_share;
+    let in_gate = in_gate.filter(|_| joined.is_in_confirmed_gate(row));
+    let departures = &joined.scan.departures;
+    let of_departure = departures.share(place as u32, joined.scan.log_clutter[place], &settings.splitting);
+    // What names the target of a track has not left another one.
+    let of_split = of_departure.or(in_gate).filter(|_| !joined.scan.gating.names[place]);
     let plain = of_split.unwrap_or(settings.initiation.new_target_share);
     let share = joined.support.new_target_share(plain, lacking);
-    Some(if joined.scan.gating.is_echo[place] {
+    Some(if is_echo {
         (share * settings.identity.duplicated_probability).ln()
     } else {
         share.ln()

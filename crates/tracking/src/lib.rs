@@ -54,6 +54,8 @@ mod coupling;
 #[cfg(test)]
 mod crowd_tests;
 pub mod cutting;
+mod departure;
+mod designation;
 mod detection_rate;
 mod directions;
 #[cfg(test)]

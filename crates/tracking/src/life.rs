@@ -3,6 +3,7 @@
 //! A tentative track is confirmed once nearly all of the probability lies with hypotheses that contain it; a track of
 //! either kind is deleted once a target that is still there would hardly have been missed for so long.
 
+use messages::NS_PER_S;
 use settings::Seconds;
 
 use crate::identity::IdentitySettings;
@@ -17,6 +18,11 @@ settings::settings! {
         reliability_min: f64 = 0.995, in [0.501, 1];
         /// Least number of detections of the track.
         detections_min: u32 = 2, in [1, 1000];
+        /// Least time from the first detection of the track to the latest: several detections of a fast sensor within a
+        /// moment may have one cause.
+        span_min_s: Option<f64> = None, in [0, 1e4];
+        /// Longest mean time between two detections of the track: a few detections over a long time are a coincidence.
+        interval_max_s: Option<f64> = None, in [1e-3, 1e4];
         /// Least log-likelihood ratio: logarithm of the likelihood of the track's detections if caused by a target,
         /// divided by their likelihood if all are false.
         log_likelihood_ratio_min: Option<f64> = None, in [-1e3, 1e3];
@@ -54,10 +60,14 @@ impl Confirmation {
     /// Whether a track's detections suffice.
     pub(crate) fn is_seen_enough(&self, track: &Track) -> bool {
         let often = track.detections >= self.detections_min;
+        let span_s = track.seen_ns.saturating_sub(track.begun_ns) as f64 / NS_PER_S;
+        let intervals = f64::from(track.detections.saturating_sub(1));
+        let long = self.span_min_s.is_none_or(|least| span_s >= least);
+        let dense = self.interval_max_s.is_none_or(|most| span_s <= most * intervals);
         let likely = self
             .log_likelihood_ratio_min
             .is_none_or(|least| track.log_likelihood_ratio >= least);
-        often && likely
+        often && long && dense && likely
     }
 }
 

@@ -266,6 +266,22 @@ impl TargetMotion {
         self
     }
 
+    /// The motion of a target that has left one of this motion [like this](Self::leaving), `seconds` ago: since then,
+    /// the change of its velocity has moved it in the plane.
+    pub(crate) fn left(self, seconds: f64, settings: &MotionSettings) -> Self {
+        let mut left = self.leaving(settings);
+        for row in 0..AXES - 1 {
+            let covariance = &mut left.turning.covariance;
+            let [place, both, velocity] = [(row, row), (row, AXES + row), (AXES + row, AXES + row)];
+            let [of_place, of_both, of_velocity] =
+                [place, both, velocity].map(|(row, column)| covariance.get(row, column));
+            let change = of_velocity - self.turning.covariance.get(velocity.0, velocity.1);
+            covariance.set(place.0, place.1, of_place + change * seconds * seconds);
+            covariance.set(both.0, both.1, of_both + change * seconds);
+        }
+        left
+    }
+
     /// The place between two targets, model by model.
     pub(crate) fn middle(one: &Self, other: &Self) -> Self {
         Self {

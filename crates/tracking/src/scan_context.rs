@@ -1,5 +1,6 @@
 //! The current scan with all inputs of its clusters' update.
 
+use crate::departure::Departures;
 use crate::explanation::{Explanation, Observer, TrackEvent, TrackRecord};
 use crate::gating::Gating;
 use crate::plot::Plot;
@@ -19,6 +20,7 @@ pub(crate) struct ScanContext<'a> {
     pub(crate) log_clutter: &'a [f64],
     pub(crate) gating: &'a Gating,
     pub(crate) unresolved: &'a Unresolved,
+    pub(crate) departures: &'a Departures,
     pub(crate) settings: &'a Settings,
     pub(crate) sensor: &'a Sensor,
     pub(crate) support: &'a Support,

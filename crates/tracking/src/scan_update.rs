@@ -5,6 +5,8 @@ use crate::cluster_update::ClusterUpdate;
 use crate::clutter::log_density;
 use crate::counts::TrackerCounts;
 use crate::coupling::Coupling;
+use crate::departure::Departures;
+use crate::designation::designate;
 use crate::directions::{Claims, Directions};
 use crate::explanation::{Explanation, Observer, TrackEvent};
 use crate::gate::gates;
@@ -15,7 +17,7 @@ use crate::plot::Scan;
 use crate::population::{Cluster, Hypothesis, Population};
 use crate::scan_context::ScanContext;
 use crate::sensor::Sensor;
-use crate::settings::Settings;
+use crate::settings::{Settings, Starts};
 use crate::track::Track;
 use crate::unresolved::Unresolved;
 use crate::wide_area::support::Support;
@@ -28,6 +30,7 @@ pub(crate) struct ScanUpdate {
     gating: Gating,
     coupling: Coupling,
     unresolved: Unresolved,
+    departures: Departures,
     replies: ScanReplies,
     clusters: ClusterUpdate,
     log_clutter: Vec<f64>,
@@ -51,6 +54,7 @@ impl ScanUpdate {
                     .iter()
                     .any(|sensor| sensor.model.resolution_cell.is_some()),
             ),
+            departures: Departures::new(detections),
             coupling: Coupling::new(tracks, 4 * tracks + PAIRS_MAX, detections),
             replies: ScanReplies::new(detections, settings.identity, settings.initiation.height_sigma_m),
             clusters: ClusterUpdate::new(tracks, detections),
@@ -71,6 +75,10 @@ impl ScanUpdate {
         observer: Option<&dyn Observer>,
         counts: &mut TrackerCounts,
     ) {
+        if settings.sensors[scan.sensor].model.designates {
+            let sensor = &self.sensors[scan.sensor];
+            return designate(scan, (before, next), sensor, settings, observer, counts);
+        }
         let Scan { time_ns, sensor, plots } = scan;
         next.follow(before, *time_ns);
         next.next_serial = next.next_serial.wrapping_add(plots.len() as u32).max(1);
@@ -91,6 +99,7 @@ impl ScanUpdate {
             });
         }
         let guess = &settings.initiation;
+        self.departures.clear();
         self.log_clutter.clear();
         self.log_clutter
             .extend(plots.iter().map(|plot| log_density(&plot.measurement, density, guess)));
@@ -101,6 +110,10 @@ impl ScanUpdate {
             self.gating
                 .run(before, plots, (*time_ns, &self.replies), &looking, counts);
             self.unresolved.find(before, plots, *time_ns, &looking);
+            let is_inside = &mut self.is_inside[..plots.len()];
+            outside(before, &self.gating, is_inside);
+            self.departures
+                .find((before, plots), &self.gating, is_inside, &looking, settings);
             let seen = (&plots[..], &self.log_clutter[..]);
             self.coupling
                 .run((&mut self.gating, &self.unresolved), before, seen, &looking, settings);
@@ -111,6 +124,7 @@ impl ScanUpdate {
             log_clutter: &self.log_clutter,
             gating: &self.gating,
             unresolved: &self.unresolved,
+            departures: &self.departures,
             settings,
             sensor: &looking,
             support,
@@ -188,13 +202,19 @@ fn outside(before: &Population, gating: &Gating, is_inside: &mut [bool]) -> usiz
 
 /// A cluster of one detection that is in no gate: false, or the first of a new track (HT-4).
 fn begin_cluster(scan: &ScanContext<'_>, plot: u32, next: &mut Population, counts: &mut TrackerCounts) {
+    if scan.settings.starts == Starts::Designated {
+        return;
+    }
     let weight = (scan.log_weight + scan.plots[plot as usize].log_weight).exp();
-    let share = scan.settings.initiation.new_target_share * weight;
+    let inherited = scan.departures.motion(plot);
+    let splitting = &scan.settings.splitting;
+    let of_split = scan.departures.share(plot, scan.log_clutter[plot as usize], splitting);
+    let share = of_split.unwrap_or(scan.settings.initiation.new_target_share) * weight;
     let reliability = share / (1.0 + share);
     if reliability <= 0.0 || reliability < scan.settings.reduction.reliability_min {
         return;
     }
-    let Some(mut track) = branching::begin(scan, plot, None, next.next_root) else {
+    let Some(mut track) = branching::begin(scan, plot, inherited, next.next_root) else {
         return;
     };
     if !next.has_room(1, 2, 1) {

@@ -10,6 +10,7 @@ use settings::{KeyValue, Node, Place, Range, SettingsError};
 use crate::field_of_view::FieldOfView;
 use crate::identity::IdentitySettings;
 use crate::initiation::Initiation;
+pub use crate::initiation::Starts;
 pub use crate::life::{Confirmation, Deletion, DeletionSettings};
 use crate::limits::{CLUSTER_TRACKS_MAX, HISTORY_MAX, HYPOTHESES_MAX, OPEN_SCANS_MAX};
 pub use crate::motion::{ManoeuvreSettings, MotionSettings};
@@ -29,6 +30,9 @@ settings::settings! {
         check Settings::check;
         /// Sensors with known facts; offline, other sensors have default settings.
         sensors as "sensor": Vec<SensorFacts> = Vec::new();
+        /// Where tracks start: at detections of every sensor, or only at those of sensors that designate targets
+        /// (`designates`).
+        starts: Starts = Starts::Any;
         /// Gates around predicted measurements.
         gate: Gate = Gate::default();
         /// Models of motion (HT-13).
@@ -79,6 +83,9 @@ settings::settings! {
         clutter_density: Option<f64> = None, in [1e-30, 1e6], usually "learned";
         /// Region with detections of targets. Targets outside the region are not missed.
         field_of_view: Option<FieldOfView> = None, usually "everywhere";
+        /// Set for a source of designations: each of its detections is a target to follow, and has a confirmed track at
+        /// once unless a confirmed track is there.
+        designates: bool = false;
         /// Smallest distance between detections of different targets in a scan; without the key, a target gives at
         /// most one detection.
         resolution_m: Option<f64> = None, in [1e-3, 1e5];
@@ -119,12 +126,20 @@ settings::settings! {
     pub struct Splitting {
         /// Expected new targets per expected false detection in the gates of confirmed tracks; off: the value of
         /// `[initiation]`.
-        new_target_share: Option<f64> = Some(1.0), in [1e-6, 1e3];
+        new_target_share: Option<f64> = Some(3.0), in [1e-6, 1e3];
+        /// Most targets that are expected to leave a confirmed track in a scan: where false detections are dense, new
+        /// targets in gates are rarer than `new_target_share`; off: they are not.
+        leaving_max: Option<f64> = Some(0.1), in [1e-6, 1e3];
         /// In a cluster with a confirmed track, new tracks start only in the gate of a confirmed track (SP-1).
         start_in_confirmed_gates: bool = false;
         /// Least reliability of a single branch with half of its detections in confirmed tracks' gates, for its
         /// confirmation; off: only `[confirmation]`.
-        reliability_min: Option<f64> = Some(0.985), in [0.501, 1];
+        reliability_min: Option<f64> = Some(0.95), in [0.501, 1];
+        /// The same from the third detection of the branch on, if it is less; off: `reliability_min`.
+        third_reliability_min: Option<f64> = Some(0.9), in [0.501, 1];
+        /// Time since which a target may have left a confirmed track without a detection of its own: where it may have
+        /// come since then, new tracks start as in the gate of that track. Needs `parents_motion`; off: in gates only.
+        departed_s: Option<f64> = Some(10.0), in [0, 1e3];
         /// Number of the confirmed track's best branches whose motion new tracks start with (SP-2).
         parents_motion: Option<usize> = Some(4), in [1, CLUSTER_TRACKS_MAX];
         /// Most new tracks per interpretation (SP-3, SP-4).
@@ -205,8 +220,12 @@ impl Settings {
         self.capacity.open_scans.max(compared)
     }
 
-    /// No two sensors have one number.
+    /// No two sensors have one number; tracks can start.
     fn check(&self) -> Result<(), SettingsError> {
+        if self.starts == Starts::Designated && !self.sensors.iter().any(|sensor| sensor.model.designates) {
+            let what = "needs a sensor with designates = true, whose detections are the targets to follow";
+            return Err(SettingsError::new("starts", what));
+        }
         let mut known = BTreeSet::new();
         let mut sensors = self.sensors.iter().map(|sensor| sensor.sensor_id).enumerate();
         sensors

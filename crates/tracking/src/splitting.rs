@@ -15,6 +15,7 @@ use crate::limits::DETECTION_COUNTS;
 use crate::motion::TargetMotion;
 use crate::population::Cluster;
 use crate::settings::{Limit, Splitting};
+use crate::track::Track;
 
 /// Numbers for one cluster in one scan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,6 +53,20 @@ impl SplitLimits {
     /// SP-5: whether a hypothesis of so many tentative tracks is dropped.
     pub(crate) fn forbids(&self, tentative: usize) -> bool {
         tentative > 0 && tentative >= self.tentative_tracks
+    }
+}
+
+/// Detections after which a branch of a split is likely enough with [`Splitting::third_reliability_min`].
+const THIRD: u32 = 3;
+
+impl Splitting {
+    /// Whether a branch that kept company with a confirmed track is likely enough to be confirmed.
+    pub(crate) fn is_beyond_doubt(&self, branch: &Track) -> bool {
+        let third = self.third_reliability_min.filter(|_| branch.detections >= THIRD);
+        let least = self
+            .reliability_min
+            .map(|least| third.map_or(least, |third| third.min(least)));
+        least.is_some_and(|least| branch.reliability >= least)
     }
 }
 

@@ -27,6 +27,8 @@ kept! {
         /// Time of the last detection, or of the last scan of directions with a probable direction of its own,
         /// nanoseconds.
         pub(crate) seen_ns: i64,
+        /// Time of the first detection, nanoseconds.
+        pub(crate) begun_ns: i64,
         /// Number of the track tree: the same for all branches of one first detection.
         pub(crate) root: u32,
         /// The confirmed ancestor's number, or [`TENTATIVE`].
@@ -58,6 +60,7 @@ impl Track {
             motion,
             time_ns,
             seen_ns: time_ns,
+            begun_ns: time_ns,
             root,
             number: TENTATIVE,
             detections: 1,

@@ -95,13 +95,38 @@ fn the_sources_rule_waits_until_no_other_hypothesis_is_left() {
     strict.confirmation.reliability_min = 1.0;
     strict.confirmation.detections_min = 1;
     let mut tracker = Tracker::new(strict).unwrap();
+    let mut confirmed = false;
     for second in 0..10 {
         tracker.scan(1, second * S, &[flying(second, 0.0)]).unwrap();
         let population = tracker.latest();
-        let alone = population.hypotheses.len() == 1;
-        assert_eq!(tracker.tracks().len(), usize::from(alone), "after {second} s");
+        confirmed |= population.hypotheses.len() == 1;
+        assert_eq!(tracker.tracks().len(), usize::from(confirmed), "after {second} s");
     }
     assert_eq!(tracker.tracks().len(), 1);
+}
+
+/// Time of confirmation of a target that is seen every `every` tenths of a second, seconds.
+fn confirmed_at_s(every: usize, change: impl Fn(&mut Settings)) -> Option<f64> {
+    let mut chosen = settings();
+    change(&mut chosen);
+    let mut tracker = Tracker::new(chosen).unwrap();
+    (0..200).step_by(every).find_map(|tenth| {
+        let time_ns = tenth as i64 * S / 10;
+        let seen = position(time_ns, 1.5 * tenth as f64, 0.0);
+        tracker.scan(1, time_ns, &[seen]).unwrap();
+        (!tracker.tracks().is_empty()).then_some(tenth as f64 / 10.0)
+    })
+}
+
+#[test]
+fn detections_of_a_moment_or_hardly_any_do_not_confirm() {
+    let soon = confirmed_at_s(2, |_| ()).unwrap();
+    assert!(soon < 2.0, "{soon}");
+    let late = confirmed_at_s(2, |chosen| chosen.confirmation.span_min_s = Some(4.0));
+    assert_eq!(late, Some(4.0));
+    let rare = |most| confirmed_at_s(20, |chosen| chosen.confirmation.interval_max_s = Some(most));
+    assert_eq!((rare(1.9), rare(2.0)), (None, confirmed_at_s(20, |_| ())));
+    assert!(rare(2.0).is_some());
 }
 
 #[test]

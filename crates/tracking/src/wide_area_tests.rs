@@ -203,6 +203,7 @@ fn early_confirmation() -> EarlyConfirmation {
             reliability_min: 0.55,
             detections_min: 2,
             log_likelihood_ratio_min: None,
+            ..Confirmation::default()
         },
         company_min: 0.0,
     }
@@ -325,6 +326,7 @@ fn clusters_are_given_up_earlier_only_where_absence_was_seen() {
 fn fours_are_counted_on_only_in_their_sector() {
     let four_from = |bearings_deg| {
         let mut chosen = settings();
+        chosen.splitting.new_target_share = Some(1.0);
         chosen.wide_area.knowledge = Knowledge {
             types: Vec::new(),
             priors: vec![Prior {

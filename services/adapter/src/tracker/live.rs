@@ -17,6 +17,7 @@ use sources::carrying::Carrying;
 use sources::{Pipeline, Processing, Samples};
 use tracking::wide_area::arrivals::Arrivals;
 
+use super::silence::SilentSensors;
 use crate::Processed;
 use crate::channel::SourceChannel;
 use crate::platform::FAR_M;
@@ -33,6 +34,7 @@ const SLICES_PER_TURN: usize = 64;
 pub(super) struct TrackerAgent {
     channel: SourceChannel,
     sensors: Vec<TrackedSensor>,
+    silent: SilentSensors,
     waiter: Waiter<SharedMemory>,
     steady: SteadyClock,
     /// Events of a turn: monotonic time of receipt (nanoseconds), place of the sensor, event.
@@ -84,6 +86,7 @@ impl TrackerAgent {
             platforms.push(process.bus.subscriber(&topic, || process.incarnation)?);
         }
         Ok(Self {
+            silent: SilentSensors::new(tracker.1.tracker(), process.config.sensors_of(tracker.0)),
             channel: SourceChannel::open(process, tracker)?,
             platforms,
             carrying: on_board::carrying(process, tracker, None),
@@ -172,6 +175,15 @@ impl Agent for TrackerAgent {
     fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
         self.take(now)?;
         self.channel.listen()?;
+        for (came_ns, place, event) in &self.taken {
+            self.silent.came(*place, event.time_ns(), *came_ns);
+        }
+        // What a silent sensor would have sent passes through the same queue as its detections.
+        for (place, sensor) in self.sensors.iter().enumerate() {
+            let is_silent = !sensor.events.has_slices();
+            let due = is_silent.then(|| self.silent.statement(place, now.mono_ns)).flatten();
+            self.taken.extend(due.map(|event| (now.mono_ns, place, event)));
+        }
         self.carry()?;
         for (place, event, came_ns) in &self.carried {
             if let SensorEvent::Detection(detection) = event

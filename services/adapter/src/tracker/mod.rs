@@ -9,6 +9,7 @@
 mod live;
 mod on_board;
 mod recorded;
+mod silence;
 
 use deployment::Process;
 use runtime::Agent;

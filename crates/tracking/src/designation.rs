@@ -1,0 +1,203 @@
+//! Designations: targets that are to be followed, named by place.
+//!
+//! An operator, or another system, designates a target, and the tracker follows it: *maintenance only*. The obvious
+//! way, an order beside the data, would be used at a time that depends on the machine. A designation has the time for
+//! which its place is right, and must find its place among the scans; after a late scan it must be used again. So a
+//! designation is a detection of a sensor of its own that `designates`: it comes as detections do, over a topic, as
+//! rows or in a file, it is recorded with them, and the same input gives the same tracks.
+//!
+//! A designated target has a confirmed track at once, unless a confirmed track is there already: an operator's place
+//! does not improve a track. Nobody is missed by a scan of designations. With `starts = "designated"` nothing else
+//! begins a track; tracks end as ever.
+
+use crate::counts::TrackerCounts;
+use crate::explanation::{Explanation, Observer, TrackEvent, TrackRecord};
+use crate::limits::DETECTION_COUNTS;
+use crate::motion::TargetMotion;
+use crate::plot::{Plot, Scan};
+use crate::population::{Cluster, Hypothesis, Population};
+use crate::sensor::Sensor;
+use crate::settings::Settings;
+use crate::track::Track;
+
+/// Makes the population after a scan of designations.
+pub(crate) fn designate(
+    scan: &Scan,
+    (before, next): (&Population, &mut Population),
+    sensor: &Sensor,
+    settings: &Settings,
+    observer: Option<&dyn Observer>,
+    counts: &mut TrackerCounts,
+) {
+    next.carry_on(before);
+    next.time_ns = scan.time_ns;
+    next.next_serial = next.next_serial.wrapping_add(scan.plots.len() as u32).max(1);
+    counts.scans += 1;
+    for (place, plot) in (0..).zip(&scan.plots) {
+        if is_followed(next, plot, sensor, settings) {
+            continue;
+        }
+        let serial = before.next_serial.wrapping_add(place);
+        let Some(track) = designated(plot, serial, next, settings) else {
+            counts.rejected_detections += 1;
+            continue;
+        };
+        if !next.has_room(1, 1, 1) {
+            counts.dropped_tracks += 1;
+            continue;
+        }
+        add(next, track);
+        counts.confirmed += 1;
+        if let Some(observer) = observer {
+            observer.explain(&Explanation::Track {
+                event: TrackEvent::Confirmed,
+                track: TrackRecord::of(&track, &scan.plots, before.next_serial),
+                value: track.reliability,
+                limit: f64::NAN,
+            });
+        }
+    }
+}
+
+/// Whether a confirmed track may be of the designated target.
+fn is_followed(population: &Population, plot: &Plot, sensor: &Sensor, settings: &Settings) -> bool {
+    let mut confirmed = population.tracks.iter().filter(|track| track.is_confirmed());
+    confirmed.any(|track| {
+        let motion = track.motion_at(plot.time_ns, &settings.motion);
+        let innovation = motion.innovation(&plot.measurement);
+        innovation.is_some_and(|innovation| innovation.squared_distance <= sensor.gates[innovation.dimension - 1])
+    })
+}
+
+/// `None` of a direction alone.
+fn designated(plot: &Plot, serial: u32, population: &Population, settings: &Settings) -> Option<Track> {
+    let motion = TargetMotion::first(&plot.measurement, &settings.initiation, &settings.motion)?;
+    let mut track = Track {
+        number: population.next_number,
+        reliability: 1.0,
+        ..Track::begun(motion, plot.time_ns, serial, population.next_root)
+    };
+    track.identity.take(&plot.identity);
+    Some(track)
+}
+
+/// Adds a cluster of a track that is certain.
+fn add(population: &mut Population, track: Track) {
+    let (place, hypothesis, member) = (
+        population.tracks.len() as u32,
+        population.hypotheses.len() as u32,
+        population.members.len() as u32,
+    );
+    population.tracks.push(track);
+    population.members.push(place);
+    population.hypotheses.push(Hypothesis {
+        log_reliability: 0.0,
+        members: member..member + 1,
+    });
+    population.clusters.push(Cluster {
+        tracks: place..place + 1,
+        hypotheses: hypothesis..hypothesis + 1,
+        detections: [0.0; DETECTION_COUNTS],
+        scans: 0,
+    });
+    population.next_root = population.next_root.wrapping_add(1).max(1);
+    population.next_number = population.next_number.wrapping_add(1).max(1);
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::Tracker;
+    use crate::initiation::Starts;
+    use crate::settings::{SensorFacts, Settings};
+    use crate::testing::{S, position, settings};
+    use observations::Detection;
+
+    /// Sensor 2 designates, 300 m accurate.
+    fn maintaining() -> Settings {
+        let mut chosen = Settings {
+            starts: Starts::Designated,
+            ..settings()
+        };
+        chosen.capacity.open_scans = 4;
+        let mut operator = SensorFacts {
+            sensor_id: 2,
+            ..SensorFacts::default()
+        };
+        operator.model.designates = true;
+        chosen.sensors.push(operator);
+        chosen
+    }
+
+    fn designation(second: i64, east: f64, north: f64) -> Detection {
+        Detection {
+            sensor_id: 2,
+            sigmas: Some([300.0, 300.0, 0.0, 0.0]),
+            ..position(second * S, east, north)
+        }
+    }
+
+    /// Two targets, 5 km apart, which go north.
+    fn look(tracker: &mut Tracker, second: i64) {
+        let north = 15.0 * second as f64;
+        let seen = [0.0, 5e3].map(|east| position(second * S, east, north));
+        tracker.scan(1, second * S, &seen).unwrap();
+    }
+
+    fn easts(tracker: &Tracker) -> Vec<(u32, i64)> {
+        let place = |track: &crate::TrackReport| (track.number, (track.estimate.mean[0] / 10.0).round() as i64);
+        tracker.tracks().iter().map(place).collect()
+    }
+
+    #[test]
+    fn only_designated_targets_are_followed() {
+        let mut tracker = Tracker::new(maintaining()).unwrap();
+        (0..10).for_each(|second| look(&mut tracker, second));
+        assert_eq!((tracker.tracks().len(), tracker.branches()), (0, 0), "none of its own");
+        tracker.scan(2, 10 * S, &[designation(10, 5100.0, 250.0)]).unwrap();
+        assert_eq!(tracker.tracks().len(), 1, "confirmed at once");
+        (11..20).for_each(|second| look(&mut tracker, second));
+        assert_eq!(
+            easts(&tracker),
+            [(1, 500)],
+            "from the designated place to the detections"
+        );
+        // A second designation of the same target changes nothing; one of the other target begins its track.
+        let before = tracker.tracks()[0].estimate;
+        let again = [designation(20, 5200.0, 100.0), designation(20, 100.0, 400.0)];
+        tracker.scan(2, 20 * S, &again).unwrap();
+        assert_eq!(tracker.tracks().len(), 2);
+        assert_eq!(tracker.tracks()[0].estimate.velocity_mps(), before.velocity_mps());
+        (21..30).for_each(|second| look(&mut tracker, second));
+        assert_eq!(easts(&tracker), [(1, 500), (2, 0)]);
+        // Designated where nothing is: the track ends by its misses.
+        tracker.scan(2, 30 * S, &[designation(30, -20e3, 0.0)]).unwrap();
+        (31..60).for_each(|second| look(&mut tracker, second));
+        assert_eq!(easts(&tracker), [(1, 500), (2, 0)]);
+    }
+
+    #[test]
+    fn a_late_designation_is_used_in_its_place() {
+        let run = |late: bool| {
+            let mut tracker = Tracker::new(maintaining()).unwrap();
+            for second in 0..6 {
+                if second == 4 + i64::from(late) {
+                    tracker.scan(2, 3 * S + S / 2, &[designation(3, 0.0, 0.0)]).unwrap();
+                }
+                look(&mut tracker, second);
+            }
+            tracker.tracks().to_vec()
+        };
+        assert_eq!(run(true).len(), 1);
+        assert_eq!(run(true), run(false));
+    }
+
+    #[test]
+    fn without_a_designator_a_tracker_must_start_tracks() {
+        let chosen = Settings {
+            starts: Starts::Designated,
+            ..settings()
+        };
+        let refused = Tracker::new(chosen).unwrap_err();
+        assert!(refused.to_string().contains("designates"), "{refused}");
+    }
+}
