@@ -131,6 +131,9 @@ impl Agent for TrackerAgent {
         for (came_ns, place, event) in &self.taken {
             self.channel.event(*place, event, *came_ns)?;
         }
+        if self.taken.is_empty() {
+            self.channel.clock(now)?;
+        }
         self.channel.publish()?;
         Ok(match self.taken.is_empty() {
             true => Turn::Idle(PATIENCE),

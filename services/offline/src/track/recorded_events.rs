@@ -91,7 +91,14 @@ pub(super) fn run(track: &TrackArgs, host: &dyn Host) -> anyhow::Result<()> {
     let observer = explained.as_ref().map(|explained| explained as &dyn Observer);
     let progress = Progress::new(host, recorded.events.len() as u64);
     for (done, (sensor, event)) in recorded.events.iter().enumerate() {
-        match joiner.take(*sensor, event, 0) {
+        let treatment = match sensor {
+            Some(sensor) => joiner.take(*sensor, event, 0),
+            None => {
+                joiner.clock(event.time_ns());
+                DetectionTreatment::Waits
+            }
+        };
+        match treatment {
             DetectionTreatment::Waits => {}
             DetectionTreatment::TooLate => input.refusals.count("late: the scan was complete"),
             DetectionTreatment::Refused => input.refusals.count("no room for waiting detections"),
@@ -183,8 +190,8 @@ fn tracker<'a>(track: &TrackArgs, config: &'a Config) -> anyhow::Result<(&'a Sou
 /// What a tracker process took, in its order.
 #[derive(Debug, Default)]
 struct RecordedEvents {
-    /// Place of the sensor, and its event.
-    events: Vec<(usize, SensorEvent)>,
+    /// Place of the sensor, and its event; without a sensor, the time of the clock.
+    events: Vec<(Option<usize>, SensorEvent)>,
     reports: Vec<WideAreaReport>,
     octets: u64,
 }
@@ -219,8 +226,10 @@ impl RecordedEvents {
                             return Ok(());
                         };
                         let place = sensors.iter().position(|sensor| sensor.number == sample.source);
+                        let is_known = place.is_some() || sample.source == source.number;
                         // A replay that is started again publishes some events twice.
-                        if let (Some(place), Some(event)) = (place, SensorEvent::of_sample(&sample))
+                        if let Some(event) = SensorEvent::of_sample(&sample)
+                            && is_known
                             && sample.sequence >= next_sequence
                         {
                             next_sequence = sample.sequence + 1;
