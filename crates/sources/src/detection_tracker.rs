@@ -16,9 +16,9 @@
 //!
 //! The picture of a single sensor does not wait while the sensor is silent ([`DetectionTracker::elapsed`]). The picture
 //! goes out without further data once the clock, in the sensor's time, is later than the picture's time by a period
-//! and the wait. The scan at hand is completed likewise. With several sensors the clock acts as one more sensor that has
-//! come so far ([`DetectionTracker::clock`]). The time of the clock is published as a mark among the events, under the
-//! number of the tracker, so `koseki track` makes the same pictures after the same scans. The clock decides *when*,
+//! and the wait. The scan at hand is completed likewise. With several sensors the clock acts as one more sensor that
+//! has come so far ([`DetectionTracker::clock`]). The time of the clock is published as a mark among the events, under
+//! the number of the tracker, so `koseki track` makes the same pictures after the same scans. The clock decides *when*,
 //! never *what*: a picture is the state after the scans published before it, moved to its own time. Each picture is
 //! published before the next scan. So a recording holds the order of scans and pictures, and the recorded detections
 //! give the same pictures.

@@ -160,7 +160,8 @@ fn shown(figures: &TrackerFigures, seconds: f64) -> String {
     };
     format!(
         "{} sensors with {} scans/s of {} detections each; {} targets, {:.0} tracks\n\n{table}\
-         work: {} in the mean, {:.1} % of the time; behind the data by {most_ns} at most, by {end_ns} at the end: {grows}\n",
+         work: {} in the mean, {:.1} % of the time; \
+         behind the data by {most_ns} at most, by {end_ns} at the end: {grows}\n",
         figures.sensors,
         figures.scans_per_s,
         figures.detections,

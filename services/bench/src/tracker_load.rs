@@ -6,8 +6,8 @@
 //! sensors, so an event that had to queue shows. The same simulated seconds on a slow machine give a growing queue, not
 //! a longer measurement.
 //!
-//! Targets fly straight over a disc. A sensor that delivers fewer detections in a scan than there are targets looks at a
-//! sector with as many targets; what is missing to its detections is false.
+//! Targets fly straight over a disc. A sensor that delivers fewer detections in a scan than there are targets looks at
+//! a sector with as many targets; what is missing to its detections is false.
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;

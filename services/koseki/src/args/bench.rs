@@ -47,8 +47,8 @@ Examples:
   koseki bench tracker                                    8 sensors with 250 scans of 50 detections per second each
   koseki bench tracker --scans 10 --detections 1250       the same detections in larger scans
 
-The tracker process's work without shared memory: joining the sensors' scans, and tracking. Scans are due at fixed times.
-A scan begins when it is due and the scans before it are done, so the queue of a tracker that is too slow grows.";
+The tracker process's work without shared memory: joining the sensors' scans, and tracking. Scans are due at fixed
+times. A scan begins when it is due and the scans before it are done, so the queue of a tracker that is too slow grows.";
 
 const THROUGHPUT_EXAMPLES: &str = "\
 Examples:
