@@ -147,10 +147,8 @@ pub(crate) fn drive<E>(
             let took_ns = now_ns() - begin_ns;
             (free_ns, work_ns) = (free_ns + took_ns, work_ns + took_ns);
             let reached_ns = tracker.progress_ns().saturating_sub(start_ns);
-            while waiting
-                .pop_front_if(|time_ns: &mut i64| *time_ns <= reached_ns)
-                .is_some()
-            {
+            while waiting.front().is_some_and(|time_ns: &i64| *time_ns <= reached_ns) {
+                waiting.pop_front();
                 if is_measured {
                     times.latency.saturating_record((free_ns - came_ns) as u64);
                 }
