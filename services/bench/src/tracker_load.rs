@@ -138,8 +138,7 @@ pub(crate) fn drive<E>(
         traffic.scan(sensor, (number / load.sensors) as u32, [start_ns, came_ns], &mut scan);
         waiting.push_back(came_ns);
         let is_measured = came_ns >= warm_up_ns;
-        // The queue begins with the measurement.
-        free_ns = if is_measured { came_ns.max(free_ns) } else { came_ns };
+        free_ns = came_ns.max(free_ns);
         let mut work_ns = 0;
         for event in &scan {
             let begin_ns = now_ns();
@@ -160,6 +159,9 @@ pub(crate) fn drive<E>(
             busy_ns += work_ns;
             let behind_ns = free_ns - came_ns - work_ns;
             times.queue_ns = [times.queue_ns[0].max(behind_ns), behind_ns];
+        } else {
+            // The queue begins with the measurement.
+            free_ns = came_ns;
         }
     }
     times.busy = busy_ns as f64 / (end_ns - warm_up_ns) as f64;
