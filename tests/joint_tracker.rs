@@ -1,12 +1,15 @@
 //! Tracker processes: the detections of several sensors become the tracks of one source, and `koseki track` makes the
 //! same tracks of the recording (HT-12).
 
+use std::collections::BTreeSet;
 use std::fs;
-use std::net::{SocketAddr, UdpSocket};
+use std::io::{BufReader, Read as _};
+use std::net::{SocketAddr, TcpStream, UdpSocket};
 use std::time::Duration;
 
 use bus::{Bus, Mark, Publisher, SharedMemory};
-use messages::{DetectionKind, SensorDetection, sensor_detection_bits};
+use messages::layout::Sample as _;
+use messages::{Cue, DetectionKind, SensorDetection, sensor_detection_bits};
 use runtime::clock::mono_ns;
 use rustix::process::Signal;
 use test_support::Random;
@@ -90,12 +93,17 @@ struct Site {
 impl Site {
     /// A lidar and a camera that send rows to one socket, and a sonar whose program publishes its detections.
     fn new() -> Self {
+        Self::with("", "")
+    }
+
+    /// The same with these keys of the tracker, and with these tables.
+    fn with(keys: &str, tables: &str) -> Self {
         let home = Home::new();
         let to = free_address();
         let text = format!(
             "name = \"test\"\n[frame]\nlatitude_deg = {}\nlongitude_deg = {}\n\
              [[receiver]]\nname = \"rows\"\n[receiver.udp]\nlisten = \"{to}\"\n\
-             [[tracker]]\nname = \"ship\"\nwait_s = 0.3\nperiod_s = 0.5\nfresh_s = 5.0\n\
+             [[tracker]]\nname = \"ship\"\nwait_s = 0.3\nperiod_s = 0.5\nfresh_s = 5.0\n{keys}\
              [tracker.settings.motion]\nprocess_noise_m2ps3 = [1.0, 1.0]\n\
              [tracker.settings.initiation]\nspeed_sigma_mps = 30.0\n\
              [tracker.settings.capacity]\ndetections = 256\ntracks = 1024\n\
@@ -105,7 +113,7 @@ impl Site {
              [tracker.sensor.live]\nreceiver = \"rows\"\nformat = \"rows\"\nsensor_id = 2\n\
              [[tracker.sensor]]\nname = \"sonar\"\nscans = \"period\"\nperiod_s = 0.7\n\
              [tracker.sensor.external]\n\
-             [recorder]\nformat = [\"csv\", \"mcap\"]\n",
+             [recorder]\nformat = [\"csv\", \"mcap\"]\n{tables}",
             PLACE[0], PLACE[1]
         );
         fs::write(home.path("site.toml"), text).unwrap();
@@ -269,7 +277,7 @@ fn detections_of_several_live_sensors_become_tracks_and_their_recording_gives_th
     let (summary, tracks) = tracked_again(&site.home, "ship");
     assert_equal(&tracks);
     assert!(tracks[0].len() > 150, "{} rows: {summary}", tracks[0].len());
-    let numbers: std::collections::BTreeSet<&String> = tracks[0].iter().map(|row| &row[1]).collect();
+    let numbers: BTreeSet<&String> = tracks[0].iter().map(|row| &row[1]).collect();
     assert_eq!(numbers.len(), TARGETS, "{numbers:?}");
     // The same detections are late.
     let refused = summary["refused"].as_object().unwrap();
@@ -295,6 +303,81 @@ fn detections_of_several_live_sensors_become_tracks_and_their_recording_gives_th
         .find(|source| source["name"] == "ship.sonar")
         .unwrap();
     assert!(sonar["adapter"]["rejected_position"].as_u64() > Some(10), "{sonar}");
+    site.home.assert_nothing_is_left("test");
+}
+
+/// Ids of the sensors in a table of cues, with and without a header line.
+fn cued(rows: &str) -> BTreeSet<String> {
+    let rows = rows.lines().filter(|line| !line.starts_with("made_s"));
+    rows.filter_map(|row| row.split(',').nth(2).map(str::to_owned))
+        .collect()
+}
+
+/// Pictures go on while all sensors are silent, and the recording gives the same ones again. Cues of each sensor leave
+/// the machine in datagrams and over connections, and are recorded (WA-11, WA-12).
+#[test]
+fn pictures_and_cues_of_several_sensors_go_out_and_are_recorded() {
+    let controller = UdpSocket::bind("127.0.0.1:0").unwrap();
+    controller.set_nonblocking(true).unwrap();
+    let (to, at) = (controller.local_addr().unwrap(), free_address());
+    let tables = format!(
+        "[[cue_outlet]]\nname = \"looks\"\nsource = \"ship\"\nsend_to = \"{to}\"\n\
+         [[cue_outlet]]\nname = \"lines\"\nsource = \"ship\"\nlisten = \"{at}\"\n"
+    );
+    let mut site = Site::with("output_period_s = 0.5\ncues = true\n", &tables);
+    let running = site.start();
+    until("the outlets run", || {
+        ["looks", "lines"].map(|name| site.home.status_row(name).state) == ["running", "running"].map(str::to_owned)
+    });
+    let mut lines = TcpStream::connect(at).unwrap();
+    lines.set_nonblocking(true).unwrap();
+    let (mut datagrams, mut connected, mut octets) = (String::new(), String::new(), [0; 65_536]);
+    let mut take = || {
+        while let Ok(length) = controller.recv(&mut octets) {
+            datagrams += std::str::from_utf8(&octets[..length]).unwrap();
+        }
+        while let Ok(length @ 1..) = lines.read(&mut octets) {
+            connected += std::str::from_utf8(&octets[..length]).unwrap();
+        }
+        [cued(&datagrams), cued(&connected)]
+    };
+    let all: BTreeSet<String> = ["2", "3", "4"].map(str::to_owned).into();
+    site.steps_until("each sensor has cues", |site| {
+        take().iter().all(|sensors| *sensors == all) && site.tracks().lines().count() > 60
+    });
+    // From now on all sensors are silent.
+    site.sonar = None;
+    let last_ns = site.begun_ns + (0.1e9 * site.steps as f64) as i64;
+    let newest_s = |site: &Site| -> f64 {
+        let tracks = site.tracks();
+        let row = tracks.lines().last().unwrap_or_default();
+        row.split(',').next().and_then(|time| time.parse().ok()).unwrap_or(0.0)
+    };
+    let silent_s = last_ns.rem_euclid(86_400_000_000_000) as f64 / 1e9;
+    until("pictures go on", || newest_s(&site) > silent_s + 3.0);
+    let (ended, said) = running.stop();
+    assert_eq!(ended.code(), Some(0), "{said}");
+    let (summary, tracks) = tracked_again(&site.home, "ship");
+    assert_equal(&tracks);
+    assert!(tracks[0].len() > 60, "{summary}");
+    assert_eq!(
+        cued(&fs::read_to_string(site.home.path("out/latest/cues_ship.csv")).unwrap()),
+        all
+    );
+    let mut recorded = BTreeSet::new();
+    let mut file = BufReader::new(fs::File::open(site.home.path(&recording(&site.home))).unwrap());
+    let read = ::recording::read::<_, ::recording::RecordingError>(&mut file, |item| {
+        if let ::recording::Item::Sample {
+            topic: "sensor/ship/cues",
+            octets,
+        } = item
+        {
+            recorded.extend(Cue::of_octets(octets).map(|cue| cue.source));
+        }
+        Ok(())
+    });
+    read.unwrap();
+    assert_eq!(recorded, BTreeSet::from([1, 2, 3]));
     site.home.assert_nothing_is_left("test");
 }
 

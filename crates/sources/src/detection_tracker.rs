@@ -16,10 +16,12 @@
 //!
 //! The picture of a single sensor does not wait while the sensor is silent ([`DetectionTracker::elapsed`]). The picture
 //! goes out without further data once the clock, in the sensor's time, is later than the picture's time by a period
-//! and the wait. The scan at hand is completed likewise. Pictures of several sensors wait for the data of any of them.
-//! The clock decides *when*, never *what*: a picture is the state after the scans published before
-//! it, moved to its own time. Each picture is published before the next scan. So a recording holds the order of scans
-//! and pictures, and the recorded detections give the same pictures.
+//! and the wait. The scan at hand is completed likewise. With several sensors the clock acts as one more sensor that
+//! has come so far ([`DetectionTracker::clock`]). The time of the clock is published as a mark among the events, under
+//! the number of the tracker, so `koseki track` makes the same pictures after the same scans. The clock decides *when*,
+//! never *what*: a picture is the state after the scans published before it, moved to its own time. Each picture is
+//! published before the next scan. So a recording holds the order of scans and pictures, and the recorded detections
+//! give the same pictures.
 //!
 //! Reports of wide-area sensors wait until the scans have reached their arrival. If that scan has already been
 //! processed, a live report is counted, and used in the next scan.
@@ -86,6 +88,8 @@ pub struct DetectionTracker {
     detections: u64,
     /// Latest time of any detection, nanoseconds.
     newest_ns: i64,
+    /// Latest time of any event of the sensors, and its monotonic time of receipt, nanoseconds.
+    newest_event: Option<(i64, i64)>,
     /// Detections that came, where events are published.
     taken: u64,
     late: u64,
@@ -124,6 +128,7 @@ impl DetectionTracker {
             ingested_ns: 0,
             detections: 0,
             newest_ns: i64::MIN,
+            newest_event: None,
             taken: 0,
             late: 0,
             dropped: 0,
@@ -165,7 +170,12 @@ impl DetectionTracker {
             self.unplaced += 1;
             return;
         }
-        match self.joiner.take(sensor, &event, ingested_ns) {
+        let treatment = self.joiner.take(sensor, &event, ingested_ns);
+        let is_newest = |(newest_ns, _): (i64, i64)| event.time_ns() > newest_ns;
+        if treatment == DetectionTreatment::Waits && self.newest_event.is_none_or(is_newest) {
+            self.newest_event = Some((event.time_ns(), ingested_ns));
+        }
+        match treatment {
             DetectionTreatment::Waits => self.come_to(samples),
             DetectionTreatment::TooLate => self.late += 1,
             DetectionTreatment::Refused => self.dropped += 1,
@@ -218,7 +228,7 @@ impl DetectionTracker {
     /// pictures that no longer wait for data are made (WA-11). Without a configured output period, or before the first
     /// scan, nothing happens.
     pub fn elapsed(&mut self, time_ns: i64, samples: &mut Samples) {
-        // The pictures of several sensors wait for the data of any of them.
+        // Of several sensors, see `clock`.
         if self.events {
             return;
         }
@@ -230,6 +240,29 @@ impl DetectionTracker {
         if self.tracker.scans() > 0 && self.tracker.has_picture_due(due_ns) {
             self.passed(due_ns, false, self.ingested_ns, samples);
         }
+    }
+
+    /// The clock has come to `mono_ns` (monotonic, nanoseconds), and no received data wait: pictures of several sensors
+    /// that are overdue by a period do not wait for data any longer (WA-11). The time of the data is taken to have gone
+    /// on since the newest event came.
+    pub fn clock(&mut self, mono_ns: i64, samples: &mut Samples) {
+        let newest = self.newest_event.filter(|_| self.events && self.tracker.scans() > 0);
+        let (Some((newest_ns, came_ns)), Some(period_ns)) = (newest, self.tracker.period_ns()) else {
+            return;
+        };
+        let since_ns = mono_ns.saturating_sub(came_ns);
+        let time_ns = newest_ns.saturating_add(since_ns).saturating_sub(period_ns);
+        if self.tracker.has_picture_due(self.joiner.shown_at_ns(time_ns)) {
+            self.clock_mark(time_ns, samples);
+        }
+    }
+
+    /// Takes the time to which the clock has come, in the time of the data (UTC, nanoseconds), and publishes it.
+    fn clock_mark(&mut self, time_ns: i64, samples: &mut Samples) {
+        let mark = SensorEvent::Passed(time_ns);
+        samples.detections.push(mark.sample(self.source, StageTimes::default()));
+        self.joiner.clock(time_ns);
+        self.come_to(samples);
     }
 
     /// Takes the first sensor's report that a turn takes `turn_ns` nanoseconds.

@@ -113,9 +113,21 @@ impl ScanJoiner {
         if treatment == DetectionTreatment::Waits {
             let own_ns = &mut self.sensors[sensor].own_ns;
             *own_ns = event.time_ns().max(*own_ns);
-            self.come_to(event.time_ns());
+            self.come_to(event.time_ns(), sensor);
         }
         treatment
+    }
+
+    /// The clock has come to `time_ns`, in the time of the data (nanoseconds): as if a sensor beside the others had
+    /// sent data of this time.
+    pub fn clock(&mut self, time_ns: i64) {
+        self.come_to(time_ns, 0);
+    }
+
+    /// [`Self::shown_ns`] of several sensors once data have come to `time_ns`, nanoseconds.
+    pub fn shown_at_ns(&self, time_ns: i64) -> i64 {
+        // A scan at the horizon may still come.
+        time_ns.saturating_sub(self.wait_ns).saturating_sub(1)
     }
 
     /// Takes the statement of the sensor in this place that a turn takes `turn_ns` nanoseconds.
@@ -193,8 +205,7 @@ impl ScanJoiner {
     pub fn shown_ns(&self) -> i64 {
         match (self.sensors.len(), self.has_ended) {
             (1, _) | (_, true) => self.running_ns,
-            // A scan at the horizon may still come.
-            _ => self.horizon_ns().saturating_sub(1),
+            _ => self.shown_at_ns(self.running_ns),
         }
     }
 
@@ -210,10 +221,16 @@ impl ScanJoiner {
         self.running_ns.saturating_sub(rest_ns)
     }
 
-    fn come_to(&mut self, time_ns: i64) {
-        self.running_ns = self.running_ns.max(time_ns);
+    /// The data of the sensor in this place have come to `time_ns`.
+    fn come_to(&mut self, time_ns: i64, sensor: usize) {
         let is_alone = self.sensors.len() == 1;
-        for place in 0..self.sensors.len() {
+        // Only an advance of time concerns the other sensors: most detections of a scan have its time.
+        let concerned = match time_ns > self.running_ns {
+            true => 0..self.sensors.len(),
+            false => sensor..sensor + 1,
+        };
+        self.running_ns = self.running_ns.max(time_ns);
+        for place in concerned {
             let cut_ns = self.cut_ns(place);
             if !is_alone {
                 self.sensors[place].scans.passed(cut_ns);

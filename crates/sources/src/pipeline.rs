@@ -211,6 +211,14 @@ impl Pipeline {
         self.follow();
     }
 
+    /// The clock has come to `mono_ns`, and no received data wait: see [`DetectionTracker::clock`].
+    pub fn clock(&mut self, mono_ns: i64, samples: &mut Samples) {
+        if let Maker::Tracker(tracker) = &mut self.maker {
+            tracker.clock(mono_ns, samples);
+        }
+        self.follow();
+    }
+
     /// Takes a report of a wide-area sensor that supports its tracker.
     pub fn wide_area(&mut self, report: WideAreaReport) {
         if let Maker::Tracker(tracker) = &mut self.maker {

@@ -194,6 +194,11 @@ impl ScanTracker {
         }
     }
 
+    /// Time between two pictures, nanoseconds; `None` if there are no pictures.
+    pub fn period_ns(&self) -> Option<i64> {
+        self.pictures.as_ref().map(|pictures| pictures.schedule.period_ns())
+    }
+
     /// Whether a picture until `time_ns` has not been handed out.
     pub fn has_picture_due(&self, time_ns: i64) -> bool {
         let pictures = self.pictures.as_ref();

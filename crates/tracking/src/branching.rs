@@ -175,18 +175,24 @@ fn kept(store: &mut HypothesisStore, track: Track) -> u32 {
     store.add_track(track).unwrap_or(UNMADE)
 }
 
+/// Lets the track, which was `number` before the scan, have no detection; `has_plots` if its cluster has any.
+pub(crate) fn miss(scan: &ScanContext<'_>, (number, track): (u32, &mut Track), has_plots: bool) {
+    let log_miss = scan.gating.log_misses[number as usize];
+    track.missed += 1;
+    track.log_silence += scan.gating.log_silences[number as usize];
+    track.log_likelihood_ratio += log_miss;
+    track.seen_by &= !scan.sensor.bit;
+    // A fast sensor without detections here must not push the open choices of a slow sensor out of the memory.
+    if has_plots || scan.sensor.scan_weight >= 1.0 {
+        track.remember(NO_DETECTION);
+    }
+}
+
 /// `None` if it is given up.
 fn missed_track(joined: &JoinedClusters<'_>, number: u32, counts: &mut TrackerCounts) -> Option<Track> {
     let scan = joined.scan;
     let mut track = scan.before.tracks[number as usize];
-    let log_miss = scan.gating.log_misses[number as usize];
-    track.missed += 1;
-    track.log_silence += log_miss;
-    track.log_likelihood_ratio += log_miss;
-    // A fast sensor without detections here must not push the open choices of a slow sensor out of the memory.
-    if !joined.plots.is_empty() || scan.sensor.scan_weight >= 1.0 {
-        track.remember(NO_DETECTION);
-    }
+    miss(scan, (number, &mut track), !joined.plots.is_empty());
     let deletion = &scan.settings.deletion.of(&track, &scan.settings.identity);
     if deletion.is_met(&track, scan.time_ns) {
         explain_end(scan, &track, deletion, TrackEvent::ENDS);
@@ -198,7 +204,7 @@ fn missed_track(joined: &JoinedClusters<'_>, number: u32, counts: &mut TrackerCo
         explain_end(scan, &track, &early, TrackEvent::ABSENT_ENDS);
         return None;
     }
-    if lacks_company(joined, &track) {
+    if lacks_company(scan, joined.confirmed, &track) {
         explain_company(scan, &track);
         return None;
     }
@@ -221,13 +227,14 @@ fn updated_track(joined: &JoinedClusters<'_>, number: u32, pair: u32, counts: &m
     (track.time_ns, track.seen_ns) = (plot.time_ns, plot.time_ns);
     (track.missed, track.log_silence) = (0, 0.0);
     track.detections += 1;
+    track.seen_by |= scan.sensor.bit;
     let row = joined.row_of(found.plot) as usize;
     track.in_company += u32::from(joined.is_in_confirmed_gate(row));
     track.log_likelihood_ratio += scan.sensor.log_detection + found.log_likelihood
         - scan.log_clutter[found.plot as usize]
         - joined.shared[row].log_others;
     track.remember(scan.first_serial.wrapping_add(found.plot));
-    if lacks_company(joined, &track) {
+    if lacks_company(scan, joined.confirmed, &track) {
         counts.out_of_company += 1;
         explain_company(scan, &track);
         return None;
@@ -261,6 +268,7 @@ fn shared_track(joined: &JoinedClusters<'_>, number: u32, other_number: u32, sha
     track.time_ns = plot.time_ns;
     (track.missed, track.log_silence) = (0, 0.0);
     track.detections += 1;
+    track.seen_by |= scan.sensor.bit;
     track.remember(scan.first_serial.wrapping_add(found.plot));
     Some(track)
 }
@@ -274,16 +282,17 @@ pub(crate) fn begin(scan: &ScanContext<'_>, plot: u32, inherited: Option<TargetM
     let serial = scan.first_serial.wrapping_add(plot);
     let mut track = Track {
         log_likelihood_ratio: settings.initiation.new_target_share.ln(),
+        seen_by: scan.sensor.bit,
         ..Track::begun(motion, found.time_ns, serial, root)
     };
     track.identity.take(&found.identity);
     Some(track)
 }
 
-/// SP-7.
-fn lacks_company(joined: &JoinedClusters<'_>, track: &Track) -> bool {
-    let judged = joined.confirmed > 0 && !track.is_confirmed() && track.detections > 1;
-    let least = joined.scan.settings.splitting.company_min.filter(|_| judged);
+/// SP-7, in a cluster with so many confirmed tracks.
+pub(crate) fn lacks_company(scan: &ScanContext<'_>, confirmed: usize, track: &Track) -> bool {
+    let judged = confirmed > 0 && !track.is_confirmed() && track.detections > 1;
+    let least = scan.settings.splitting.company_min.filter(|_| judged);
     least.is_some_and(|least| track.company() < least)
 }
 

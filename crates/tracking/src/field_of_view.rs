@@ -99,8 +99,21 @@ impl FieldOfView {
     }
 }
 
+/// Standard deviations beyond which [`normal`] is 1, to the last bit, and beyond which it is 0.
+const ALL_BELOW: f64 = 8.5;
+const NONE_BELOW: f64 = -40.0;
+
 /// Probability that a normal deviate of mean 0 lies between.
 pub(crate) fn between(from: f64, to: f64, sigma: f64) -> f64 {
+    // Nearly all targets are so far inside or outside that nothing has to be computed.
+    if sigma > 0.0 {
+        if to <= NONE_BELOW * sigma || from >= ALL_BELOW * sigma {
+            return 0.0;
+        }
+        if from <= -ALL_BELOW * sigma && to >= ALL_BELOW * sigma {
+            return 1.0;
+        }
+    }
     let below = |value: f64| {
         if sigma > 0.0 {
             normal(value / sigma)
@@ -145,6 +158,24 @@ mod tests {
         sector_deg: None,
         position_m: None,
     };
+
+    /// The shortcuts change no bit.
+    #[test]
+    fn far_inside_and_far_outside_nothing_has_to_be_computed() {
+        assert_eq!((normal(ALL_BELOW), normal(NONE_BELOW)), (1.0, 0.0));
+        assert_eq!(1.0 - normal(-ALL_BELOW), 1.0);
+        for (from, to) in [
+            (-17.1, 17.1),
+            (17.1, 20.0),
+            (-90.0, -80.2),
+            (-16.9, 17.1),
+            (-17.1, 16.9),
+            (16.9, 30.0),
+        ] {
+            let computed = (normal(to / 2.0) - normal(from / 2.0)).clamp(0.0, 1.0);
+            assert_eq!(between(from, to, 2.0).to_bits(), computed.to_bits(), "{from} {to}");
+        }
+    }
 
     #[test]
     fn the_normal_distribution() {

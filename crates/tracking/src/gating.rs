@@ -24,6 +24,9 @@ const CELL_M: f64 = 1000.0;
 /// Most cells on a side of a search in the grid; a wider one looks at every detection.
 const CELLS_MAX: f64 = 12.0;
 
+/// Reaches beyond which a detection is not in the gate of the other model either.
+const FAR_REACHES: f64 = 3.0;
+
 pub(crate) const NONE: u32 = u32::MAX;
 
 /// A track and a detection in its gate.
@@ -46,6 +49,8 @@ pub(crate) struct Gating {
     pub(crate) pairs_begin: Vec<u32>,
     /// By track: logarithm of the probability of no detection in its gate, times the weight of the scan.
     pub(crate) log_misses: Vec<f64>,
+    /// The same without regard to what the sensor's look before found.
+    pub(crate) log_silences: Vec<f64>,
     /// By cluster: number of its detections, at most.
     rows: Vec<u32>,
     /// By detection: the last cluster that has it in a gate, or [`NONE`].
@@ -64,6 +69,8 @@ pub(crate) struct Gating {
     pub(crate) shared: Vec<SharedPlot>,
     grid: Grid,
     in_grid: usize,
+    /// By detection: its place, east and north, metres.
+    places: Vec<[f64; 2]>,
     near: Vec<u32>,
 }
 
@@ -73,6 +80,7 @@ impl Gating {
             pairs: Vec::with_capacity(4 * tracks_max + PAIRS_MAX),
             pairs_begin: Vec::with_capacity(tracks_max + 1),
             log_misses: Vec::with_capacity(tracks_max),
+            log_silences: Vec::with_capacity(tracks_max),
             rows: Vec::with_capacity(tracks_max),
             owner: Vec::with_capacity(plots_max),
             is_named: Vec::with_capacity(plots_max),
@@ -83,6 +91,7 @@ impl Gating {
             shared: Vec::with_capacity(2 * (4 * tracks_max + PAIRS_MAX) + plots_max),
             grid: Grid::new(CELL_M, plots_max),
             in_grid: 0,
+            places: Vec::with_capacity(plots_max),
             near: Vec::with_capacity(plots_max),
         }
     }
@@ -103,8 +112,13 @@ impl Gating {
                 self.pairs_begin.push(self.pairs.len() as u32);
                 let compared = &population.tracks[track as usize];
                 let predicted = compared.motion_at(time_ns, &sensor.motion);
-                self.log_misses
-                    .push(sensor.log_miss(sensor.probability_in_view(predicted.widest())));
+                let seen = sensor.probability_in_view(predicted.widest());
+                let log_miss = sensor.log_miss(seen);
+                self.log_silences.push(log_miss);
+                self.log_misses.push(match compared.seen_by & sensor.bit {
+                    0 => log_miss,
+                    _ => sensor.log_lapse(seen),
+                });
                 self.search(&predicted, plots.len(), &reach, sensor.gates[1]);
                 let first = self.pairs.len();
                 self.compare(track, compared, &predicted, (time_ns, replies), plots, sensor, counts);
@@ -128,14 +142,18 @@ impl Gating {
             self.grid.remove(item as u32);
         }
         self.in_grid = plots.len();
+        self.places.clear();
         for (item, plot) in (0..).zip(plots) {
-            if let Some(([east, north], _)) = plot.measurement.place() {
+            let place = plot.measurement.place().map(|(place, _)| place);
+            if let Some([east, north]) = place {
                 self.grid.place(item, east, north);
             }
+            self.places.push(place.unwrap_or_default());
         }
         self.pairs.clear();
         self.pairs_begin.clear();
         self.log_misses.clear();
+        self.log_silences.clear();
         self.rows.clear();
         self.rows.resize(population.clusters.len(), 0);
         self.is_named.clear();
@@ -161,7 +179,14 @@ impl Gating {
             let near = &mut self.near;
             let [east, north, ..] = predicted.mean;
             let cells = CELLS_MAX as i32 + 1;
-            self.grid.near(east, north, reach_m, cells, |item| near.push(item));
+            // Cells are large: the detections far beyond the reach are left out before they cost anything.
+            let (places, far_m) = (&self.places, FAR_REACHES * reach_m);
+            self.grid.near(east, north, reach_m, cells, |item| {
+                let [x, y] = places[item as usize];
+                if (x - east).abs() <= far_m && (y - north).abs() <= far_m {
+                    near.push(item);
+                }
+            });
             near.sort_unstable();
         } else {
             self.near.extend(0..plots as u32);

@@ -79,6 +79,7 @@ mod parents;
 mod parting_tests;
 mod plot;
 mod population;
+mod quiet;
 mod ranked;
 mod resolution;
 mod resolution_cell;

@@ -15,6 +15,7 @@ use crate::identity::ScanReplies;
 use crate::limits::{DETECTION_COUNTS, PAIRS_MAX};
 use crate::plot::Scan;
 use crate::population::{Cluster, Hypothesis, Population};
+use crate::quiet;
 use crate::scan_context::ScanContext;
 use crate::sensor::Sensor;
 use crate::settings::{Settings, Starts};
@@ -45,7 +46,10 @@ impl ScanUpdate {
         let gates = gates(settings.gate.probability);
         let sensors = settings.sensors.iter();
         Self {
-            sensors: sensors.map(|sensor| Sensor::new(sensor, settings, gates)).collect(),
+            sensors: sensors
+                .enumerate()
+                .map(|(place, sensor)| Sensor::new(sensor, settings, gates).in_place(place))
+                .collect(),
             gating: Gating::new(tracks, detections),
             unresolved: Unresolved::new(
                 tracks,
@@ -162,6 +166,11 @@ fn run_clusters(
         of_none = rest;
         let (of_joined, rest) = shared.split_at(plots.len());
         shared = rest;
+        if let ([(_, only)], []) = (joined, plots)
+            && quiet::update(scan, &scan.before.clusters[*only as usize], next, counts)
+        {
+            continue;
+        }
         clusters.run(scan, joined, (plots, of_joined), next, counts);
     }
     for &(_, plot) in of_none {

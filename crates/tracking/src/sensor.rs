@@ -35,6 +35,8 @@ const WEIGHT_MIN: f64 = 1e-3;
 /// Settings of a sensor, and the known properties of the current scan.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sensor {
+    /// Its bit in [`crate::track::Track::seen_by`]; of more than 64 sensors, those beyond have none.
+    pub(crate) bit: u64,
     pub(crate) gates: [f64; DIMENSIONS_MAX],
     pub(crate) motion: MotionSettings,
     pub(crate) detection_probability: f64,
@@ -83,6 +85,7 @@ impl SensorMemory {
 impl Sensor {
     pub(crate) fn new(sensor: &SensorFacts, settings: &Settings, gates: [f64; DIMENSIONS_MAX]) -> Self {
         Self {
+            bit: 0,
             gates,
             motion: settings.motion,
             detection_probability: sensor.model.detection_probability.unwrap_or(PRIOR),
@@ -94,6 +97,15 @@ impl Sensor {
             scan_weight: 1.0,
             platform_m: None,
             cell: sensor.model.resolution_cell,
+        }
+    }
+
+    /// The sensor in this place of the settings.
+    pub(crate) fn in_place(self, place: usize) -> Self {
+        let bit = u32::try_from(place).ok().and_then(|place| 1_u64.checked_shl(place));
+        Self {
+            bit: bit.unwrap_or(0),
+            ..self
         }
     }
 
@@ -162,9 +174,20 @@ impl Sensor {
         Some((innovation.log_likelihood + wider + outside, true))
     }
 
-    /// Logarithm of that probability, to the power of the scan's weight.
+    /// Logarithm of that probability, to the power of the scan's weight: of a target that the sensor's look before did
+    /// not find either.
     pub(crate) fn log_miss(&self, seen: f64) -> f64 {
         self.scan_weight * (-seen * self.detection_probability * self.gate_probability).ln_1p()
+    }
+
+    /// Logarithm of the probability of no detection in the gate of a target that the sensor's look before found. What
+    /// was found a moment ago is found again, all the more the less time has passed; otherwise two tracks could take
+    /// the detections of one target in turn.
+    pub(crate) fn log_lapse(&self, seen: f64) -> f64 {
+        if self.scan_weight >= 1.0 {
+            return self.log_miss(seen);
+        }
+        (1.0 - seen + seen * self.scan_weight * self.miss(1.0)).ln()
     }
 }
 

@@ -45,6 +45,8 @@ kept! {
         /// Sum over the hypotheses that contain the track.
         pub(crate) reliability: f64,
         pub(crate) identity: TrackIdentity,
+        /// Bits of the sensors whose latest look found it.
+        pub(crate) seen_by: u64,
         /// Serial numbers of its detections by scan, latest first; without scans of fast sensors that had none in
         /// its cluster.
         pub(crate) history: [u32; HISTORY_MAX],
@@ -70,6 +72,7 @@ impl Track {
             log_likelihood_ratio: 0.0,
             reliability: 0.0,
             identity: TrackIdentity::NONE,
+            seen_by: 0,
             history,
         }
     }

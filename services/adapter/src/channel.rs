@@ -159,6 +159,12 @@ impl SourceChannel {
         self.publish_many()
     }
 
+    /// Lets overdue pictures of a tracker process go out by the clock. Must be called only when no received data wait.
+    pub(crate) fn clock(&mut self, now: Now) -> anyhow::Result<()> {
+        self.pipeline.clock(now.mono_ns, &mut self.gathered);
+        self.publish_many()
+    }
+
     /// Publishes the collected results.
     pub(crate) fn publish(&mut self) -> anyhow::Result<()> {
         self.listen()?;

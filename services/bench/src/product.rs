@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use deployment::Deployment;
-use messages::{SensorTrack, SystemTrack};
+use messages::{SensorDetection, SensorTrack, SystemTrack};
 
 /// Product under test.
 pub trait Product: Sync {
@@ -21,10 +21,25 @@ pub trait Product: Sync {
     /// # Errors
     /// If the configuration is refused.
     fn engine(&self, text: &str) -> anyhow::Result<Box<dyn Engine>>;
+
+    /// Creates the engine of the first tracker process of the configuration `text`.
+    ///
+    /// # Errors
+    /// If the configuration is refused, or has no tracker process.
+    fn tracker(&self, text: &str) -> anyhow::Result<Box<dyn TrackerStage>>;
 }
 
 /// Fusion engine of a product.
 pub trait Engine {
     /// Processes a report, and passes each changed system track to `changed`.
     fn take(&mut self, report: &SensorTrack, changed: &mut dyn FnMut(&SystemTrack));
+}
+
+/// Engine of a tracker process of a product: from an event of a sensor to samples of tracks.
+pub trait TrackerStage {
+    /// Processes an event of the sensor in this place. Returns the number of tracks made.
+    fn event(&mut self, sensor: usize, event: &SensorDetection) -> usize;
+
+    /// Time of the latest scan with tracks, nanoseconds.
+    fn progress_ns(&self) -> i64;
 }

@@ -2,9 +2,13 @@
 
 use std::path::Path;
 
+use anyhow::Context as _;
 use bench_service::{MeasurementOutcome, Product};
 use deployment::Deployment;
-use messages::{SensorTrack, SystemTrack};
+use messages::{SensorDetection, SensorTrack, SystemTrack};
+use observations::{Sampled as _, SensorEvent};
+use sources::{Pipeline, Samples};
+use tracking::wide_area::arrivals::Arrivals;
 
 use crate::args::BenchCommand;
 use crate::config::Config;
@@ -21,6 +25,39 @@ impl Product for Itself {
     fn engine(&self, text: &str) -> anyhow::Result<Box<dyn bench_service::Engine>> {
         let config = Config::parse(Path::new("bench.toml"), text, &[])?;
         Ok(Box::new(FusionEngine(fusion::Engine::new(config.engine)?)))
+    }
+
+    fn tracker(&self, text: &str) -> anyhow::Result<Box<dyn bench_service::TrackerStage>> {
+        let config = Config::parse(Path::new("bench.toml"), text, &[])?;
+        let sources = config.deployment.sources.iter().zip(&config.processing);
+        let mut trackers = sources.filter(|(_, processing)| processing.tracker().is_some());
+        let (source, processing) = trackers.next().context("the configuration has no tracker")?;
+        Ok(Box::new(TrackerEngine {
+            pipeline: Pipeline::new(source.model, processing, 0, Arrivals::new())?,
+            samples: Samples::default(),
+        }))
+    }
+}
+
+/// A tracker process without its topics.
+struct TrackerEngine {
+    pipeline: Pipeline,
+    samples: Samples,
+}
+
+impl bench_service::TrackerStage for TrackerEngine {
+    fn event(&mut self, sensor: usize, event: &SensorDetection) -> usize {
+        if let Some(event) = SensorEvent::of_sample(event) {
+            self.pipeline.event(sensor, &event, 0, &mut self.samples);
+        }
+        let made = self.samples.tracks.len();
+        self.samples.detections.clear();
+        self.samples.tracks.clear();
+        made
+    }
+
+    fn progress_ns(&self) -> i64 {
+        self.pipeline.progress_ns()
     }
 }
 
@@ -54,6 +91,7 @@ pub(crate) fn run(what: BenchCommand) -> anyhow::Result<()> {
             let (settings, outputs) = floor.orders();
             print(&bench_service::floor(&Itself, &settings, &outputs)?)
         }
+        BenchCommand::Tracker(tracker) => print(&bench_service::tracker(&Itself, &tracker.orders())?),
         BenchCommand::Watch(watch) => {
             let (settings, with, json) = watch.orders();
             print(&bench_service::watch(&Itself, &settings, with, json.as_deref())?)

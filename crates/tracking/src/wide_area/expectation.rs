@@ -84,6 +84,11 @@ impl Expectations {
         }
     }
 
+    /// Whether no cluster has an expectation.
+    pub(crate) fn are_none(&self) -> bool {
+        self.list.is_empty()
+    }
+
     pub(crate) fn of(&self, cluster: u32) -> Expectation {
         self.list.get(cluster as usize).copied().unwrap_or_default()
     }

@@ -22,6 +22,11 @@ impl OutputSchedule {
         }
     }
 
+    /// Time between two even times, nanoseconds.
+    pub fn period_ns(&self) -> i64 {
+        self.period_ns
+    }
+
     /// Whether [`Self::next`] has a time until `now_ns`; never before its first call.
     pub fn is_due(&self, now_ns: i64) -> bool {
         self.next_ns.is_some_and(|next_ns| next_ns <= now_ns)

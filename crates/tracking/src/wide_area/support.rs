@@ -95,6 +95,11 @@ impl Support {
             .find(before, time_ns, reports, settings, settings.lasts(), counts);
     }
 
+    /// Whether no report has an effect on any cluster in the scan at hand.
+    pub(crate) fn is_silent(&self) -> bool {
+        self.expectations.are_none()
+    }
+
     /// Support of clusters that the scan has joined, as (cluster that represents all, cluster), with so many
     /// `confirmed` tracks, branches not counted.
     pub(crate) fn of<'a>(

@@ -194,6 +194,9 @@ impl Agent for TrackerAgent {
             }
             self.channel.event(*place, event, *came_ns)?;
         }
+        if self.taken.is_empty() {
+            self.channel.clock(now)?;
+        }
         self.channel.publish()?;
         Ok(match self.taken.is_empty() && self.carried.is_empty() {
             true => Turn::Idle(PATIENCE),

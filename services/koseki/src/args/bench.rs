@@ -8,6 +8,8 @@ use clap::{Args, Subcommand, ValueEnum};
 use offline::values::above_zero;
 use runtime::cores::Placement;
 
+use super::bench_tracker::{TRACKER_EXAMPLES, TrackerArgs};
+
 /// Rates of a sweep, reports per second.
 const SWEEP: [f64; 9] = [1e3, 2e3, 5e3, 10e3, 20e3, 50e3, 100e3, 200e3, 500e3];
 /// Rate unless another is given: where processes spin, and where they must be woken.
@@ -91,6 +93,9 @@ pub(crate) enum BenchCommand {
     /// Measure what each layer adds to the way of a report: ring, iceoryx2, bus, fusion
     #[command(after_help = FLOOR_EXAMPLES)]
     Floor(FloorArgs),
+    /// Measure the time from a scan to its tracks in a tracker of several sensors, without processes
+    #[command(after_help = TRACKER_EXAMPLES)]
+    Tracker(TrackerArgs),
     /// Measure the cost of a reader for fusion: pairs of runs with and without the reader
     #[command(after_help = WATCH_EXAMPLES)]
     Watch(WatchArgs),

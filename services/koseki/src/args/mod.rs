@@ -2,6 +2,7 @@
 
 mod bearings;
 mod bench;
+mod bench_tracker;
 mod decode;
 mod encode;
 mod order;

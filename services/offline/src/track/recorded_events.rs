@@ -95,7 +95,14 @@ pub(super) fn run(track: &TrackArgs, host: &dyn Host) -> anyhow::Result<()> {
             input.refusals.count("no state of the platform near the time");
             continue;
         }
-        match joiner.take(*sensor, event, 0) {
+        let treatment = match sensor {
+            Some(sensor) => joiner.take(*sensor, event, 0),
+            None => {
+                joiner.clock(event.time_ns());
+                DetectionTreatment::Waits
+            }
+        };
+        match treatment {
             DetectionTreatment::Waits => {}
             DetectionTreatment::TooLate => input.refusals.count("late: the scan was complete"),
             DetectionTreatment::Refused => input.refusals.count("no room for waiting detections"),
@@ -187,8 +194,8 @@ fn tracker<'a>(track: &TrackArgs, config: &'a Config) -> anyhow::Result<(&'a Sou
 /// What a tracker process took, in its order.
 #[derive(Debug, Default)]
 struct RecordedEvents {
-    /// Place of the sensor, and its event.
-    events: Vec<(usize, SensorEvent)>,
+    /// Place of the sensor, and its event; without a sensor, the time of the clock.
+    events: Vec<(Option<usize>, SensorEvent)>,
     reports: Vec<WideAreaReport>,
     octets: u64,
 }
@@ -223,8 +230,10 @@ impl RecordedEvents {
                             return Ok(());
                         };
                         let place = sensors.iter().position(|sensor| sensor.number == sample.source);
+                        let is_known = place.is_some() || sample.source == source.number;
                         // A replay that is started again publishes some events twice.
-                        if let (Some(place), Some(event)) = (place, SensorEvent::of_sample(&sample))
+                        if let Some(event) = SensorEvent::of_sample(&sample)
+                            && is_known
                             && sample.sequence >= next_sequence
                         {
                             next_sequence = sample.sequence + 1;
