@@ -43,7 +43,7 @@ use crate::inputs::SourceInput;
 
 /// Time between two looks at the leader while reports come.
 pub(crate) const LOOK: Duration = Duration::from_millis(5);
-/// Longest time between two looks while none come: also limited to three quarters of the time after which a leader
+/// Longest time between two looks while none come: also limited to half of the time after which a leader
 /// counts as hung, and to a quarter of it while the leader shows no sign of life.
 const LOOK_IDLE: Duration = Duration::from_millis(100);
 const LOOKS_PER_TAKEOVER: i64 = 4;
@@ -154,7 +154,7 @@ impl StandbyFusion {
             looked_ns: now.mono_ns,
             pause: LookPause::between(
                 LOOK,
-                LOOK_IDLE.min(Duration::from_nanos(takeover_ns.unsigned_abs()) * 3 / 4),
+                LOOK_IDLE.min(Duration::from_nanos(takeover_ns.unsigned_abs()) / 2),
             ),
             slices: 0,
             courteous_until_ns: now.mono_ns.saturating_add(courtesy_ns),
