@@ -24,7 +24,7 @@ const FIRST_SIMULATED_PORT: u16 = 30_001;
 /// Port of the first simulated wide-area sensor; the others follow.
 const FIRST_SIMULATED_WIDE_AREA_PORT: u16 = 31_001;
 /// Port of the radar of the first simulated platform; the others follow.
-const FIRST_SIMULATED_RADAR_PORT: u16 = 33_001;
+const FIRST_SIMULATED_RADAR_PORT: u16 = 32_101;
 
 /// SAC and SIC of a simulated sensor: those of data that stay where they are, and its number from 1.
 pub(super) fn simulated_sac_sic(number: u16) -> (u8, u8) {

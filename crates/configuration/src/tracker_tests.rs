@@ -130,7 +130,7 @@ fn mistakes_are_named_with_line_value_and_remedy() {
         (
             "[fusion]\n",
             1,
-            "fusion: unknown key; there are: platform, sensor, gate",
+            "fusion: unknown key; there are: platform, sensor, starts, gate",
         ),
     ] {
         let message = settings(text).unwrap_err();

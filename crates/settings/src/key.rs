@@ -80,6 +80,8 @@ const UNITS: &[(&str, &str)] = &[
     ("_per_hour", "1/h"),
     ("_m2ps3", "m²/s³"),
     ("_bytes", "bytes"),
+    ("_per_s", "1/s"),
+    ("_degps", "°/s"),
     ("_radps", "rad/s"),
     ("_m2ps", "m²/s"),
     ("_mps", "m/s"),

@@ -4,7 +4,7 @@
 //! system frame (crate `platform`). The marks of such a sensor (a scan without detections, the beginning of a turn)
 //! must not overtake the detections that wait: the tracker would cut other scans. Marks wait in the same queue.
 //!
-//! A refused detection leaves a mark in its place ([`SensorEvent::Unplaced`]). The tracker process publishes it, so a
+//! A refused detection leaves a mark in its place ([`SensorEvent::Unplaced`]); where too many wait, it leaves at once. The tracker process publishes it, so a
 //! recording holds what was refused. How long a detection waits depends on the times of the sensor's data and on the
 //! states so far. The events that leave are recorded in their order, and the tracks depend on those alone.
 //!
@@ -149,6 +149,10 @@ impl<T> Carrying<T> {
 impl<T> Boarded<T> {
     fn mark(&mut self, event: SensorEvent, with_it: T) {
         self.room.passed(event.time_ns());
+        // A sensor whose clock stands still sends marks without end, and its detections wait for ever.
+        if self.order.len() >= 2 * WAITING_MAX && matches!(self.order.back(), Some(Some(_))) {
+            self.order.pop_back();
+        }
         self.order.push_back(Some((event, with_it)));
     }
 

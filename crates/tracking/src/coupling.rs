@@ -23,13 +23,14 @@
 
 use association::components::representative;
 
+use crate::departure::Departures;
 use crate::gating::{Gating, NONE};
 use crate::limits::CLUSTER_TRACKS_MAX;
 use crate::plot::{Plot, SharedPlot};
 use crate::population::Population;
 use crate::ranked::ROWS_MAX;
 use crate::sensor::Sensor;
-use crate::settings::Settings;
+use crate::settings::{Settings, Starts};
 use crate::track::NO_DETECTION;
 use crate::unresolved::Unresolved;
 
@@ -74,7 +75,7 @@ impl Coupling {
     /// Joins the clusters that have to be updated together, and lists the detections of each.
     pub(crate) fn run(
         &mut self,
-        (gating, unresolved): (&mut Gating, &Unresolved),
+        (gating, unresolved, departures): (&mut Gating, &Unresolved, &Departures),
         population: &Population,
         (plots, log_clutter): (&[Plot], &[f64]),
         sensor: &Sensor,
@@ -91,7 +92,7 @@ impl Coupling {
         let few = (reduction.join_tracks, reduction.join_detections);
         self.join(0.0, few);
         self.join_by_past(population, 0.0, few);
-        self.share(plots.len(), settings);
+        self.share((gating, departures), log_clutter, settings);
         gating.clusters.clear();
         for cluster in 0..self.joined.len() as u32 {
             let first = representative(&mut self.joined, cluster);
@@ -247,9 +248,8 @@ impl Coupling {
     }
 
     /// Lists for each group of joined clusters the detections and their use; detections of none come last.
-    fn share(&mut self, plots: usize, settings: &Settings) {
+    fn share(&mut self, (gating, departures): (&Gating, &Departures), log_clutter: &[f64], settings: &Settings) {
         self.shared.clear();
-        let split = settings.splitting.new_target_share;
         let mut next = 0;
         for of_plot in self.claims.chunk_by(|one, other| one.plot == other.plot) {
             let plot = of_plot[0].plot;
@@ -263,9 +263,11 @@ impl Coupling {
             });
             let owner = owner.map_or(NONE, |owner| representative(&mut self.joined, owner.cluster));
             let is_confirmed = of_plot.iter().any(|claim| claim.is_confirmed);
-            let starts = split
-                .filter(|_| is_confirmed)
-                .unwrap_or(settings.initiation.new_target_share);
+            let starts = match settings.starts {
+                Starts::Designated => 0.0,
+                Starts::Any if gating.names[plot as usize] => settings.initiation.new_target_share,
+                Starts::Any => departures.new_target_share(plot, log_clutter[plot as usize], is_confirmed, settings),
+            };
             let begin = self.shared.len();
             for claim in of_plot {
                 let first = representative(&mut self.joined, claim.cluster);
@@ -293,7 +295,7 @@ impl Coupling {
             }
         }
         self.shared
-            .extend((next..plots as u32).map(|plot| (NONE, plot, SharedPlot::OWN)));
+            .extend((next..log_clutter.len() as u32).map(|plot| (NONE, plot, SharedPlot::OWN)));
         self.shared.sort_unstable_by_key(|(first, plot, _)| (*first, *plot));
     }
 }

@@ -10,11 +10,12 @@
 //! Limit: of several tracks that a target may have left, the likeliest counts.
 
 use crate::gating::Gating;
+use crate::limits::COMPARISONS_MAX;
 use crate::motion::TargetMotion;
 use crate::plot::Plot;
 use crate::population::Population;
 use crate::sensor::Sensor;
-use crate::settings::{Settings, Splitting};
+use crate::settings::{Settings, Splitting, Starts};
 use crate::track::Track;
 
 /// Least reliability of the branch that a target has left: an unlikely branch shows nothing.
@@ -46,7 +47,8 @@ impl Departures {
         }
     }
 
-    /// Finds the departures of a scan; `is_inside` tells which detections lie in a confirmed track's gate.
+    /// Finds the departures of a scan; `is_inside` tells which detections lie in a confirmed track's gate. Returns the
+    /// number of comparisons left out: a track has at most [`COMPARISONS_MAX`].
     pub(crate) fn find(
         &mut self,
         (before, plots): (&Population, &[Plot]),
@@ -54,19 +56,24 @@ impl Departures {
         is_inside: &[bool],
         sensor: &Sensor,
         settings: &Settings,
-    ) {
+    ) -> u64 {
         self.clear();
-        let is_possible = settings.splitting.parents_motion.is_some() && !plots.is_empty();
+        let starts = settings.starts != Starts::Designated && settings.splitting.parents_motion.is_some();
+        let is_possible = starts && !plots.is_empty();
         let Some(departed_s) = settings.splitting.departed_s.filter(|_| is_possible) else {
-            return;
+            return 0;
         };
+        let mut dropped = 0;
         self.of_plot.resize(plots.len(), None);
         let motion = &settings.motion;
         let left = |track: &Track, time_ns| track.motion_at(time_ns, motion).left(departed_s, motion);
         let confirmed = before.tracks.iter().filter(|track| track.is_confirmed());
         for track in confirmed.filter(|track| track.reliability >= RELIABILITY_MIN) {
             gating.near(&left(track, plots[0].time_ns), sensor.gates[1], &mut self.near);
-            for &item in self.near.iter().filter(|item| !gating.names[**item as usize]) {
+            let made = self.near.len().min(COMPARISONS_MAX);
+            dropped += (self.near.len() - made) as u64;
+            let compared = self.near[..made].iter();
+            for &item in compared.filter(|item| !gating.names[**item as usize]) {
                 let plot = &plots[item as usize];
                 let departed = left(track, plot.time_ns);
                 let Some(innovation) = departed.innovation(&plot.measurement) else {
@@ -84,6 +91,7 @@ impl Departures {
                 }
             }
         }
+        dropped
     }
 
     /// Forgets the departures of the scan before.
@@ -91,9 +99,19 @@ impl Departures {
         self.of_plot.clear();
     }
 
-    /// Expected new targets per false detection at a detection that may be of a target that has left a confirmed track:
-    /// at most `splitting.new_target_share`, and no more than `splitting.leaving_max` targets per track and scan.
-    pub(crate) fn share(&self, plot: u32, log_clutter: f64, splitting: &Splitting) -> Option<f64> {
+    /// Expected new targets per false detection at a detection: where it may be of a target that has left a confirmed
+    /// track, at most `splitting.new_target_share`, and no more than `splitting.leaving_max` targets per track and scan;
+    /// in the gate of a confirmed track, `splitting.new_target_share`. Nowhere less than `initiation.new_target_share`:
+    /// beside tracks, too, targets appear.
+    pub(crate) fn new_target_share(&self, plot: u32, log_clutter: f64, is_inside: bool, settings: &Settings) -> f64 {
+        let splitting = &settings.splitting;
+        let in_gate = splitting.new_target_share.filter(|_| is_inside);
+        let of_split = self.share(plot, log_clutter, splitting).or(in_gate);
+        let anywhere = settings.initiation.new_target_share;
+        of_split.map_or(anywhere, |share| share.max(anywhere))
+    }
+
+    fn share(&self, plot: u32, log_clutter: f64, splitting: &Splitting) -> Option<f64> {
         let found = self.of_plot.get(plot as usize)?.as_ref()?;
         let per_false = (found.log_likelihood - log_clutter).exp();
         let most = splitting.leaving_max.map_or(f64::INFINITY, |most| most * per_false);
@@ -177,5 +195,10 @@ mod tests {
         splitting.leaving_max = None;
         assert_eq!(share(-10.0, &splitting), splitting.new_target_share.unwrap());
         assert!(departures.motion(0).is_none() && departures.share(1, 0.0, &splitting).is_none());
+        // Among dense false detections, a target may appear beside a track as anywhere.
+        let share = |plot, log_clutter, is_inside| departures.new_target_share(plot, log_clutter, is_inside, &chosen);
+        let anywhere = chosen.initiation.new_target_share;
+        assert_eq!([share(0, 20.0, true), share(1, 0.0, false)], [anywhere; 2]);
+        assert_eq!(share(1, 0.0, true), chosen.splitting.new_target_share.unwrap());
     }
 }

@@ -8,6 +8,7 @@
 //! make it so. So 10,000 detections in one gate cost no more than 10,000 elsewhere. All is counted.
 
 use association::{Grid, distance};
+use messages::NS_PER_S;
 
 use crate::counts::TrackerCounts;
 use crate::identity::{LOG_NAMED, ScanReplies, TrackIdentity};
@@ -106,7 +107,7 @@ impl Gating {
         counts: &mut TrackerCounts,
     ) {
         self.begin(population, plots);
-        let reach = Reach::of(plots);
+        let reach = Reach::of(plots, time_ns);
         for (number, cluster) in (0..).zip(&population.clusters) {
             for track in cluster.tracks.clone() {
                 self.pairs_begin.push(self.pairs.len() as u32);
@@ -177,10 +178,12 @@ impl Gating {
         let few_cells = 2.0 * reach_m <= CELLS_MAX * CELL_M;
         if reach.all_have_places && few_cells {
             let near = &mut self.near;
-            let [east, north, ..] = predicted.mean;
+            let [east, north, _, vx, vy, ..] = predicted.mean;
             let cells = CELLS_MAX as i32 + 1;
-            // Cells are large: the detections far beyond the reach are left out before they cost anything.
-            let (places, far_m) = (&self.places, FAR_REACHES * reach_m);
+            // Cells are large: the detections far beyond the reach are left out before they cost anything. The target
+            // moves between the times of the detections of a turn.
+            let moved_m = vx.hypot(vy) * reach.apart_s;
+            let (places, far_m) = (&self.places, FAR_REACHES * reach_m + moved_m);
             self.grid.near(east, north, reach_m, cells, |item| {
                 let [x, y] = places[item as usize];
                 if (x - east).abs() <= far_m && (y - north).abs() <= far_m {
@@ -363,16 +366,20 @@ struct Reach {
     sigma_m: f64,
     /// Directions without a range have no place in the grid.
     all_have_places: bool,
+    /// Longest time between a detection and the prediction, seconds.
+    apart_s: f64,
 }
 
 impl Reach {
-    fn of(plots: &[Plot]) -> Self {
+    fn of(plots: &[Plot], time_ns: i64) -> Self {
+        let apart_ns = plots.iter().map(|plot| plot.time_ns.abs_diff(time_ns)).max();
         let sigmas = plots
             .iter()
             .map(|plot| plot.measurement.place().map(|(_, sigma)| sigma));
         Self {
             sigma_m: sigmas.clone().flatten().fold(0.0, f64::max),
             all_have_places: sigmas.into_iter().all(|sigma| sigma.is_some()),
+            apart_s: apart_ns.unwrap_or(0) as f64 / NS_PER_S,
         }
     }
 }

@@ -339,13 +339,14 @@ fn log_share_of_new(joined: &JoinedClusters<'_>, lacking: usize, row: usize) -> 
         return None;
     }
     let is_echo = joined.scan.gating.is_echo[place];
-    let in_gate = settings.splitting.new_target_share;
-    let in_gate = in_gate.filter(|_| joined.is_in_confirmed_gate(row));
-    let departures = &joined.scan.departures;
-    let of_departure = departures.share(place as u32, joined.scan.log_clutter[place], &settings.splitting);
-    // What names the target of a track has not left another one.
-    let of_split = of_departure.or(in_gate).filter(|_| !joined.scan.gating.names[place]);
-    let plain = of_split.unwrap_or(settings.initiation.new_target_share);
+    let plain = if joined.scan.gating.names[place] {
+        // What names the target of a track has not left another one.
+        settings.initiation.new_target_share
+    } else {
+        let (log_clutter, is_inside) = (joined.scan.log_clutter[place], joined.is_in_confirmed_gate(row));
+        let departures = &joined.scan.departures;
+        departures.new_target_share(place as u32, log_clutter, is_inside, settings)
+    };
     let share = joined.support.new_target_share(plain, lacking);
     Some(if is_echo {
         (share * settings.identity.duplicated_probability).ln()

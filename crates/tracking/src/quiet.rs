@@ -90,6 +90,8 @@ pub(crate) fn update(
         true => finish(children, reduction.reliability_min.ln(), counts),
         false => 0,
     };
+    #[cfg(test)]
+    tests::UPDATES.with(|updates| updates.set(updates.get() + 1));
     // The last hypothesis with the track may just have been dropped.
     match children[..kept].iter().any(|child| child.has_track) {
         true => write(&children[..kept], cluster, next),

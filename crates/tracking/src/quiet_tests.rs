@@ -5,6 +5,11 @@ use crate::settings::Settings;
 use crate::testing::{position, settings};
 use crate::tracker::Tracker;
 
+thread_local! {
+    /// Updates by the quick way in this thread.
+    pub(super) static UPDATES: Cell<u64> = const { Cell::new(0) };
+}
+
 /// With an observer, every cluster goes through the general update.
 #[derive(Debug)]
 struct Watching(Cell<u64>);
@@ -64,7 +69,7 @@ fn both_ways(chosen: &Settings, interval_ns: i64, detected: f64) -> [Tracker; 2]
         };
         assert_eq!(logs(quick), logs(general), "scan {scan}");
     }
-    assert!(watching.0.get() > 0);
+    assert!(watching.0.get() > 0 && UPDATES.with(Cell::take) > 100);
     trackers
 }
 
@@ -76,6 +81,10 @@ fn a_quiet_cluster_is_updated_as_by_the_general_update() {
         let [quick, general] = both_ways(&chosen, interval_ns, detected);
         assert_eq!(quick.counts(), general.counts());
         assert!(quick.counts().confirmed > 3);
+        chosen.confirmation.span_min_s = Some(2.5 * interval_ns as f64 / 1e9);
+        chosen.confirmation.interval_max_s = Some(6.0 * interval_ns as f64 / 1e9);
+        let [quick, general] = both_ways(&chosen, interval_ns, detected);
+        assert_eq!(quick.counts(), general.counts());
     }
 }
 

@@ -116,11 +116,12 @@ impl ScanUpdate {
             self.unresolved.find(before, plots, *time_ns, &looking);
             let is_inside = &mut self.is_inside[..plots.len()];
             outside(before, &self.gating, is_inside);
-            self.departures
-                .find((before, plots), &self.gating, is_inside, &looking, settings);
+            counts.dropped_comparisons +=
+                self.departures
+                    .find((before, plots), &self.gating, is_inside, &looking, settings);
             let seen = (&plots[..], &self.log_clutter[..]);
-            self.coupling
-                .run((&mut self.gating, &self.unresolved), before, seen, &looking, settings);
+            let found = (&mut self.gating, &self.unresolved, &self.departures);
+            self.coupling.run(found, before, seen, &looking, settings);
         }
         let scan = ScanContext {
             before,
@@ -216,9 +217,11 @@ fn begin_cluster(scan: &ScanContext<'_>, plot: u32, next: &mut Population, count
     }
     let weight = (scan.log_weight + scan.plots[plot as usize].log_weight).exp();
     let inherited = scan.departures.motion(plot);
-    let splitting = &scan.settings.splitting;
-    let of_split = scan.departures.share(plot, scan.log_clutter[plot as usize], splitting);
-    let share = of_split.unwrap_or(scan.settings.initiation.new_target_share) * weight;
+    let log_clutter = scan.log_clutter[plot as usize];
+    let share = weight
+        * scan
+            .departures
+            .new_target_share(plot, log_clutter, false, scan.settings);
     let reliability = share / (1.0 + share);
     if reliability <= 0.0 || reliability < scan.settings.reduction.reliability_min {
         return;

@@ -128,7 +128,8 @@ settings::settings! {
         /// `[initiation]`.
         new_target_share: Option<f64> = Some(3.0), in [1e-6, 1e3];
         /// Most targets that are expected to leave a confirmed track in a scan: where false detections are dense, new
-        /// targets in gates are rarer than `new_target_share`; off: they are not.
+        /// targets in gates are rarer than `new_target_share`; off: they are not. Needs `departed_s` and
+        /// `parents_motion`.
         leaving_max: Option<f64> = Some(0.1), in [1e-6, 1e3];
         /// In a cluster with a confirmed track, new tracks start only in the gate of a confirmed track (SP-1).
         start_in_confirmed_gates: bool = false;

@@ -160,8 +160,8 @@ impl SourceChannel {
     }
 
     /// Lets overdue pictures of a tracker process go out by the clock. Must be called only when no received data wait.
-    pub(crate) fn clock(&mut self, now: Now) -> anyhow::Result<()> {
-        self.pipeline.clock(now.mono_ns, &mut self.gathered);
+    pub(crate) fn clock(&mut self, mono_ns: i64) -> anyhow::Result<()> {
+        self.pipeline.clock(mono_ns, &mut self.gathered);
         self.publish_many()
     }
 

@@ -142,6 +142,7 @@ mod tests {
     fn a_message_ends_a_wait() {
         let (launcher, other) = KeeperLink::pair().unwrap();
         let keeper = KeeperLink(UnixDatagram::from(other));
+        keeper.0.set_nonblocking(true).unwrap();
         keeper.wait(Duration::from_millis(1));
         assert!(keeper.hear::<LauncherFacts>().is_none());
         assert!(launcher.say(&LauncherFacts::default()));

@@ -42,6 +42,8 @@ pub(super) struct TrackerAgent {
     /// States of the platforms that carry sensors.
     platforms: Vec<Subscriber<SharedMemory, PlatformState>>,
     carrying: Carrying<i64>,
+    /// Longest time for which detections wait for states, nanoseconds.
+    wait_ns: i64,
     /// Events for the tracker: place of the sensor, event, monotonic time of receipt.
     carried: Vec<(usize, SensorEvent, i64)>,
     /// Distance from the frame's origin of the sensor that measured the latest detection, metres.
@@ -90,6 +92,7 @@ impl TrackerAgent {
             channel: SourceChannel::open(process, tracker)?,
             platforms,
             carrying: on_board::carrying(process, tracker, None),
+            wait_ns: on_board::longest_wait_ns(process, tracker),
             carried: Vec::new(),
             distance_m: 0.0,
             sensors,
@@ -153,6 +156,9 @@ impl TrackerAgent {
         for (came_ns, place, event) in &self.taken {
             carrying.take(*place, *event, *came_ns, &mut out);
         }
+        // A state sets free the detections of one sensor after the other. In the order of receipt, the backlog of one
+        // does not make those of the others late.
+        self.carried.sort_by_key(|(_, _, came_ns)| *came_ns);
         Ok(())
     }
 }
@@ -182,7 +188,7 @@ impl Agent for TrackerAgent {
         for (place, sensor) in self.sensors.iter().enumerate() {
             let is_silent = !sensor.events.has_slices();
             let due = is_silent.then(|| self.silent.statement(place, now.mono_ns)).flatten();
-            self.taken.extend(due.map(|event| (now.mono_ns, place, event)));
+            self.taken.extend(due.map(|(event, came_ns)| (came_ns, place, event)));
         }
         self.carry()?;
         for (place, event, came_ns) in &self.carried {
@@ -195,13 +201,27 @@ impl Agent for TrackerAgent {
             self.channel.event(*place, event, *came_ns)?;
         }
         if self.taken.is_empty() {
-            self.channel.clock(now)?;
+            // Detections may wait for states of a platform.
+            self.channel.clock(now.mono_ns.saturating_sub(self.wait_ns))?;
         }
         self.channel.publish()?;
         Ok(match self.taken.is_empty() && self.carried.is_empty() {
             true => Turn::Idle(PATIENCE),
             false => Turn::Worked,
         })
+    }
+
+    /// Detections that wait for states are carried with those that have come, or refused and counted.
+    fn close(&mut self, _: Now) -> anyhow::Result<()> {
+        self.carried.clear();
+        self.carrying.states_end();
+        let carried = &mut self.carried;
+        self.carrying
+            .release(&mut |place, event, came_ns| carried.push((place, event, came_ns)));
+        for (place, event, came_ns) in &self.carried {
+            self.channel.event(*place, event, *came_ns)?;
+        }
+        self.channel.publish()
     }
 
     fn wait(&mut self, at_most: Duration) -> anyhow::Result<()> {

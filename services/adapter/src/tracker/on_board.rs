@@ -31,6 +31,12 @@ pub(super) fn platforms<'a>(process: &'a Process, (source, _): Processed<'_>) ->
     process.config.platforms.iter().filter(carries).collect()
 }
 
+/// Longest time for which detections of the tracker's sensors wait for states, nanoseconds.
+pub(super) fn longest_wait_ns(process: &Process, tracker: Processed<'_>) -> i64 {
+    let waits = platforms(process, tracker).into_iter().map(|platform| platform.wait_ns);
+    waits.max().unwrap_or(0)
+}
+
 /// Carries the detections of the tracker's sensors; `states_max` states of each platform are kept.
 pub(super) fn carrying<T>(process: &Process, tracker: Processed<'_>, states_max: Option<usize>) -> Carrying<T> {
     let (source, processing) = tracker;

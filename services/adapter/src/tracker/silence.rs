@@ -56,9 +56,10 @@ impl SilentSensors {
         }
     }
 
-    /// The statement that is due at `now_ns` (monotonic) of the sensor in this place. Must be asked for only when
+    /// The statement that is due at `now_ns` (monotonic) of the sensor in this place, and the time at which it would have
+    /// come without the patience: as much later than the latest event as its own time. Must be asked for only when
     /// nothing that the sensor has sent waits: what has come is not late, however long the process has stood still.
-    pub(super) fn statement(&mut self, place: usize, now_ns: i64) -> Option<SensorEvent> {
+    pub(super) fn statement(&mut self, place: usize, now_ns: i64) -> Option<(SensorEvent, i64)> {
         let sensor = self.sensors.get_mut(place)?.as_mut()?;
         let (time_ns, came_ns) = sensor.latest?;
         let silent_ns = now_ns.saturating_sub(came_ns);
@@ -66,7 +67,7 @@ impl SilentSensors {
         let is_due = now_ns.saturating_sub(sensor.reached_ns) >= sensor.period_ns && silent_ns < sensor.dead_ns;
         is_due.then(|| {
             sensor.reached_ns = now_ns;
-            SensorEvent::Passed(now_ns)
+            (SensorEvent::Passed(now_ns), came_ns.saturating_add(now_ns - time_ns))
         })
     }
 }
@@ -111,7 +112,15 @@ mod tests {
     fn stated(mut sensors: SilentSensors, end_s: i64) -> Vec<i64> {
         sensors.came(0, 100 * S, 7 * S);
         let all = (7..end_s).filter_map(|now_s| sensors.statement(0, now_s * S));
-        all.map(|event| event.time_ns() / S).collect()
+        all.map(|(event, came_ns)| {
+            assert_eq!(
+                came_ns - 7 * S,
+                event.time_ns() - 100 * S,
+                "the clocks stay as far apart"
+            );
+            event.time_ns() / S
+        })
+        .collect()
     }
 
     #[test]
@@ -142,7 +151,7 @@ mod tests {
         // A late event does not set the clock back.
         sensors.came(0, 90 * S, 15 * S);
         let due = sensors.statement(0, 18 * S);
-        assert_eq!(due, Some(SensorEvent::Passed(106 * S + S / 2)));
+        assert_eq!(due, Some((SensorEvent::Passed(106 * S + S / 2), 15 * S + S / 2)));
         assert_eq!(sensors.statement(1, 18 * S), None, "there is no such sensor");
     }
 }

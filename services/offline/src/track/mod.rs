@@ -140,6 +140,12 @@ enum TrackConfiguration {
     Offline(Box<Tracking>),
 }
 
+/// Numbers of the platforms that carry the sensors of the deployment's trackers.
+fn carrying(config: &Config) -> impl Iterator<Item = u16> {
+    let sensors = config.tracker_sensors.iter();
+    sensors.filter_map(|sensor| sensor.on_board.and_then(|on_board| on_board.platform))
+}
+
 impl TrackConfiguration {
     fn read(host: &dyn Host, path: &Path) -> anyhow::Result<Self> {
         let text = host.text(path)?;
@@ -157,9 +163,8 @@ impl TrackConfiguration {
                 Some((settings.assumed, settings.wait_s.ns()))
             }
             Self::Deployment(config) => {
-                let carries = |sensor: &Source| sensor.on_board.and_then(|on_board| on_board.platform);
-                let number = config.tracker_sensors.iter().find_map(carries);
-                let platform = number.and_then(|number| config.platforms.get(usize::from(number)));
+                let platform = carrying(config).next();
+                let platform = platform.and_then(|number| config.platforms.get(usize::from(number)));
                 platform.map(|platform| (platform.assumed, platform.wait_ns))
             }
         };
@@ -169,6 +174,14 @@ impl TrackConfiguration {
             wait_ns,
             states_max: 0,
         }
+    }
+
+    /// The deployment's file, if several platforms carry its sensors: the states of `--platform` are those of one.
+    fn of_several_platforms(&self) -> Option<&Path> {
+        let Self::Deployment(config) = self else { return None };
+        let first = carrying(config).next();
+        let is_other = |number: u16| Some(number) != first;
+        carrying(config).any(is_other).then_some(&config.path)
     }
 
     /// Mounting of a sensor that the platform of `--platform` carries.

@@ -77,6 +77,10 @@ impl OnBoard {
         config: &TrackConfiguration,
         input: &mut DetectionInput,
     ) -> Result<Self, InputError> {
+        if let Some(deployment) = config.of_several_platforms() {
+            let what = "several platforms carry its sensors, and --platform has the states of one: track the recording";
+            return Err(InputError::new(deployment, what));
+        }
         let mut on_board = Self::default();
         let states = platform_states(host, path, &mut on_board.refusals)?;
         on_board.states = states.len() as u64;
