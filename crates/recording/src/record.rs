@@ -27,7 +27,7 @@ pub(crate) fn is_needed(code: u8) -> bool {
     matches!(code, op::CHUNK | op::METADATA | op::SCHEMA | op::CHANNEL | op::MESSAGE)
 }
 
-/// Returns why a record without items, of this code and length, and with this beginning, is damaged; `None` if it is not.
+/// Returns why a record without items, with this code, length and beginning, is damaged; `None` if it is not.
 ///
 /// Such a record has no checksum: a wrong length would hide the chunks behind it.
 pub(crate) fn contradiction(code: u8, length: u64, begin: &[u8]) -> Option<&'static str> {
