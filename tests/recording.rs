@@ -195,6 +195,7 @@ fn a_recording_of_several_files_is_merged_and_cut() {
     );
     assert!(!home.path("none.mcap").exists());
     check_repair(&home, several.topics["system/tracks"].samples);
+    check_damage_is_reported(&home);
 }
 
 /// Wrong bits in `one/all.mcap`, which has so many samples of system tracks, cost the chunks that they are in.
@@ -224,6 +225,45 @@ fn check_repair(home: &Home, states: u64) {
         output.status.code() == Some(1) && said.contains("is no recording of all topics"),
         "{said}"
     );
+}
+
+/// A wrong bit in the length of an index costs no sample, but the recording is damaged. Of a recording with one chunk,
+/// which is damaged, nothing can be copied.
+fn check_damage_is_reported(home: &Home) {
+    const HEAD: usize = 9;
+    let whole = std::fs::read(home.path("one/all.mcap")).unwrap();
+    let place_of = |wanted: u8| {
+        let mut at = 8;
+        while whole[at] != wanted {
+            at += HEAD + u64::from_le_bytes(whole[at + 1..at + HEAD].try_into().unwrap()) as usize;
+        }
+        at
+    };
+    let mut octets = whole.clone();
+    octets[place_of(0x07) + 2] ^= 4;
+    std::fs::write(home.path("index.mcap"), octets).unwrap();
+    assert!(succeed(home, &["replay", "one/all.mcap", "--verify"]).contains(", 0 differences\n"));
+    let output = home.run(&["replay", "index.mcap", "--verify"]);
+    let (given, said) = (
+        String::from_utf8_lossy(&output.stdout),
+        String::from_utf8_lossy(&output.stderr),
+    );
+    assert_eq!(output.status.code(), Some(1), "{given}{said}");
+    assert!(
+        given.contains(", 0 differences\n") && given.contains("damaged parts skipped: 1 ("),
+        "{given}{said}"
+    );
+    // The first chunk, which is damaged, without an end.
+    let mut octets = whole[..place_of(0x07)].to_vec();
+    *octets.last_mut().unwrap() ^= 1;
+    std::fs::write(home.path("nothing.mcap"), octets).unwrap();
+    let output = home.run(&["recording", "repair", "nothing.mcap", "--out", "repaired_nothing.mcap"]);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        output.status.code() == Some(1) && said.contains("nothing.mcap: no sample can be read"),
+        "{said}"
+    );
+    assert!(!home.path("repaired_nothing.mcap").exists());
 }
 
 /// A full disk costs samples of the recording, and nothing else. Needs a namespace of its own for a small disk.

@@ -14,6 +14,7 @@ from __future__ import annotations
 import asyncio
 import os
 import time
+import warnings
 from collections.abc import AsyncIterator, Iterator
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -252,8 +253,11 @@ def read(path: str | os.PathLike[str]) -> dict[str, np.ndarray]:
     """All samples of a recording of all topics (a file of MCAP that the recorder wrote), as a record array a topic.
 
     Raises SchemaMismatch where it was recorded with another version of the samples, ValueError where it is no recording.
+    Damaged parts are skipped; a warning gives their number.
     """
-    topics = _koseki.read(path)
+    topics, damaged, damaged_bytes = _koseki.read(path)
+    if damaged:
+        warnings.warn(f"{os.fspath(path)}: damaged parts skipped: {damaged} ({damaged_bytes} bytes)", stacklevel=2)
     if not topics:
         raise ValueError(f"{os.fspath(path)} is no recording of all topics")
     return {topic: np.frombuffer(octets, DTYPES[sample]) for topic, (sample, octets) in topics.items()}

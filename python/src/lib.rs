@@ -114,12 +114,16 @@ fn sources(instance: &str) -> PyResult<Vec<String>> {
     Ok(koseki_client::sources(&root))
 }
 
-/// Samples of a recording of all topics: the layout's name and all bytes of each topic.
+/// The layout's name and all bytes of each topic.
+type ReadTopics = BTreeMap<String, (&'static str, Vec<u8>)>;
+
+/// Samples of a recording of all topics; damaged parts that were skipped, and their bytes.
 #[pyfunction]
-fn read(py: Python<'_>, path: PathBuf) -> PyResult<BTreeMap<String, (&'static str, Vec<u8>)>> {
+fn read(py: Python<'_>, path: PathBuf) -> PyResult<(ReadTopics, u64, u64)> {
     py.detach(|| {
         let mut file = File::open(&path)?;
-        let mut topics = BTreeMap::new();
+        let mut topics = ReadTopics::new();
+        let (mut damaged, mut damaged_bytes) = (0, 0);
         let shown = recording::read(&mut file, |item| {
             match item {
                 Item::Topic { name, fingerprint, .. } => {
@@ -127,20 +131,24 @@ fn read(py: Python<'_>, path: PathBuf) -> PyResult<BTreeMap<String, (&'static st
                     let Some(layout) = ALL.iter().find(same) else {
                         return Err(Unreadable::Schema(name.to_owned()));
                     };
-                    topics.insert(name.to_owned(), (layout.name, Vec::new()));
+                    topics.entry(name.to_owned()).or_insert((layout.name, Vec::new()));
                 }
                 Item::Sample { topic, octets } => {
                     let known = topics.get_mut(topic);
                     known
                         .into_iter()
-                        .for_each(|(_, all): &mut (_, Vec<u8>)| all.extend_from_slice(octets));
+                        .for_each(|(_, all)| all.extend_from_slice(octets));
                 }
-                Item::Facts(_) | Item::Slice { .. } | Item::Damaged { .. } => {}
+                Item::Damaged { bytes, .. } => {
+                    damaged += 1;
+                    damaged_bytes += bytes.end - bytes.start;
+                }
+                Item::Facts(_) | Item::Slice { .. } => {}
             }
             Ok(())
         });
         match shown {
-            Ok(_) => Ok(topics),
+            Ok(_) => Ok((topics, damaged, damaged_bytes)),
             Err(Unreadable::Schema(topic)) => Err(failed(Error::Schema { topic })),
             Err(Unreadable::File(error)) => Err(PyValueError::new_err(format!("{}: {error}", path.display()))),
         }

@@ -452,6 +452,12 @@ def test_a_recording_of_all_topics_has_what_was_published(tmp_path):
         koseki.read(__file__)
     with pytest.raises(FileNotFoundError):
         koseki.read(tmp_path / "nothing.mcap")
+    # A wrong bit costs the chunk that it is in.
+    octets = bytearray(max(tmp_path.glob("latest/*.mcap"), key=lambda file: file.stat().st_size).read_bytes())
+    octets[len(octets) // 2] ^= 1
+    (tmp_path / "damaged.mcap").write_bytes(octets)
+    with pytest.warns(UserWarning, match=r"damaged\.mcap: damaged parts skipped: 1 \(\d+ bytes\)"):
+        assert len(koseki.read(tmp_path / "damaged.mcap")["system/tracks"]) < len(states)
 
 
 RECORDINGS = sorted((TOP / "examples/data").glob("*.ast"))

@@ -37,7 +37,8 @@ pub struct JsonLines {
 }
 
 impl JsonLines {
-    /// Appends a line with a record: items by number, `"_c"`, the category, and with the time of recording `"_ts"`.
+    /// Appends a line with a record: items by number, `"_c"`, the category, and with the time of recording `"_ts"`; `null`
+    /// if this time is not finite.
     /// `expanded` takes the place of the bytes of a reserved expansion field.
     pub fn write(&mut self, record: &Record<'_>, time_stamp_s: Option<f64>, expanded: Option<&Value>) {
         let mut walk = Walk {
@@ -62,8 +63,15 @@ impl JsonLines {
         piece.whole(record.table().number.into());
         piece.octet(b',');
         piece.end();
-        if let Some(time_stamp_s) = time_stamp_s {
-            walk.quantity(Some(&TIME_STAMP), time_stamp_s);
+        match time_stamp_s {
+            Some(time_stamp_s) if time_stamp_s.is_finite() => walk.quantity(Some(&TIME_STAMP), time_stamp_s),
+            // JSON has no such number.
+            Some(_) => {
+                let mut piece = walk.text.piece(Some(&TIME_STAMP));
+                piece.append(b"null,");
+                piece.end();
+            }
+            None => {}
         }
         walk.text.end(b'}');
         self.text = walk.text;

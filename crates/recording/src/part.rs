@@ -45,6 +45,15 @@ impl RecordingPart {
         }
     }
 
+    /// Returns the side of the part on which a time is.
+    fn side(&self, taken_ns: u64) -> Side {
+        match (self.is_before(taken_ns), self.is_after(taken_ns)) {
+            (true, _) => Side::Before,
+            (_, true) => Side::After,
+            _ => Side::In,
+        }
+    }
+
     fn is_before(&self, taken_ns: u64) -> bool {
         self.from_ns.is_some_and(|from_ns| taken_ns < from_ns)
     }
@@ -54,12 +63,21 @@ impl RecordingPart {
     }
 }
 
+/// Side of a part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Side {
+    Before,
+    In,
+    After,
+}
+
 /// What a copy holds, and what it lacks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Copied {
     /// Samples.
     pub samples: u64,
-    /// Damaged parts of the files, which were skipped.
+    /// Damaged parts of the files, which were skipped. Damage that is surely before or after the copied part is not
+    /// counted.
     pub damaged: u64,
     /// Bytes of the damaged parts.
     pub damaged_bytes: u64,
@@ -86,10 +104,15 @@ pub fn copy<R: Read + Seek, W: Write + Seek>(
         writer: None,
         place: SlicePlace::Outside,
         copied: Copied::default(),
+        side: Side::Before,
+        damage: (0, 0),
     };
     for mut file in files {
         read_as_recorded::<_, RecordingError>(&mut file, |item| copying.item(item))?;
         copying.end_slice()?;
+    }
+    if copying.side != Side::After {
+        copying.count_damage();
     }
     part.check(&copying.known)?;
     copying.writer()?;
@@ -109,6 +132,10 @@ struct PartCopier<'a, W: Write + Seek> {
     writer: Option<Writer<W>>,
     place: SlicePlace,
     copied: Copied,
+    /// Side of the latest slice.
+    side: Side,
+    /// Damaged parts since the latest slice, and their bytes.
+    damage: (u64, u64),
 }
 
 /// Place of the present slice.
@@ -165,6 +192,7 @@ impl<W: Write + Seek> PartCopier<'_, W> {
                 sent_ns,
             } => {
                 self.end_slice()?;
+                self.go_on(self.part.side(taken_ns));
                 if self.writer.is_none() && self.part.is_before(taken_ns) {
                     self.place = SlicePlace::Before;
                     self.before.item(item);
@@ -188,11 +216,27 @@ impl<W: Write + Seek> PartCopier<'_, W> {
                 SlicePlace::Outside => {}
             },
             Item::Damaged { bytes, .. } => {
-                self.copied.damaged += 1;
-                self.copied.damaged_bytes += bytes.end - bytes.start;
+                self.damage.0 += 1;
+                self.damage.1 += bytes.end - bytes.start;
             }
         }
         Ok(())
+    }
+
+    /// Goes on to a slice on this side. The damage since the latest slice is outside the part if both are on the same
+    /// side of it.
+    fn go_on(&mut self, side: Side) {
+        match (self.side, side) {
+            (Side::Before, Side::Before) | (Side::After, Side::After) => self.damage = (0, 0),
+            _ => self.count_damage(),
+        }
+        self.side = side;
+    }
+
+    fn count_damage(&mut self) {
+        let (parts, bytes) = std::mem::take(&mut self.damage);
+        self.copied.damaged += parts;
+        self.copied.damaged_bytes += bytes;
     }
 
     fn end_slice(&mut self) -> Result<(), RecordingError> {

@@ -8,9 +8,8 @@ use mcap::records::op;
 use messages::layout::{ALL, Sample as _};
 use messages::{BatchHeader, Conversion};
 
-use crate::damage::{next_chunk, summary};
-use crate::record::{Fields, HEAD, head_of, is_known, is_needed};
-use crate::whole::{ReadablePart, whole, whole_from};
+use crate::damage::{footer, hides_chunk, next_chunk, summary};
+use crate::record::{Fields, HEAD, contradiction, head_of, is_known, is_needed};
 use crate::{CDR, FACTS, FINGERPRINT, Facts, RecordingError, SCHEMA_PREFIX, SLICES, fingerprint_of};
 
 /// Item of a file, in the file's order.
@@ -49,7 +48,8 @@ pub enum Item<'a> {
         /// Sample in this build's layout, unless the file is read as recorded.
         octets: &'a [u8],
     },
-    /// Damaged bytes that were skipped. Slices before them are complete.
+    /// Damaged bytes that were skipped, or a chunk with samples of channels that no readable chunk describes. Slices
+    /// before the item are complete.
     Damaged {
         /// Bytes of the file.
         bytes: Range<u64>,
@@ -92,12 +92,12 @@ pub struct Chunks<R> {
     file: R,
     /// Bytes of the file.
     length: u64,
-    /// End of the records that follow one another.
+    /// End of the data, as far as it is known: nothing is read from here on.
     end: u64,
     /// Whether the file has its end.
     is_ended: bool,
-    /// Whether a search behind `end` has found nothing.
-    is_searched: bool,
+    /// Whether the channels that the summary describes are known.
+    is_summary_known: bool,
     next: u64,
     /// Position of `file`; `None` if unknown.
     at: Option<u64>,
@@ -111,17 +111,17 @@ impl<R: Read + Seek> Chunks<R> {
     /// # Errors
     /// If the file cannot be read.
     pub fn new(mut file: R) -> Result<Self, RecordingError> {
-        let ReadablePart { bytes, is_ended } = whole(&mut file)?;
         let length = file.seek(SeekFrom::End(0))?;
-        if bytes == 0 && length > 0 && !begins_as_recording(&mut file)? {
+        if !begins_as_recording(&mut file)? {
             return Err(RecordingError::OtherKind);
         }
+        let is_ended = footer(&mut file, length)?.is_some();
         Ok(Self {
             file,
             length,
-            end: bytes,
+            end: length,
             is_ended,
-            is_searched: false,
+            is_summary_known: false,
             next: mcap::MAGIC.len() as u64,
             at: None,
             names: ChannelNames::default(),
@@ -151,11 +151,7 @@ impl<R: Read + Seek> Chunks<R> {
         loop {
             let place = self.next;
             if place >= self.end {
-                let is_behind = !self.is_ended && !self.is_searched && self.end > 0;
-                if !is_behind || !self.skip(place, "a record is longer than the file", &mut visit)? {
-                    return Ok(false);
-                }
-                continue;
+                return Ok(false);
             }
             match self.pass(place, &mut visit) {
                 Ok(Ok(is_chunk)) if is_chunk => return Ok(true),
@@ -163,11 +159,6 @@ impl<R: Read + Seek> Chunks<R> {
                 Ok(Err(refused)) => return Err(refused),
                 Err(RecordingError::Damaged { reason, .. }) => {
                     if !self.skip(place, reason, &mut visit)? {
-                        // To the end.
-                        visit(Item::Damaged {
-                            bytes: place..self.length,
-                            reason,
-                        })?;
                         return Ok(false);
                     }
                 }
@@ -186,16 +177,26 @@ impl<R: Read + Seek> Chunks<R> {
             return Ok(Ok(false));
         };
         let fields = Fields::of(&self.record, place);
-        if code != op::CHUNK {
-            return Ok(self.names.show(code, fields, visit)?.map(|()| false));
-        }
-        let mut records = fields.records()?;
-        while let Some((code, fields)) = records.record()? {
+        self.names.undescribed = 0;
+        if code == op::CHUNK {
+            let mut records = fields.records()?;
+            while let Some((code, fields)) = records.record()? {
+                if let Err(refused) = self.names.show(code, fields, visit)? {
+                    return Ok(Err(refused));
+                }
+            }
+        } else {
+            fields.check(code)?;
             if let Err(refused) = self.names.show(code, fields, visit)? {
                 return Ok(Err(refused));
             }
         }
-        Ok(Ok(true))
+        if self.names.undescribed > 0 {
+            let bytes = place..self.next;
+            let reason = "no readable chunk describes the channels of its samples";
+            return Ok(visit(Item::Damaged { bytes, reason }).map(|()| code == op::CHUNK));
+        }
+        Ok(Ok(code == op::CHUNK))
     }
 
     /// Goes from damage at `place` to the next chunk, and passes the bytes between. `false` if there is none.
@@ -207,27 +208,29 @@ impl<R: Read + Seek> Chunks<R> {
         visit: &mut impl FnMut(Item<'_>) -> Result<(), E>,
     ) -> Result<bool, E> {
         self.at = None;
-        let found = next_chunk(&mut self.file, place + 1, self.length).map_err(RecordingError::from)?;
-        let Some(next) = found else {
-            (self.is_searched, self.next) = (true, self.end.max(place));
-            self.end = self.next;
-            return Ok(false);
-        };
-        let part = whole_from(&mut self.file, next, self.length).map_err(RecordingError::from)?;
-        (self.next, self.end) = (next, self.end.max(part.bytes));
-        self.is_ended |= part.is_ended;
-        visit(Item::Damaged {
-            bytes: place..next,
-            reason,
-        })?;
-        self.learn_channels(visit)
+        let length = self.length;
+        let found = next_chunk(&mut self.file, place + 1..length, length).map_err(RecordingError::from)?;
+        self.next = found.unwrap_or(place);
+        if found.is_none() {
+            self.end = place;
+            // A killed recorder leaves a torn record: the file then has no end, which is no damage.
+            if !self.is_ended && matches!(reason, CUT_OFF | UNKNOWN) {
+                return Ok(false);
+            }
+        }
+        let bytes = place..found.unwrap_or(length);
+        visit(Item::Damaged { bytes, reason })?;
+        if found.is_some() && !std::mem::replace(&mut self.is_summary_known, true) {
+            self.learn_channels(visit)?;
+        }
+        Ok(found.is_some())
     }
 
     /// Learns the channels that the damaged part may have described.
     fn learn_channels<E: From<RecordingError>>(
         &mut self,
         visit: &mut impl FnMut(Item<'_>) -> Result<(), E>,
-    ) -> Result<bool, E> {
+    ) -> Result<(), E> {
         let (mut refused, names, length) = (None, &mut self.names, self.length);
         let summarised = summary(&mut self.file, length, DESCRIPTION_BYTES, |code, data| {
             let fields = Fields::of(data, length);
@@ -241,45 +244,90 @@ impl<R: Read + Seek> Chunks<R> {
             }
         });
         summarised.map_err(RecordingError::from)?;
-        refused.map_or(Ok(true), Err)
+        refused.map_or(Ok(()), Err)
     }
 
     /// Reads the next record. Returns its code; `None` for a record without items, such as an index.
     fn record(&mut self) -> Result<Option<u8>, RecordingError> {
+        let place = self.next;
         let mut head = [0; HEAD];
-        if self.at.take() != Some(self.next) {
-            self.file.seek(SeekFrom::Start(self.next))?;
+        if self.at.take() != Some(place) {
+            self.file.seek(SeekFrom::Start(place))?;
+        }
+        if place.saturating_add(HEAD as u64) > self.length {
+            return Err(RecordingError::damaged(place, CUT_OFF));
         }
         self.file.read_exact(&mut head)?;
         let (code, length) = head_of(&head);
         if !is_known(code) {
-            return Err(RecordingError::damaged(self.next, "there is no record of this code"));
+            return Err(RecordingError::damaged(place, UNKNOWN));
         }
-        let end = self.next.saturating_add(HEAD as u64).saturating_add(length);
-        // The pass over the file has found each record within it: memory follows the size of the file, not the length
-        // stated by a damaged file. The file may have become shorter since.
-        if end > self.end {
-            return Err(RecordingError::damaged(self.next, "a record is longer than the file"));
+        let end = place.saturating_add(HEAD as u64).saturating_add(length);
+        // Memory follows the size of the file, not the length stated by a damaged file.
+        if end > self.length {
+            return Err(RecordingError::damaged(place, CUT_OFF));
         }
-        self.record.clear();
-        let is_needed = is_needed(code);
-        let mut data = (&mut self.file).take(length);
-        let read = if is_needed {
-            let bytes = usize::try_from(length).unwrap_or(usize::MAX);
-            self.record
-                .try_reserve_exact(bytes)
-                .map_err(|_| RecordingError::damaged(self.next, "a record is larger than the memory at hand"))?;
-            data.read_to_end(&mut self.record)? as u64
+        let is_needed = is_needed(code) || code == op::HEADER;
+        if is_needed {
+            self.data(length)?;
         } else {
-            std::io::copy(&mut data, &mut std::io::sink())?
-        };
+            self.pass_over(code, place, end)?;
+        }
+        if matches!(code, op::DATA_END | op::FOOTER) {
+            self.end = place;
+            return Ok(None);
+        }
+        self.next = end;
+        self.at = Some(end).filter(|_| !is_foreign(code));
+        Ok(is_needed.then_some(code))
+    }
+
+    /// Reads the data of a record.
+    fn data(&mut self, length: u64) -> Result<(), RecordingError> {
+        let bytes = usize::try_from(length).unwrap_or(usize::MAX);
+        self.record.clear();
+        self.record
+            .try_reserve_exact(bytes)
+            .map_err(|_| RecordingError::damaged(self.next, "a record is larger than the memory at hand"))?;
+        let read = (&mut self.file).take(length).read_to_end(&mut self.record)? as u64;
         if read < length {
             return Err(std::io::Error::from(std::io::ErrorKind::UnexpectedEof).into());
         }
-        self.next = end;
-        self.at = Some(end);
-        Ok(is_needed.then_some(code))
+        Ok(())
     }
+
+    /// Passes over the data of a record without items, from behind its head to `end`.
+    fn pass_over(&mut self, code: u8, place: u64, end: u64) -> Result<(), RecordingError> {
+        let length = end - place - HEAD as u64;
+        let mut begin = [0; 6];
+        let begin = &mut begin[..usize::try_from(length).map_or(6, |length| length.min(6))];
+        self.file.read_exact(begin)?;
+        if let Some(reason) = contradiction(code, length, begin) {
+            return Err(RecordingError::damaged(place, reason));
+        }
+        if is_foreign(code) {
+            if hides_chunk(&mut self.file, place, end, self.length)? {
+                return Err(RecordingError::damaged(place, "a record hides a chunk"));
+            }
+            return Ok(());
+        }
+        let left = length - begin.len() as u64;
+        match i64::try_from(left) {
+            Ok(left) => self.file.seek_relative(left)?,
+            Err(_) => drop(self.file.seek(SeekFrom::Start(end))?),
+        }
+        Ok(())
+    }
+}
+
+/// Reason: a record that is longer than the rest of the file.
+const CUT_OFF: &str = "a record is longer than the file";
+/// Reason: a record of no known kind.
+const UNKNOWN: &str = "there is no record of this code";
+
+/// Whether no recorder writes records of this code: attachments, and records of other programs.
+fn is_foreign(code: u8) -> bool {
+    code == op::ATTACHMENT || code > op::DATA_END
 }
 
 /// Whether a file begins as a recording does; a killed recorder may have left less than the first bytes.
@@ -324,6 +372,8 @@ const DESCRIPTION_BYTES: usize = 4 << 20;
 struct ChannelNames {
     schemas: BTreeMap<u16, (String, Vec<u8>)>,
     topics: BTreeMap<u16, ChannelTopic>,
+    /// Messages of the present chunk whose channel has not been described.
+    undescribed: u64,
     /// Whether samples of other layouts are passed without conversion.
     as_recorded: bool,
     /// Latest converted sample.
@@ -428,6 +478,7 @@ impl ChannelNames {
         let (channel, _sequence) = (fields.u16()?, fields.u32()?);
         let (taken_ns, sent_ns) = (fields.u64()?, fields.u64()?);
         let Some(ChannelTopic { name, conversion }) = self.topics.get(&channel) else {
+            self.undescribed += 1;
             return Ok(Ok(()));
         };
         let recorded = fields.rest().strip_prefix(&CDR).unwrap_or_default();

@@ -8,10 +8,13 @@ use std::collections::BTreeMap;
 
 use mcap::records::op;
 
-use crate::RecordingError;
+use crate::{CDR, RecordingError};
 
 /// Bytes before the data of a record: code and length.
 pub(crate) const HEAD: usize = 9;
+
+/// Bytes before the sample of a message: channel, number, two times.
+const MESSAGE_HEAD: u64 = 2 + 4 + 8 + 8;
 
 /// Returns code and length of a record.
 pub(crate) fn head_of(head: &[u8; HEAD]) -> (u8, u64) {
@@ -22,6 +25,25 @@ pub(crate) fn head_of(head: &[u8; HEAD]) -> (u8, u64) {
 /// Whether records of this kind contain items. Other records are skipped.
 pub(crate) fn is_needed(code: u8) -> bool {
     matches!(code, op::CHUNK | op::METADATA | op::SCHEMA | op::CHANNEL | op::MESSAGE)
+}
+
+/// Returns why a record without items, with this code, length and beginning, is damaged; `None` if it is not.
+///
+/// Such a record has no checksum: a wrong length would hide the chunks behind it.
+pub(crate) fn contradiction(code: u8, length: u64, begin: &[u8]) -> Option<&'static str> {
+    let is_right = match code {
+        op::MESSAGE_INDEX => begin
+            .get(2..6)
+            .and_then(|count| count.try_into().ok())
+            .is_some_and(|count| length == 6 + u64::from(u32::from_le_bytes(count))),
+        op::FOOTER => length == 20,
+        op::DATA_END => length == 4,
+        op::CHUNK_INDEX | op::ATTACHMENT_INDEX | op::STATISTICS | op::METADATA_INDEX | op::SUMMARY_OFFSET => {
+            return Some("a record of the summary is among the data");
+        }
+        _ => true,
+    };
+    (!is_right).then_some("the length of a record contradicts its contents")
 }
 
 /// Whether there are records of this code: those of the format, and others' own.
@@ -104,6 +126,26 @@ impl<'a> Fields<'a> {
         Ok(map)
     }
 
+    /// Checks that a record outside chunks ends where its fields end. A message has no length of its own, but begins as
+    /// all messages of a recorder do.
+    pub(crate) fn check(mut self, code: u8) -> Result<(), RecordingError> {
+        match code {
+            op::HEADER => drop((self.text()?, self.text()?)),
+            op::SCHEMA => drop((self.u16()?, self.text()?, self.text()?, self.octets()?)),
+            op::CHANNEL => drop((self.u16()?, self.u16()?, self.text()?, self.text()?, self.octets()?)),
+            op::METADATA => drop((self.text()?, self.octets()?)),
+            op::MESSAGE => {
+                self.take(MESSAGE_HEAD)?;
+                self.left = if self.left.starts_with(&CDR) { &[] } else { self.left };
+            }
+            _ => return Ok(()),
+        }
+        match self.left {
+            [] => Ok(()),
+            _ => Err(self.damaged("the length of a record contradicts its contents")),
+        }
+    }
+
     /// Returns code and data of the next record of a chunk; `None` at the end.
     pub(crate) fn record(&mut self) -> Result<Option<(u8, Fields<'a>)>, RecordingError> {
         if self.left.is_empty() {
@@ -134,7 +176,7 @@ impl<'a> Fields<'a> {
         }
         let stored = self.u64()?;
         let records = self.take(stored)?;
-        if size != stored {
+        if size != stored || !self.left.is_empty() {
             return Err(self.damaged("the sizes of the chunk contradict each other"));
         }
         if checksum != 0 && checksum != crc32fast::hash(records) {

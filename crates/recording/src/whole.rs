@@ -42,7 +42,7 @@ pub fn whole<R: Read + Seek>(file: &mut R) -> std::io::Result<ReadablePart> {
 ///
 /// # Errors
 /// If the file cannot be read at all.
-pub(crate) fn whole_from<R: Read + Seek>(file: &mut R, from: u64, file_bytes: u64) -> std::io::Result<ReadablePart> {
+fn whole_from<R: Read + Seek>(file: &mut R, from: u64, file_bytes: u64) -> std::io::Result<ReadablePart> {
     file.seek(SeekFrom::Start(from))?;
     let mut at = ReadablePart {
         bytes: from,

@@ -319,6 +319,164 @@ fn one_flipped_bit_costs_at_most_the_chunk_that_it_is_in() {
     assert!(in_chunks > 500, "{in_chunks}");
 }
 
+/// Checks that all slices of a file are read but those of chunk `hit`, and that this chunk is counted.
+fn check_all_but(file: &[u8], is_torn: bool, hit: Option<u64>, what: &str) {
+    const SLICES: u64 = 40;
+    let mut survey = Survey::default();
+    survey.add(&mut Cursor::new(file)).unwrap();
+    let lost = hit.map_or(0..0, |chunk| 8 * chunk..8 * chunk + 8);
+    let expected: Vec<_> = (0..SLICES).filter(|number| !lost.contains(number)).collect();
+    assert_eq!(sequences(file), expected, "{what}: {survey:?}");
+    let is_counted = survey.damaged == 1 || (survey.torn == 1 && is_torn);
+    assert!(is_counted || hit.is_none(), "{what}: {survey:?}");
+}
+
+#[test]
+fn a_wrong_length_or_code_of_a_record_hides_no_chunk() {
+    const SLICES: u64 = 40;
+    let ended = file(SLICES);
+    let magic = mcap::MAGIC.len();
+    let own = records(&ended, magic, ended.len() - magic);
+    let data_end = own.iter().find(|(_, code)| *code == 0x0f).unwrap().0;
+    // A recorder that was killed writes no end.
+    let killed = ended[..data_end].to_vec();
+    let lengths = 0..24;
+    let mut in_data = 0;
+    for (place, code) in &own {
+        let is_chunk = *code == 6;
+        let chunk = own.iter().filter(|(other, code)| *code == 6 && other < place).count() as u64;
+        // Without its first chunk, a file without an end does not describe its channels.
+        let hit = is_chunk.then_some(chunk);
+        for bit in lengths.clone() {
+            let at = place + 1 + bit / 8;
+            let what = format!("code {code} at {place}, bit {bit} of the length");
+            check_all_but(&with(&ended, at, &[ended[at] ^ (1 << (bit % 8))]), true, hit, &what);
+            if at < killed.len() && hit != Some(0) {
+                let damaged = with(&killed, at, &[killed[at] ^ (1 << (bit % 8))]);
+                check_all_but(&damaged, true, hit, &format!("{what}, no end"));
+                in_data += 1;
+            }
+        }
+        for bit in 0..8 {
+            let what = format!("code {code} at {place}, bit {bit}");
+            check_all_but(&with(&ended, *place, &[ended[*place] ^ (1 << bit)]), false, hit, &what);
+        }
+    }
+    assert!(in_data > 200, "{in_data}");
+}
+
+#[test]
+fn a_wrong_length_that_ends_at_the_head_of_a_later_chunk_is_found() {
+    const SLICES: u64 = 40;
+    let whole = file(SLICES);
+    let magic = mcap::MAGIC.len();
+    let own = records(&whole, magic, whole.len() - magic);
+    let chunks: Vec<_> = own.iter().filter(|(_, code)| *code == 6).map(|(at, _)| *at).collect();
+    let index = own.iter().find(|(_, code)| *code == 7).unwrap().0;
+    let length = (chunks[3] - index - HEAD) as u64;
+    let damaged = with(&whole, index + 1, &length.to_le_bytes());
+    assert_eq!(
+        damage(&damaged),
+        [format!("byte {index}: the length of a record contradicts its contents")]
+    );
+    assert_eq!(sequences(&damaged), (0..SLICES).collect::<Vec<_>>());
+    // A record of another program, for which no rule is known.
+    let mut foreign = damaged;
+    foreign[index] = 0x90;
+    assert_eq!(damage(&foreign), [format!("byte {index}: a record hides a chunk")]);
+    assert_eq!(sequences(&foreign), (0..SLICES).collect::<Vec<_>>());
+}
+
+#[test]
+fn samples_of_channels_that_nothing_describes_are_counted() {
+    let ended = file(40);
+    let magic = mcap::MAGIC.len();
+    let own = records(&ended, magic, ended.len() - magic);
+    let data_end = own.iter().find(|(_, code)| *code == 0x0f).unwrap().0;
+    let (chunk, contents, _) = first_chunk(&ended);
+    let mut damaged = ended[..data_end].to_vec();
+    damaged[contents + 20] ^= 1;
+    let found = damage(&damaged);
+    assert_eq!(found.len(), 5, "{found:?}");
+    assert_eq!(found[0], format!("byte {chunk}: the checksum of the chunk is wrong"));
+    let undescribed = ": no readable chunk describes the channels of its samples";
+    assert!(
+        found[1..].iter().all(|reason| reason.ends_with(undescribed)),
+        "{found:?}"
+    );
+    let copied = copy(
+        [Cursor::new(&damaged)],
+        &RecordingPart::default(),
+        Cursor::new(Vec::new()),
+    );
+    let copied = copied.unwrap();
+    assert_eq!((copied.samples, copied.damaged), (0, 5));
+}
+
+/// A file that counts the calls.
+struct Counted<'a>(Cursor<&'a [u8]>, u64);
+
+impl std::io::Read for Counted<'_> {
+    fn read(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {
+        self.1 += 1;
+        self.0.read(bytes)
+    }
+}
+
+impl std::io::Seek for Counted<'_> {
+    fn seek(&mut self, to: std::io::SeekFrom) -> std::io::Result<u64> {
+        self.1 += 1;
+        self.0.seek(to)
+    }
+}
+
+#[test]
+fn the_work_grows_with_the_damage_and_not_with_its_square() {
+    let calls = |slices: u64| {
+        let mut damaged = file(slices);
+        let magic = mcap::MAGIC.len();
+        let own = records(&damaged, magic, damaged.len() - magic);
+        for (place, _) in own.iter().filter(|(_, code)| *code == 6) {
+            damaged[place + 80] ^= 1;
+        }
+        let mut survey = Survey::default();
+        let mut counted = Counted(Cursor::new(&damaged), 0);
+        survey.add(&mut counted).unwrap();
+        assert_eq!(survey.damaged, slices / 8);
+        counted.1
+    };
+    let (few, many) = (calls(80), calls(800));
+    assert!(many < 12 * few, "{few} calls for 10 chunks, {many} for 100");
+}
+
+#[test]
+fn a_part_counts_only_the_damage_within_it() {
+    let whole = file(40);
+    let magic = mcap::MAGIC.len();
+    let own = records(&whole, magic, whole.len() - magic);
+    let chunks: Vec<_> = own.iter().filter(|(_, code)| *code == 6).map(|(at, _)| *at).collect();
+    // Slices are taken at 1000 + their number, eight a chunk.
+    for (from, to, expected) in [
+        (None, None, 1),
+        (Some(1_010), Some(1_020), 1),
+        (Some(1_017), None, 1),
+        (None, Some(1_016), 1),
+        (Some(1_026), None, 0),
+        (None, Some(1_012), 0),
+        (Some(1_026), Some(1_030), 0),
+    ] {
+        let part = RecordingPart {
+            from_ns: from,
+            to_ns: to,
+            ..RecordingPart::default()
+        };
+        let damaged = with(&whole, chunks[2] + 80, &[!whole[chunks[2] + 80]]);
+        let copied = copy([Cursor::new(&damaged)], &part, Cursor::new(Vec::new())).unwrap();
+        assert_eq!(copied.damaged, expected, "{from:?} to {to:?}");
+        assert_eq!(copied.damaged_bytes > 0, expected > 0);
+    }
+}
+
 #[test]
 fn a_file_of_another_kind_and_a_topic_that_is_not_there_are_refused() {
     let text = Survey::default().add(&mut Cursor::new(b"time_s,x\n1,2\n")).unwrap_err();

@@ -120,6 +120,13 @@ pub fn show_recording(config: &Deployment, path: &Path, files: &[PathBuf]) -> an
         ..Settings::default()
     };
     let mut tape = Tape::open(config, files)?;
+    let damage = tape.damage();
+    if damage.parts > 0 {
+        let (path, parts, bytes) = (path.display(), damage.parts, damage.bytes);
+        runtime::notice(format_args!(
+            "koseki: {path}: damaged parts skipped: {parts} ({bytes} bytes)"
+        ));
+    }
     // The real name instead of the link `latest`.
     let name = path.canonicalize()?;
     let mut world = World::new(

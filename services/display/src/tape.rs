@@ -33,6 +33,13 @@ enum TopicKind {
     Health,
 }
 
+/// Damaged parts of files.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Damage {
+    pub(crate) parts: u64,
+    pub(crate) bytes: u64,
+}
+
 /// Position of a chunk in a file.
 #[derive(Clone, Copy, Debug)]
 struct ChunkPosition {
@@ -69,6 +76,8 @@ pub(crate) struct Tape {
     waiting: VecDeque<RecordedSlice>,
     /// Latest slice in the world: its recording time, and the time of the picture.
     latest: Option<(Now, i64)>,
+    /// Damaged parts, as the first pass has found them.
+    damage: Damage,
 }
 
 impl Tape {
@@ -95,6 +104,7 @@ impl Tape {
             next: 0,
             waiting: VecDeque::new(),
             latest: None,
+            damage: Damage::default(),
         };
         for (file, path) in files.iter().enumerate() {
             while tape
@@ -112,6 +122,11 @@ impl Tape {
         self.span_ns
     }
 
+    /// Returns the damaged parts of the files, which are skipped.
+    pub(crate) fn damage(&self) -> Damage {
+        self.damage
+    }
+
     /// Notes the picture's time in the next chunk of `file`. Returns `false` at its end.
     fn note(&mut self, file: usize, clock: &mut PictureClock) -> Result<bool, RecordingError> {
         let place = self.files[file].place();
@@ -121,7 +136,7 @@ impl Tape {
             at_ns: self.span_ns[1],
             clock: *clock,
         };
-        let slices = slices(&mut self.files[file], &self.topics, clock)?;
+        let slices = slices(&mut self.files[file], &self.topics, clock, &mut self.damage)?;
         for at_ns in slices.iter().flatten().filter_map(|slice| slice.at_ns) {
             self.span_ns = [self.span_ns[0].min(at_ns), self.span_ns[1].max(at_ns)];
         }
@@ -185,17 +200,20 @@ impl Tape {
         self.next += 1;
         let file = &mut self.files[mark.file];
         file.go_to(mark.place);
-        self.waiting
-            .extend(slices(file, &self.topics, &mut { mark.clock })?.into_iter().flatten());
+        // The first pass has counted the damage.
+        let mut again = Damage::default();
+        let slices = slices(file, &self.topics, &mut { mark.clock }, &mut again)?;
+        self.waiting.extend(slices.into_iter().flatten());
         Ok(true)
     }
 }
 
-/// Returns the displayed slices of the next chunk of `file`; `None` at its end.
+/// Returns the displayed slices of the next chunk of `file`; `None` at its end. Adds the damage before them.
 fn slices(
     file: &mut Chunks<BufReader<File>>,
     topics: &BTreeMap<String, TopicKind>,
     clock: &mut PictureClock,
+    damage: &mut Damage,
 ) -> Result<Option<Vec<RecordedSlice>>, RecordingError> {
     let mut slices: Vec<RecordedSlice> = Vec::new();
     // Whether the following samples belong to the last of the slices.
@@ -235,7 +253,11 @@ fn slices(
                     slice.size = octets.len();
                 }
             }
-            Item::Sample { .. } | Item::Facts(_) | Item::Topic { .. } | Item::Damaged { .. } => {}
+            Item::Damaged { bytes, .. } => {
+                damage.parts += 1;
+                damage.bytes += bytes.end - bytes.start;
+            }
+            Item::Sample { .. } | Item::Facts(_) | Item::Topic { .. } => {}
         }
         Ok(())
     })?;
@@ -426,6 +448,24 @@ mod tests {
             let now = world.now(NOW);
             assert!(!world.observed.is_fusion_absent(now.mono_ns), "{second} s: {now:?}");
         }
+    }
+
+    #[test]
+    fn damage_is_counted_once_however_often_its_file_is_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let paths = record(folder.path());
+        let mut octets = std::fs::read(&paths[0]).unwrap();
+        let middle = octets.len() / 2;
+        octets[middle] ^= 1;
+        std::fs::write(&paths[0], octets).unwrap();
+        let mut tape = Tape::open(&demo(), &paths).unwrap();
+        let damage = tape.damage();
+        assert!(damage.parts == 1 && damage.bytes > 0, "{damage:?}");
+        let mut world = world_of(&tape);
+        for second in [10, 190, 40, 120] {
+            tape.go_to(&mut world, BEGIN_NS + LATER_NS + second * S).unwrap();
+        }
+        assert_eq!(tape.damage(), damage);
     }
 
     #[test]

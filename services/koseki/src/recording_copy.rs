@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use offline::{OutputFile, Usage, check_outputs};
-use recording::{RecordingError, RecordingPart};
+use recording::{Copied, RecordingError, RecordingPart};
 
 use crate::args::{RecordingCut, RecordingMerge, RecordingRepair};
 use crate::recording_info::files;
@@ -32,9 +32,19 @@ pub(crate) fn cut(cut: RecordingCut) -> anyhow::Result<()> {
 /// Copies what can be read of a damaged recording.
 ///
 /// # Errors
-/// If the recording cannot be read, or the copy not be written.
+/// If the recording cannot be read or nothing in it is readable, or the copy cannot be written.
 pub(crate) fn repair(repair: &RecordingRepair) -> anyhow::Result<()> {
-    copy(&files(&repair.path)?, &RecordingPart::default(), &repair.out)
+    let files = files(&repair.path)?;
+    let copied = copy_to(&files, &RecordingPart::default(), &repair.out, |copied| {
+        let (path, parts, bytes) = (repair.path.display(), copied.damaged, copied.damaged_bytes);
+        let what = "no sample can be read, so that there is nothing to copy";
+        anyhow::ensure!(
+            copied.samples > 0,
+            "{path}: {what}; damaged parts: {parts} ({bytes} bytes)"
+        );
+        Ok(())
+    })?;
+    show(&copied, &repair.out)
 }
 
 /// Copies several files into one.
@@ -50,6 +60,16 @@ pub(crate) fn merge(merge: &RecordingMerge) -> anyhow::Result<()> {
 }
 
 fn copy(paths: &[PathBuf], part: &RecordingPart, out: &Path) -> anyhow::Result<()> {
+    show(&copy_to(paths, part, out, |_| Ok(()))?, out)
+}
+
+/// Copies into the file `out`, which is written only if `check` accepts the copy.
+fn copy_to(
+    paths: &[PathBuf],
+    part: &RecordingPart,
+    out: &Path,
+    check: impl FnOnce(&Copied) -> anyhow::Result<()>,
+) -> anyhow::Result<Copied> {
     check_outputs(paths, &[("--out", Some(&out.to_owned()))])?;
     let run = |path: &PathBuf| Ok::<_, anyhow::Error>(facts(path)?.remove(RUN));
     let first = run(&paths[0])?;
@@ -69,7 +89,12 @@ fn copy(paths: &[PathBuf], part: &RecordingPart, out: &Path) -> anyhow::Result<(
         RecordingError::UnknownTopic { .. } => Usage(format!("--topics: the recording {error}")).into(),
         error => anyhow::Error::from(error),
     })?;
+    check(&copied)?;
     file.finish()?;
+    Ok(copied)
+}
+
+fn show(copied: &Copied, out: &Path) -> anyhow::Result<()> {
     let skipped = match copied.damaged {
         0 => String::new(),
         parts => format!("; damaged parts skipped: {parts} ({} bytes)", copied.damaged_bytes),

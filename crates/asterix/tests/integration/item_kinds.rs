@@ -1,7 +1,7 @@
 //! Each kind of item, from hand-made bytes.
 
 use asterix::named::UNKNOWN_EXTENSION;
-use asterix::{Mode, NamedRecord, Value};
+use asterix::{JsonLines, Mode, NamedRecord, Value};
 
 use crate::sample::{PLOT_OR_TRACK, SAMPLE, item, read};
 
@@ -205,7 +205,8 @@ fn json_has_numbers_texts_hexadecimal_octets_and_the_category() {
         0xF0,
     ];
     read(&SAMPLE, Mode::Lenient, &body, |record| {
-        let mut named = NamedRecord::new(&record.unwrap());
+        let record = record.unwrap();
+        let mut named = NamedRecord::new(&record);
         let expected = r#"{"030":-0.25,"050":{"A":"Ab","I":"Z9","O":"7654"},"RE":"0ff0","_c":250}"#;
         let mut line = vec![];
         named.write_json(&mut line);
@@ -215,5 +216,11 @@ fn json_has_numbers_texts_hexadecimal_octets_and_the_category() {
         assert_eq!(named.get(&["050", "X"]), None);
         named.time_stamp_s = Some(1.5);
         assert_eq!(named.to_json()["_ts"], 1.5);
+        for time_stamp_s in [f64::NAN, f64::INFINITY, -f64::INFINITY] {
+            let mut lines = JsonLines::default();
+            lines.write(&record, Some(time_stamp_s), None);
+            let expected = expected.replace("250}", "250,\"_ts\":null}\n");
+            assert_eq!(str::from_utf8(lines.text()).unwrap(), expected);
+        }
     });
 }

@@ -19,8 +19,9 @@ Examples:
 The recording must contain all topics: [recorder] format = [\"csv\", \"mcap\"]. Reports are processed in fusion's order,
 from a recorded start or snapshot on. After a missing report, for example during an outage of the recorder, states are
 not verified until the next start or snapshot; the summary states this time. Bits are equal for the same build on
-processors of the same family. --verify prints the first difference, and fails with a difference or without any verified
-state. With --config sources are matched by name. With --live at another speed than 1, targets move faster accordingly.";
+processors of the same family. --verify prints the first difference, and fails with a difference, without any verified
+state, or with damaged parts in the recording. With --config sources are matched by name. With --live at another
+speed than 1, targets move faster accordingly.";
 
 /// `koseki replay`.
 #[derive(Debug, Args)]

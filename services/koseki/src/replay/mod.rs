@@ -68,6 +68,8 @@ pub(crate) fn run(replay: &ReplayArgs) -> anyhow::Result<()> {
         config: used,
         failed: Ok(()),
         states: 0,
+        damaged: 0,
+        damaged_bytes: 0,
     };
     let (again, result) = fused_again(&files, topics(&recorded), plan, result)?;
     result.finish(&again)
@@ -150,6 +152,9 @@ trait ReplayResult {
     /// Takes a recorded state of a system track.
     fn record(&mut self, _: &SystemTrack) {}
 
+    /// Takes note of a damaged part of the recording with so many bytes.
+    fn skip(&mut self, _bytes: u64) {}
+
     /// States that the recording does not contain.
     fn pass_over(&mut self, _missing: &[Range<usize>]) {}
 }
@@ -178,6 +183,9 @@ struct Result {
     config: Config,
     failed: std::io::Result<()>,
     states: u64,
+    /// Damaged parts of the recording that were skipped, and their bytes.
+    damaged: u64,
+    damaged_bytes: u64,
 }
 
 impl<R: ReplayResult> ReplayReading<R> {
@@ -188,7 +196,8 @@ impl<R: ReplayResult> ReplayReading<R> {
                     self.result.pass_over(missing);
                 }
             }
-            Item::Facts(_) | Item::Damaged { .. } => {}
+            Item::Facts(_) => {}
+            Item::Damaged { bytes, .. } => self.result.skip(bytes.end - bytes.start),
             Item::Slice {
                 topic,
                 header,
@@ -256,6 +265,11 @@ impl ReplayResult for Result {
         }
     }
 
+    fn skip(&mut self, bytes: u64) {
+        self.damaged += 1;
+        self.damaged_bytes += bytes;
+    }
+
     fn take_failure(&mut self) -> std::io::Result<()> {
         std::mem::replace(&mut self.failed, Ok(()))
     }
@@ -308,6 +322,10 @@ impl Result {
         } = again.spans;
         let seconds = |ns: i64| ns as f64 / 1e9;
         let mut text = String::new();
+        let damage = match self.damaged {
+            0 => String::new(),
+            parts => format!("damaged parts skipped: {parts} ({} bytes)\n", self.damaged_bytes),
+        };
         let Some(mut verification) = self.verification else {
             let (reports, states) = (again.worked, self.states);
             writeln!(
@@ -323,6 +341,7 @@ impl Result {
                     seconds(left_out_ns)
                 )?;
             }
+            text.push_str(&damage);
             crate::print(&text)?;
             anyhow::ensure!(reports > 0, "no report of the recording could be worked off");
             return Ok(());
@@ -351,11 +370,17 @@ impl Result {
         if not_recorded > 0 {
             writeln!(text, "given, but not recorded: {not_recorded} track states")?;
         }
+        text.push_str(&damage);
         crate::print(&text)?;
         if let Some(first) = first {
             anyhow::bail!("{differences} track states differ from those recorded, the first {first}");
         }
         anyhow::ensure!(states > 0, "nothing was verified");
+        let parts = self.damaged;
+        anyhow::ensure!(
+            parts == 0,
+            "the recording is damaged: what its {parts} damaged parts contain is not verified"
+        );
         Ok(())
     }
 }

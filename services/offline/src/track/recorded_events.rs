@@ -220,7 +220,12 @@ impl RecordedEvents {
         for path in &track.detections {
             let file = host.open(path)?;
             recorded.octets += file.length;
+            let (mut damaged, mut damaged_bytes) = (0, 0);
             let read = recording::read::<_, anyhow::Error>(&mut BufReader::new(file), |item| {
+                if let Item::Damaged { bytes, .. } = &item {
+                    damaged += 1;
+                    damaged_bytes += bytes.end - bytes.start;
+                }
                 let Item::Sample { topic, octets } = item else {
                     return Ok(());
                 };
@@ -249,6 +254,12 @@ impl RecordedEvents {
                 Ok(())
             });
             read.with_context(|| format!("reading {}", path.display()))?;
+            if damaged > 0 {
+                let path = path.display();
+                host.say(&format!(
+                    "koseki: {path}: damaged parts skipped: {damaged} ({damaged_bytes} bytes)\n"
+                ));
+            }
         }
         if recorded.events.is_empty() {
             let what = format!("contains no detection of the tracker {}", source.name);
