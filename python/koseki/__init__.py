@@ -43,6 +43,8 @@ globals().update(CODES)
 
 #: Seconds between two looks for a deployment that does not run yet.
 _PAUSE = 0.2
+#: Seconds for which a topic may be missing from a deployment that runs: its processes create their topics one by one.
+_TOPIC_PATIENCE = 5.0
 
 
 class Tracks(np.ndarray):
@@ -74,19 +76,41 @@ class Subscription:
         reconnect: bool = False,
     ) -> None:
         self._names, self._borrow, self._reconnect = (instance, topic), borrow, reconnect
-        self._inner = self._open(float("inf") if wait is True else float(wait))
+        # When the topic was first missing from a deployment that runs.
+        self._missing_since: float | None = None
+        self._last_counts, self._is_closed = Counts(0, 0, 0, 0), False
+        patience = float("inf") if wait is True else float(wait)
+        # None between two runs of the deployment.
+        self._inner: _koseki.Subscription | None = self._open(time.monotonic() + patience)
         self._dtype = DTYPES[self._inner.sample()]
 
-    def _open(self, patience: float) -> _koseki.Subscription:
-        """Opens the topic, and waits so many seconds for a deployment that does not run yet."""
-        end = time.monotonic() + patience
+    def _open(self, end: float) -> _koseki.Subscription:
+        """Opens the topic, and waits until `end` for a deployment that does not run yet."""
         while True:
+            now = time.monotonic()
             try:
-                return _koseki.Subscription(*self._names)
-            except (NotRunning, NoSuchTopic):
-                if time.monotonic() >= end:
+                inner = _koseki.Subscription(*self._names)
+                self._missing_since = None
+                return inner
+            except NotRunning:
+                self._missing_since = None
+                if now >= end:
                     raise
-            time.sleep(_PAUSE)
+            except NoSuchTopic:
+                if self._missing_since is None:
+                    self._missing_since = now
+                if now >= end or self._is_topic_unknown():
+                    raise
+            time.sleep(min(_PAUSE, max(end - time.monotonic(), 0.0)))
+
+    def _is_topic_unknown(self) -> bool:
+        return self._missing_since is not None and time.monotonic() - self._missing_since >= _TOPIC_PATIENCE
+
+    def _leave_ended(self) -> None:
+        """Leaves a run of the deployment that has ended: its memory can then be cleared."""
+        self._last_counts = self.counts
+        self._inner.close()
+        self._inner = None
 
     @property
     def dtype(self) -> np.dtype:
@@ -95,30 +119,30 @@ class Subscription:
 
     @property
     def counts(self) -> Counts:
-        """What was taken and what was lost."""
-        return Counts(*self._inner.counts())
+        """What was taken and what was lost; between two runs of the deployment, the counts of the run before."""
+        return self._last_counts if self._inner is None else Counts(*self._inner.counts())
 
     def receive(self, timeout: float | None = None) -> Tracks | None:
         """The next slice; None if none comes within `timeout` seconds. 0 does not wait; None waits as long as it takes.
 
         Raises Ended, SchemaMismatch, and BorrowLimit where two borrowed slices are held already. With `reconnect` it
-        waits for the next run of the deployment instead of raising Ended: its first slice has `starts_epoch`.
+        waits for the next run of the deployment instead of raising Ended: its first slice has `starts_epoch`. It raises
+        NoSuchTopic if that run has had no such topic for 5 s.
         """
-        end = None if timeout is None else time.monotonic() + timeout
-        left = timeout
+        end = float("inf") if timeout is None else time.monotonic() + timeout
         while True:
+            if self._inner is None and not self._reopen(end):
+                return None
             try:
-                piece = self._inner.receive(left)
+                piece = self._inner.receive(None if timeout is None else max(end - time.monotonic(), 0.0))
                 break
             except Ended:
                 if not self._reconnect:
                     raise
-            left = None if end is None else max(end - time.monotonic(), 0.0)
-            self._inner.close()
-            try:
-                self._inner = self._open(float("inf") if left is None else left)
-            except (NotRunning, NoSuchTopic):
+            self._leave_ended()
+            if time.monotonic() >= end:
                 return None
+            time.sleep(min(_PAUSE, max(end - time.monotonic(), 0.0)))
         if piece is None:
             return None
         array = np.frombuffer(piece, dtype=self._dtype)
@@ -127,6 +151,20 @@ class Subscription:
         tracks = array.view(Tracks)
         tracks.lost, tracks.starts_epoch, tracks.epoch = piece.lost, piece.starts_epoch, piece.epoch
         return tracks
+
+    def _reopen(self, end: float) -> bool:
+        """Waits until `end` for the next run of the deployment."""
+        if self._is_closed:
+            raise ValueError("it is closed")
+        try:
+            self._inner = self._open(end)
+        except NotRunning:
+            return False
+        except NoSuchTopic:
+            if self._is_topic_unknown():
+                raise
+            return False
+        return True
 
     def __iter__(self) -> Iterator[Tracks]:
         try:
@@ -142,7 +180,9 @@ class Subscription:
             try:
                 # Woken by the descriptor; a wake-up can be lost, so look now and then all the same.
                 tracks = self.receive(0)
-                if tracks is None:
+                if tracks is None and self._inner is None:
+                    await asyncio.sleep(_PAUSE)
+                elif tracks is None:
                     await self._readable(0.1)
                 elif len(tracks):
                     yield tracks
@@ -151,14 +191,14 @@ class Subscription:
                 return
 
     async def _readable(self, timeout: float) -> None:
-        loop, ready = asyncio.get_running_loop(), asyncio.Event()
-        loop.add_reader(self.fileno(), ready.set)
+        loop, ready, descriptor = asyncio.get_running_loop(), asyncio.Event(), self.fileno()
+        loop.add_reader(descriptor, ready.set)
         try:
             await asyncio.wait_for(ready.wait(), timeout)
         except TimeoutError:
             pass
         finally:
-            loop.remove_reader(self.fileno())
+            loop.remove_reader(descriptor)
 
     def to_dataframe(self, seconds: float, *, raw: bool = False) -> "pandas.DataFrame":
         """What comes within so many seconds, as a pandas data frame: a row a sample.
@@ -179,13 +219,20 @@ class Subscription:
     def fileno(self) -> int:
         """A descriptor that is readable when there is something to receive, for select and the like.
 
-        Then receive with time-out 0 until None comes; do so every tenth of a second all the same.
+        Then receive with time-out 0 until None comes; do so every tenth of a second all the same. With `reconnect`,
+        each run of the deployment has another descriptor, and between two runs NotRunning is raised.
         """
+        if self._inner is None:
+            if self._is_closed:
+                raise ValueError("it is closed")
+            raise NotRunning(f"instance {self._names[0]} has ended and does not run again yet")
         return self._inner.fileno()
 
     def close(self) -> None:
         """Leaves the deployment. Its memory can only be cleared when all have left."""
-        self._inner.close()
+        self._is_closed = True
+        if self._inner is not None:
+            self._inner.close()
 
     def __enter__(self) -> "Subscription":
         return self
@@ -245,6 +292,7 @@ def subscribe(
     `sensor/NAME/tracks`, `sensor/NAME/detections`, `wide-area/NAME/reports`, `platform/NAME/state`, `health`. They are
     copies; with `borrow` they lie in shared memory, can only be read, and no more than two may be held at a time.
     `wait` waits for the deployment, for ever or so many seconds; `reconnect` goes on with its next run when it ends.
+    A topic that is missing for 5 s from a deployment that runs raises NoSuchTopic all the same.
     """
     return Subscription(instance, topic, borrow=borrow, wait=wait, reconnect=reconnect)
 

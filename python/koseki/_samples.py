@@ -54,12 +54,12 @@ def _enumerations() -> dict[str, type[enum.Enum]]:
     return enumerations
 
 
-#: Codes and bits by name, such as `CODES["TrackState"]`; the package has each under its name, such as `koseki.TrackState`.
+#: Codes and bits by name, such as `CODES["TrackState"]`; the package has each under its name, as `koseki.TrackState`.
 CODES: dict[str, type[enum.Enum]] = _enumerations()
 
 
 def describe(sample: str) -> dict[str, str]:
-    """Unit and meaning of each field of a sample, such as "SystemTrack", or of each value of a code, such as "TrackState"."""
+    """Unit and meaning of each field of a sample ("SystemTrack"), or of each value of a code ("TrackState")."""
     if sample in CODES:
         return dict(line.split(": ", 1) for line in CODES[sample].__doc__.splitlines())
     return dict(_DOCS[sample])
@@ -81,9 +81,10 @@ def upper(matrices: np.ndarray) -> np.ndarray:
 def table(samples: np.ndarray, *, origin: tuple[float, float, float] | None = None) -> Table:
     """Samples of a topic as a table with the columns of the recorder's CSV files, which the offline commands take.
 
-    `samples` is what a subscription or `read` yields. Times are seconds since midnight (UTC) of the first sample's day. With `origin`,
-    the latitude and longitude (degrees) and height (m) of the system frame's origin, system tracks have columns
-    `latitude`, `longitude` (WGS-84, degrees) and `flight_level`. A ValueError is raised for samples that have no table.
+    `samples` is what a subscription or `read` yields. Times are seconds since midnight (UTC) of the first sample's day.
+    With `origin`, the latitude and longitude (degrees) and height (m) of the system frame's origin, system tracks have
+    columns `latitude`, `longitude` (WGS-84, degrees) and `flight_level`. A ValueError is raised for samples that have
+    no table.
     """
     names = [name for name, dtype in DTYPES.items() if dtype == samples.dtype]
     if not names:

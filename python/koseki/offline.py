@@ -2,10 +2,11 @@
 
 Each command runs in this process, by the functions that the executable `koseki` runs, so results are those of the
 command line to the digit; other Python threads run meanwhile, Ctrl-C ends it, and `progress`, a function, is told the
-share of each pass over the tables that is done, several times a second. A table is given as a path of a CSV file, a dict
-of columns, samples of a topic (what a subscription or `read` yields), a data frame of pandas or polars, a table of pyarrow, or anything else with the Arrow C stream interface (that
-needs pyarrow). A table is returned as a dict of numpy columns, of which `pandas.DataFrame`, `polars.DataFrame` and
-`pyarrow.table` make theirs. The columns, and their units, are those of `koseki COMMAND --help`.
+share of each pass over the tables that is done, several times a second. A table is given as a path of a CSV file, a
+dict of columns, samples of a topic (what a subscription or `read` yields), a data frame of pandas or polars, a table
+of pyarrow, or anything else with the Arrow C stream interface (that needs pyarrow). A table is returned as a dict of
+numpy columns, of which `pandas.DataFrame`, `polars.DataFrame` and `pyarrow.table` make theirs. The columns, and their
+units, are those of `koseki COMMAND --help`.
 
 What is wrong with a table or an option is a ValueError that names the table, the line as a file would have it (the first
 has the columns' names), the column, the value and a remedy. Rows that were left out are a warning.

@@ -283,6 +283,96 @@ def test_an_external_source_is_fed_and_the_end_is_told(tmp_path):
     deployment.stop()
 
 
+@pytest.fixture
+def again(tmp_path):
+    """Starts a deployment, as often as it is called; a test that fails leaves none to the next test."""
+    started = []
+
+    def start() -> Deployment:
+        started.append(Deployment("up", TOP / "examples/feed.toml", "--instance", "again", "--out", tmp_path))
+        return started[-1]
+
+    yield start
+    for deployment in started:
+        if deployment.process.poll() is None:
+            deployment.stop()
+
+
+def _received(tracks: koseki.Subscription) -> koseki.Tracks:
+    """What is received of a publisher that sends one sample, and stays until it is received."""
+    with koseki.publish("again", "own") as publisher:
+        publisher.send(publisher.new(1))
+        return tracks.receive(PATIENCE)
+
+
+def test_a_reader_that_reconnects_waits_through_an_end_and_goes_on(again):
+    deployment = again()
+    tracks = koseki.subscribe("again", "sensor/own/tracks", reconnect=True)
+    assert len(_received(tracks)) == 1
+    deployment.stop()
+    for _ in range(2):
+        begun = time.monotonic()
+        assert tracks.receive(0.1) is None
+        assert time.monotonic() - begun < 5.0
+    assert tracks.receive(0) is None
+    assert tracks.counts.taken == 1
+    with pytest.raises(koseki.NotRunning):
+        tracks.fileno()
+    deployment = again()
+    # Opens the topic of the new run.
+    assert tracks.receive(1.0) is None
+    assert tracks.fileno() >= 0
+    assert len(_received(tracks)) == 1
+    deployment.stop()
+    assert tracks.receive(0.1) is None
+    tracks.close()
+    for use in tracks.fileno, lambda: tracks.receive(0):
+        with pytest.raises(ValueError):
+            use()
+
+
+def test_a_loop_of_events_that_reconnects_goes_on_with_the_next_run(again):
+    async def some():
+        deployment, slices = again(), asyncio.Queue()
+
+        async def read():
+            async for tracks in koseki.subscribe("again", "sensor/own/tracks", reconnect=True):
+                slices.put_nowait(len(tracks))
+
+        reader = asyncio.create_task(read())
+        for is_last in False, True:
+            # The reader has opened the topic of this run.
+            await asyncio.sleep(1.0)
+            with koseki.publish("again", "own") as publisher:
+                publisher.send(publisher.new(1))
+                assert await asyncio.wait_for(slices.get(), PATIENCE) == 1
+            await asyncio.to_thread(deployment.stop)
+            await asyncio.sleep(0.5)
+            assert not reader.done()
+            if not is_last:
+                deployment = await asyncio.to_thread(again)
+        reader.cancel()
+
+    asyncio.run(some())
+
+
+def test_a_reader_that_may_reconnect_gives_up_a_topic_that_a_running_deployment_lacks(again):
+    deployment = again()
+    begun = time.monotonic()
+    with pytest.raises(koseki.NoSuchTopic):
+        koseki.subscribe("again", "sensor/nobody/tracks", wait=True, reconnect=True)
+    assert 4.5 < time.monotonic() - begun < PATIENCE
+    begun = time.monotonic()
+    with pytest.raises(koseki.NoSuchTopic):
+        koseki.subscribe("again", "sensor/nobody/tracks", wait=0.3)
+    assert 0.25 < time.monotonic() - begun < 3.0
+    deployment.stop()
+    begun = time.monotonic()
+    with pytest.raises(koseki.NotRunning):
+        koseki.subscribe("again", wait=0.05)
+    assert time.monotonic() - begun < 0.2
+
+
 @pytest.fixture(scope="module")
 def case(tmp_path_factory):
     """A simulated world as the executable writes it."""

@@ -198,8 +198,8 @@ impl Piece<'_> {
 
 /// Writes `magnitude` × `lsb` where that is a short binary fraction; otherwise writes nothing and gives `false`.
 ///
-/// m / 2^n has exactly n decimals if m is odd: m × 5^n / 10^n. With at most 15 digits, no shorter decimal number has the
-/// same `f64`, and so these are the digits of every writer that finds the shortest.
+/// m / 2^n has exactly n decimals if m is odd: m × 5^n / 10^n. With at most 15 digits, no shorter decimal number has
+/// the same `f64`, and so these are the digits of every writer that finds the shortest.
 #[inline(always)]
 pub(super) fn short(piece: &mut Piece<'_>, is_negative: bool, magnitude: u64, lsb: f64) -> bool {
     let Some((factor, mut places)) = fraction(lsb) else {

@@ -120,6 +120,13 @@ impl<S: Transport, T: Payload> BatchWriter<S, T> {
     }
 }
 
+impl<S: Transport, T: Payload> Drop for BatchWriter<S, T> {
+    /// The last slice of a topic often announces its end: a reader must not sleep on it.
+    fn drop(&mut self) {
+        self.settle();
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use std::time::Duration;
@@ -247,5 +254,28 @@ mod tests {
             })
             .unwrap();
         assert_eq!(waiter.missed_wake_ups(), 0);
+    }
+
+    #[test]
+    fn a_foreign_listener_that_came_lately_is_woken_for_the_last_slice() {
+        let folder = tempfile::tempdir().unwrap();
+        let bus = bus(&folder);
+        let topic = messages::sensor_tracks("a");
+        let _held = bus.hold(&topic).unwrap();
+        let mut writer = BatchWriter::new(bus.publisher(&topic, 1).unwrap(), 1);
+        // The first batch is copied; the second finds nobody, and remembers it.
+        for number in 0..2 {
+            writer.push(&track(number));
+            writer.send(mark(0), |_, _| ()).unwrap();
+        }
+        let name = iceoryx2::prelude::ServiceName::new(topic.name.as_str()).unwrap();
+        let events = bus.node().service_builder(&name).event().open().unwrap();
+        let foreign = events.listener_builder().create().unwrap();
+        let end = Mark { end: true, ..mark(0) };
+        writer.push(&track(2));
+        writer.send(end, |_, _| ()).unwrap();
+        assert_eq!(foreign.try_wait(|_| ()).unwrap(), 0);
+        drop(writer);
+        assert!(foreign.try_wait(|_| ()).unwrap() > 0);
     }
 }

@@ -9,7 +9,7 @@
 //! owner looks into the queues, with a fence between the two steps on either side: one of the two sees the other.
 //!
 //! A listener in another language never touches the word. Therefore the knowledge holds for a tenth of a second only.
-//! A publisher that used it counts again ([`WakeUp::settle`]) when there is nothing to send.
+//! A publisher that used it counts again ([`WakeUp::settle`]) when there is nothing to send, and at its end.
 
 use std::sync::atomic::Ordering::{Acquire, SeqCst};
 use std::sync::atomic::fence;

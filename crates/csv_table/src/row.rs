@@ -9,7 +9,8 @@ const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 fn commas(word: [u8; 8]) -> u64 {
     const COMMAS: u64 = u64::from_le_bytes([b','; 8]);
     const LOW: u64 = u64::from_le_bytes([0x7f; 8]);
-    // An octet is now zero where a comma was. Adding to its lower bits carries into its highest bit unless they are zero.
+    // An octet is now zero where a comma was. Adding to its lower bits carries into its highest bit unless they
+    // are zero.
     let others = u64::from_le_bytes(word) ^ COMMAS;
     !(((others & LOW) + LOW) | others | LOW)
 }
@@ -38,8 +39,8 @@ impl Row {
         Ok(true)
     }
 
-    /// Finds the commas, eight octets at once. Values are a few octets long, too short for a search from one comma to the
-    /// next.
+    /// Finds the commas, eight octets at once. Values are a few octets long, too short for a search from one comma to
+    /// the next.
     fn find_ends(&mut self) {
         let (words, rest) = self.octets.as_chunks();
         for (place, word) in words.iter().enumerate() {

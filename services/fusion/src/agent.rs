@@ -417,6 +417,8 @@ impl<S: Transport> Agent for FusionAgent<S> {
             reached.say_at_times(now, !worked || self.end_sent)?;
         }
         if self.end_sent && self.output.all_received()? {
+            // The process ends without a sleep.
+            self.output.settle();
             return Ok(Turn::Finished);
         }
         Ok(if worked { Turn::Worked } else { Turn::Idle(self.idle()) })

@@ -107,8 +107,8 @@ impl<S: Transport> SourceInput<S> {
     }
 
     /// Takes the next slice in hand if none is, in a full look or where a publisher has given a hint. After a full look
-    /// that found something, looks stay full until the queue is empty. `false` if there is none; `true` if one is in hand now, or if so many unusable ones were passed over that it is time to look
-    /// elsewhere before looking here again.
+    /// that found something, looks stay full until the queue is empty. `false` if there is none; `true` if one is in
+    /// hand now, or if so many unusable ones were passed over that it is time to look elsewhere first.
     #[inline]
     pub(crate) fn reach(&mut self, clock: fn() -> i64, look: Look) -> anyhow::Result<bool> {
         if self.in_hand.is_some() {

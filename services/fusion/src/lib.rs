@@ -27,6 +27,7 @@ mod quarantine_tests;
 mod smoothing;
 mod source_time;
 mod standby;
+mod standby_looks;
 
 pub use agent::FusionAgent;
 pub use smoothing::{SmoothingQueue, SmoothingWorker};

@@ -5,7 +5,7 @@
 //! source are finished, and keeps the others in its queues. It publishes no track and never spins.
 //!
 //! ```text
-//!   leader  ──▶ checkpoint: tracks, numbers, positions, a sign of life each millisecond
+//!   leader  ──▶ checkpoint: tracks, numbers, positions, a sign of life each millisecond (idle: every 20 ms)
 //!      │             │
 //!      │ lock        ▼ every 5 to 100 ms
 //!   standby: drops the reports that the leader has finished; is the leader's process gone? its sign of life old?
@@ -21,7 +21,7 @@
 //! former leader that is restarted becomes the standby; the lead does not return to it.
 //!
 //! A stall of the whole machine stops both processes. The leader's sign of life therefore counts as old only if this
-//! process ran during that time: a late look counts as one pause.
+//! process has looked again after a long look: see [`StandbyLooks`].
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::time::Duration;
@@ -30,9 +30,9 @@ use anyhow::Context as _;
 use bus::{Outlasting, SharedMemory};
 use deployment::Process;
 use fusion::checkpoint::{CheckpointClock, CheckpointLayout, clock_of, position_of};
+use runtime::Now;
 use runtime::clock::mono_ns;
 use runtime::instance::{CHECKPOINT, FUSION_LEADS, leading_fusion};
-use runtime::{LookPause, Now};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fd::OwnedFd;
 use rustix::process::{Pid, PidfdFlags, Signal, pidfd_open, pidfd_send_signal};
@@ -40,13 +40,8 @@ use rustix::process::{Pid, PidfdFlags, Signal, pidfd_open, pidfd_send_signal};
 use crate::agent::Ready;
 use crate::continuity::TakeOver;
 use crate::inputs::SourceInput;
+use crate::standby_looks::StandbyLooks;
 
-/// Time between two looks at the leader while reports come.
-pub(crate) const LOOK: Duration = Duration::from_millis(5);
-/// Longest time between two looks while none come: also limited to half of the time after which a leader
-/// counts as hung, and to a quarter of it while the leader shows no sign of life.
-const LOOK_IDLE: Duration = Duration::from_millis(100);
-const LOOKS_PER_TAKEOVER: i64 = 4;
 /// Time between two looks without a leader, or at the leader's end.
 const BRIEF: Duration = Duration::from_millis(1);
 /// Time for which a process that starts as standby leaves the lead to another process.
@@ -89,12 +84,7 @@ pub(crate) struct StandbyFusion {
     ready: Ready<SharedMemory>,
     layout: CheckpointLayout,
     leader: Option<Leader>,
-    /// Time for which the leader's sign of life has not changed, as far as this process ran.
-    still_ns: i64,
-    /// Whether the last look found no new sign of life.
-    is_still: bool,
-    looked_ns: i64,
-    pause: LookPause,
+    looks: StandbyLooks,
     /// Slices received from all sources, at the last look.
     slices: u64,
     /// Time until which the lead is left to another process.
@@ -149,13 +139,7 @@ impl StandbyFusion {
             layout: ready.engine.checkpoint_layout(),
             ready,
             leader: None,
-            still_ns: 0,
-            is_still: false,
-            looked_ns: now.mono_ns,
-            pause: LookPause::between(
-                LOOK,
-                LOOK_IDLE.min(Duration::from_nanos(takeover_ns.unsigned_abs()) / 2),
-            ),
+            looks: StandbyLooks::new(takeover_ns, now.mono_ns),
             slices: 0,
             courteous_until_ns: now.mono_ns.saturating_add(courtesy_ns),
             has_followed: false,
@@ -194,10 +178,8 @@ impl StandbyFusion {
     }
 
     fn follow(&mut self, process: &Process, now: Now) -> anyhow::Result<()> {
-        let elapsed_ns = self.elapsed_ns(now);
-        self.looked_ns = now.mono_ns;
         if self.leader.as_ref().is_none_or(Leader::is_gone) {
-            self.find(process);
+            self.find(process, now);
         }
         let Some(leader) = &mut self.leader else {
             return Ok(());
@@ -209,18 +191,13 @@ impl StandbyFusion {
         }
         let slices = self.ready.inputs.iter().map(SourceInput::slices).sum();
         let has_received = std::mem::replace(&mut self.slices, slices) != slices;
-        self.pause.after(has_received);
         let clock = clock_of(leader.memory.words(), &self.layout).unwrap_or(leader.clock);
-        self.is_still = clock == leader.clock;
-        self.still_ns = match self.is_still {
-            true => self.still_ns.saturating_add(elapsed_ns),
-            // The leader may have stopped at once after that sign of life.
-            false => now.mono_ns.saturating_sub(clock.turn_ns).clamp(0, elapsed_ns),
-        };
+        let sign = (clock != leader.clock).then_some(clock.turn_ns);
+        self.looks.note(now.mono_ns, sign, has_received);
         leader.clock = clock;
         let begins = now.mono_ns.saturating_sub(leader.since_ns) < COURTESY.as_nanos() as i64;
         let least_ns = if begins { BEGINS.as_nanos() as i64 } else { 0 };
-        if self.still_ns >= self.takeover_ns.max(least_ns) && !self.killed {
+        if self.looks.leader_hangs(least_ns) && !self.killed {
             self.killed = true;
             // Fails only if the process has ended, as intended.
             let _ = pidfd_send_signal(&leader.process, Signal::KILL);
@@ -229,7 +206,7 @@ impl StandbyFusion {
     }
 
     /// Returns the leading process, once it has written its number.
-    fn find(&mut self, process: &Process) {
+    fn find(&mut self, process: &Process, now: Now) {
         self.leader = None;
         let Ok(Some(memory)) = process.bus.root().outlasting(CHECKPOINT) else {
             return;
@@ -255,34 +232,14 @@ impl StandbyFusion {
                 process,
                 since_ns: mono_ns(),
             });
-            (self.still_ns, self.has_followed, self.killed) = (0, true, false);
+            self.looks.begin(now.mono_ns);
+            (self.has_followed, self.killed) = (true, false);
         }
     }
 
-    /// Time since the last look, nanoseconds. A look that comes late counts as a short one: a pause of the whole
-    /// machine is none of the leader.
-    fn elapsed_ns(&self, now: Now) -> i64 {
-        let due_ns = (self.pause() + LOOK).as_nanos() as i64;
-        let passed_ns = now.mono_ns - self.looked_ns;
-        if passed_ns <= due_ns {
-            passed_ns
-        } else {
-            due_ns.min(self.takeover_ns / LOOKS_PER_TAKEOVER + LOOK.as_nanos() as i64)
-        }
-    }
-
-    /// Time until the next look: no longer than a leader that stands still is waited for.
+    /// Time until the next look.
     pub(crate) fn pause(&self) -> Duration {
-        let left_ns = self
-            .takeover_ns
-            .saturating_sub(self.still_ns)
-            .max(LOOK.as_nanos() as i64);
-        let most_ns = if self.is_still {
-            left_ns.min(self.takeover_ns / LOOKS_PER_TAKEOVER)
-        } else {
-            left_ns
-        };
-        self.pause.present().min(Duration::from_nanos(most_ns.unsigned_abs()))
+        self.looks.pause()
     }
 
     /// Waits for the end of the leader's process, at most for `at_most`.

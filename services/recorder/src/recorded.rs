@@ -58,8 +58,8 @@ pub(crate) fn for_samples<F: ForSamples>(stream: Stream, task: F) -> F::Done {
     }
 }
 
-/// Returns samples as the text of a table, with the columns of the recorder's tables; `None` if `sample` is not the name
-/// of a recorded sample, or `octets` are no whole number of samples. Times count from `first_day_ns` (UTC,
+/// Returns samples as the text of a table, with the columns of the recorder's tables; `None` if `sample` is not the
+/// name of a recorded sample, or `octets` are no whole number of samples. Times count from `first_day_ns` (UTC,
 /// nanoseconds).
 pub fn table(sample: &str, octets: &[u8], frame: &SystemFrame, first_day_ns: i64) -> Option<String> {
     let named = |stream: &Stream| for_samples(*stream, NameOfSamples) == sample;

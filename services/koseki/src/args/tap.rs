@@ -3,7 +3,7 @@
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::{ArgGroup, Args, ValueEnum};
 use outgoing::HeightReference;
 
 pub(super) const TAP_EXAMPLES: &str = "\
@@ -17,13 +17,16 @@ Examples:
   koseki tap --instance demo --tcp 127.0.0.1:9000 &
   curl -sN telnet://127.0.0.1:9000
 
-Each sample is a line with its fields by name, in the units of docs/integrate.md; codes, bits and sources are words, and
-positions are also written as latitude, longitude (WGS-84) and height. An unknown value is null in JSON and empty in CSV. Nested samples are JSON objects; in CSV they are columns such as stages.fused_ns, and lists are omitted.
-CAT062 has the items of a gateway, except the kinds of contributing sensors. A socket's reader that is too slow is
-disconnected, and may connect again; samples lost by this program are reported on standard error.";
+Each sample is a line with its fields by name, in the units of docs/integrate.md; codes, bits and
+sources are words, and positions are also written as latitude, longitude (WGS-84) and height. An
+unknown value is null in JSON and empty in CSV. Nested samples are JSON objects; in CSV they are
+columns such as stages.fused_ns, and lists are omitted. CAT062 has the items of a gateway, except
+the kinds of contributing sensors. A socket's reader that is too slow is disconnected, and may
+connect again; samples lost by this program are reported on standard error.";
 
 /// `koseki tap`.
 #[derive(Debug, Args)]
+#[command(group(ArgGroup::new("socket").args(["unix", "serve"])))]
 pub(crate) struct Tap {
     /// The topic: also system/alarms, system/decisions, sensor/NAME/tracks, health, …
     #[arg(value_name = "TOPIC", default_value = "system/tracks")]
@@ -68,13 +71,13 @@ pub(crate) struct Tap {
     #[arg(long, value_name = "FILE")]
     unix: Option<PathBuf>,
     /// Serve the lines at this address or Unix socket
-    #[arg(long, value_name = "ADDRESS:PORT|FILE", conflicts_with_all = ["tcp", "unix"])]
-    serve: Option<String>,
+    #[arg(long, value_name = "ADDRESS:PORT|FILE", conflicts_with = "tcp", value_parser = served)]
+    serve: Option<TapSocket>,
     /// File mode of the Unix socket, octal
-    #[arg(long, value_name = "MODE", default_value = "600", value_parser = mode)]
+    #[arg(long, value_name = "MODE", default_value = "600", requires = "socket", value_parser = mode)]
     pub(crate) mode: u32,
     /// Number of the Unix socket's group [default: that of this process]
-    #[arg(long, value_name = "GROUP")]
+    #[arg(long, value_name = "GROUP", requires = "socket")]
     pub(crate) group: Option<u32>,
 }
 
@@ -105,12 +108,8 @@ impl Tap {
 
     /// Where the lines are served; `None`: they are printed.
     pub(crate) fn socket(&self) -> Option<TapSocket> {
-        let served = self.serve.as_ref().map(|place| match place.parse() {
-            Ok(address) => TapSocket::Tcp(address),
-            Err(_) => TapSocket::Unix(place.into()),
-        });
         let unix = self.unix.clone().map(TapSocket::Unix);
-        served.or(unix).or(self.tcp.map(TapSocket::Tcp))
+        self.serve.clone().or(unix).or(self.tcp.map(TapSocket::Tcp))
     }
 }
 
@@ -129,7 +128,73 @@ fn heights(text: &str) -> Result<HeightReference, String> {
     HeightReference::from_word(text).ok_or_else(|| format!("\"{text}\" is neither geometric nor barometric"))
 }
 
+/// Reads an address with a port, or the file of a Unix socket: a name with a colon is a file only with a slash.
+fn served(text: &str) -> Result<TapSocket, String> {
+    match text.parse() {
+        Ok(address) => Ok(TapSocket::Tcp(address)),
+        Err(_) if text.contains(':') && !text.contains('/') => Err(format!(
+            "\"{text}\" is no address: numbers, as in 127.0.0.1:9000 or [::1]:9000; a file's name, as in ./{text}"
+        )),
+        Err(_) => Ok(TapSocket::Unix(text.into())),
+    }
+}
+
 fn mode(text: &str) -> Result<u32, String> {
     let mode = u32::from_str_radix(text, 8).ok().filter(|mode| *mode <= 0o777);
     mode.ok_or_else(|| format!("\"{text}\" is no mode: three octal digits, as in 660"))
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+
+    #[derive(Debug, Parser)]
+    struct Program {
+        #[command(flatten)]
+        tap: Tap,
+    }
+
+    fn socket(words: &str) -> Result<Option<TapSocket>, String> {
+        let parsed = Program::try_parse_from(std::iter::once("tap").chain(words.split_whitespace()));
+        parsed
+            .map(|program| program.tap.socket())
+            .map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn lines_are_served_at_an_address_or_a_file_and_a_name_with_a_port_is_refused() {
+        for address in ["127.0.0.1:9000", "[::1]:9000"] {
+            let served = socket(&format!("--serve {address}"));
+            assert!(
+                matches!(&served, Ok(Some(TapSocket::Tcp(at))) if at.to_string() == address),
+                "{served:?}"
+            );
+        }
+        for file in ["/run/tracks.sock", "tracks.sock", "./localhost:9000"] {
+            let served = socket(&format!("--serve {file}"));
+            assert!(
+                matches!(&served, Ok(Some(TapSocket::Unix(at))) if at.as_os_str() == file),
+                "{served:?}"
+            );
+        }
+        for text in ["localhost:9000", "127.0.0.1:99999", ":9000"] {
+            let error = socket(&format!("--serve {text}")).unwrap_err();
+            assert!(error.contains("is no address"), "{error}");
+        }
+    }
+
+    #[test]
+    fn the_mode_and_the_group_of_a_socket_need_a_socket() {
+        assert!(matches!(socket(""), Ok(None)));
+        for option in ["--mode 660", "--group 1001"] {
+            assert!(socket(option).is_err(), "{option}");
+            assert!(socket(&format!("{option} --tcp 127.0.0.1:9000")).is_err(), "{option}");
+            for place in ["--unix a.sock", "--serve a.sock"] {
+                assert!(socket(&format!("{option} {place}")).is_ok(), "{option} {place}");
+            }
+        }
+        assert!(socket("--unix a.sock --serve b.sock").is_err());
+    }
 }

@@ -2,8 +2,8 @@
 
 use std::io::Write as _;
 
-use messages::SystemTrack;
 use messages::layout::{ALL, Layout, Sample as _, SampleField};
+use messages::{PlatformState, SystemTrack, platform_state_bits};
 
 use super::names::{Names, Word};
 
@@ -32,12 +32,18 @@ impl LineWriter {
         Self { layout, format, names }
     }
 
-    /// Latitude, longitude, height and flight level of a sample that has a position, where the frame is known.
+    /// Latitude, longitude, height and flight level of a sample that has a position, where the frame is known; all are
+    /// unknown if the sample's position is unknown.
     fn place(&self, sample: &[u8]) -> Option<[f64; 4]> {
         let field = self.layout.fields.iter().find(|field| field.name == "position_m")?;
         let mut octets = sample.get(field.offset..field.offset + field.size)?.chunks_exact(8);
         let mut next = || octets.next()?.try_into().map(f64::from_le_bytes).ok();
         let [latitude, longitude, height_m] = self.names.as_ref()?.place([next()?, next()?, next()?]);
+        let is_platform = self.layout.name == PlatformState::LAYOUT.name;
+        let state = Some(sample).filter(|_| is_platform).and_then(PlatformState::of_octets);
+        if state.is_some_and(|state| state.valid & platform_state_bits::NO_POSITION != 0) {
+            return Some([f64::NAN; 4]);
+        }
         let track = Some(sample).filter(|_| self.layout.name == SystemTrack::LAYOUT.name);
         let track = track
             .and_then(SystemTrack::of_octets)
@@ -346,6 +352,30 @@ mod tests {
             (at("state"), at("selected_source"), at("flight_level")),
             ("confirmed", "", "350.25")
         );
+    }
+
+    #[test]
+    fn a_platform_state_without_position_has_no_place() {
+        let written = |valid, format| {
+            let state = PlatformState {
+                valid,
+                ..PlatformState::default()
+            };
+            let lines = LineWriter::new(&PlatformState::LAYOUT, format, Some(names()));
+            let mut text = lines.head();
+            lines.write(PlatformState::octets(&[state]), &mut text);
+            String::from_utf8(text).unwrap()
+        };
+        let place = |valid| {
+            let json: serde_json::Value = serde_json::from_str(&written(valid, LineFormat::Json)).unwrap();
+            ["latitude", "longitude", "height_m"].map(|name| json[name].as_f64())
+        };
+        assert_eq!(place(platform_state_bits::NO_POSITION), [None; 3]);
+        let [latitude, longitude, height_m] = place(0).map(Option::unwrap);
+        assert!((latitude - 45.0).abs() < 1e-9 && (longitude - 9.0).abs() < 1e-9 && height_m.abs() < 1e-6);
+        let table = written(platform_state_bits::NO_POSITION, LineFormat::Csv);
+        assert!(table.ends_with(",,,,\n"), "{table}");
+        assert!(table.starts_with("time_ns,") && table.contains(",latitude,longitude,height_m,flight_level\n"));
     }
 
     #[test]
