@@ -30,6 +30,11 @@ fuzz_target!(|input: &[u8]| {
         let tilt = state.tilt_rad.unwrap_or_default();
         let velocity = state.velocity_mps.unwrap_or_default();
         let heading = [state.heading_rad.unwrap_or_default()];
-        assert!(tilt.iter().chain(&velocity).chain(&heading).all(|value| value.is_finite()));
+        assert!(
+            tilt.iter()
+                .chain(&velocity)
+                .chain(&heading)
+                .all(|value| value.is_finite())
+        );
     }
 });

@@ -135,9 +135,7 @@ fn read(py: Python<'_>, path: PathBuf) -> PyResult<(ReadTopics, u64, u64)> {
                 }
                 Item::Sample { topic, octets } => {
                     let known = topics.get_mut(topic);
-                    known
-                        .into_iter()
-                        .for_each(|(_, all)| all.extend_from_slice(octets));
+                    known.into_iter().for_each(|(_, all)| all.extend_from_slice(octets));
                 }
                 Item::Damaged { bytes, .. } => {
                     damaged += 1;
