@@ -139,8 +139,8 @@ impl<R: Read + Seek> Chunks<R> {
         self.next = place;
     }
 
-    /// Passes the items of the next chunk, and of the records before it, to `visit`. Returns `false` at the end. Damaged
-    /// chunks are skipped: each is one item, [`Item::Damaged`].
+    /// Passes the items of the next chunk, and of the records before it, to `visit`. Returns `false` at the end.
+    /// Damaged chunks are skipped: each is one item, [`Item::Damaged`].
     ///
     /// # Errors
     /// If the file cannot be read, or is not written by a recorder; or the first error of `visit`.
