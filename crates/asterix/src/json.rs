@@ -37,9 +37,8 @@ pub struct JsonLines {
 }
 
 impl JsonLines {
-    /// Appends a line with a record: items by number, `"_c"`, the category, and with the time of recording `"_ts"`; `null`
-    /// if this time is not finite.
-    /// `expanded` takes the place of the bytes of a reserved expansion field.
+    /// Appends a line with a record: items by number, `"_c"`, the category, and with the time of recording `"_ts"`;
+    /// `null` if this time is not finite. `expanded` takes the place of the bytes of a reserved expansion field.
     pub fn write(&mut self, record: &Record<'_>, time_stamp_s: Option<f64>, expanded: Option<&Value>) {
         let mut walk = Walk {
             uap: record.uap(),

@@ -1,9 +1,9 @@
 //! What a reader does behind damage: where the next chunk begins, and which channels there are.
 //!
-//! A recorder writes chunks that are complete by themselves: each holds whole slices and has a checksum. A flipped bit
-//! in a chunk therefore costs this chunk. If the bit is in a length, the next chunk is found by its beginning: its
-//! code, and three sizes that agree with each other. Records outside chunks have no checksum; each length is compared with
-//! the contents, so that a wrong length hides no chunk.
+//! A recorder writes chunks that are complete by themselves: each holds whole slices and has a checksum. A flipped
+//! bit in a chunk therefore costs this chunk. If the bit is in a length, the next chunk is found by its beginning:
+//! its code, and three sizes that agree with each other. Records outside chunks have no checksum; each length is
+//! compared with the contents, so that a wrong length hides no chunk.
 //!
 //! Two bits cost more. Channels are described in the chunk in which they begin, and again in the summary at the end of
 //! a complete file: in a file without an end, a damaged description costs all samples of its channels. A bit in the
