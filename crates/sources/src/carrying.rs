@@ -4,9 +4,10 @@
 //! system frame (crate `platform`). The marks of such a sensor (a scan without detections, the beginning of a turn)
 //! must not overtake the detections that wait: the tracker would cut other scans. Marks wait in the same queue.
 //!
-//! A refused detection leaves a mark in its place ([`SensorEvent::Unplaced`]); where too many wait, it leaves at once. The tracker process publishes it, so a
-//! recording holds what was refused. How long a detection waits depends on the times of the sensor's data and on the
-//! states so far. The events that leave are recorded in their order, and the tracks depend on those alone.
+//! A refused detection leaves a mark in its place ([`SensorEvent::Unplaced`]); where too many wait, the mark leaves at
+//! once. The tracker process publishes the mark, so a recording holds what was refused. How long a detection waits
+//! depends on the times of the sensor's data and on the states so far. The events that leave are recorded in their
+//! order, and the tracks depend on those alone.
 //!
 //! Live and recorded tracker processes and `koseki track --platform` all use this.
 

@@ -99,10 +99,10 @@ impl Departures {
         self.of_plot.clear();
     }
 
-    /// Expected new targets per false detection at a detection: where it may be of a target that has left a confirmed
-    /// track, at most `splitting.new_target_share`, and no more than `splitting.leaving_max` targets per track and scan;
-    /// in the gate of a confirmed track, `splitting.new_target_share`. Nowhere less than `initiation.new_target_share`:
-    /// beside tracks, too, targets appear.
+    /// Expected new targets per false detection at a detection. Where a target may have left a confirmed track, these
+    /// are at most `splitting.new_target_share`, and at most `splitting.leaving_max` targets per track and scan. In the
+    /// gate of a confirmed track, they are `splitting.new_target_share`. Nowhere are they fewer than
+    /// `initiation.new_target_share`: beside tracks, too, targets appear.
     pub(crate) fn new_target_share(&self, plot: u32, log_clutter: f64, is_inside: bool, settings: &Settings) -> f64 {
         let splitting = &settings.splitting;
         let in_gate = splitting.new_target_share.filter(|_| is_inside);
