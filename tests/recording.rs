@@ -201,10 +201,9 @@ fn a_recording_of_several_files_is_merged_and_cut() {
 /// Wrong bits in `one/all.mcap`, which has so many samples of system tracks, cost the chunks that they are in.
 fn check_repair(home: &Home, states: u64) {
     let mut octets = std::fs::read(home.path("one/all.mcap")).unwrap();
-    for part in 1..4 {
-        let at = part * octets.len() / 4;
-        octets[at] ^= 1;
-    }
+    // In the middle: the chunks before and behind it stay.
+    let middle = octets.len() / 2;
+    octets[middle] ^= 1;
     std::fs::write(home.path("damaged.mcap"), octets).unwrap();
     let said = succeed(home, &["recording", "info", "damaged.mcap"]);
     assert!(said.contains("damaged parts: "), "{said}");

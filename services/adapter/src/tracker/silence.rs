@@ -58,7 +58,7 @@ impl SilentSensors {
 
     /// The statement that is due at `now_ns` (monotonic) of the sensor in this place, and the time at which it would
     /// have come without the patience: as much later than the latest event as its own time. Must be asked for only
-    /// when nothing that the sensor has sent waits: what has come is not late, however long the process has stood still.
+    /// when nothing that the sensor has sent waits: what has come is not late, however long the process stood still.
     pub(super) fn statement(&mut self, place: usize, now_ns: i64) -> Option<(SensorEvent, i64)> {
         let sensor = self.sensors.get_mut(place)?.as_mut()?;
         let (time_ns, came_ns) = sensor.latest?;
