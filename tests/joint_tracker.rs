@@ -93,7 +93,7 @@ struct Site {
 impl Site {
     /// A lidar and a camera that send rows to one socket, and a sonar whose program publishes its detections.
     fn new() -> Self {
-        Self::with("", "")
+        Self::with("wait_s = 0.3\n", "")
     }
 
     /// The same with these keys of the tracker, and with these tables.
@@ -103,7 +103,7 @@ impl Site {
         let text = format!(
             "name = \"test\"\n[frame]\nlatitude_deg = {}\nlongitude_deg = {}\n\
              [[receiver]]\nname = \"rows\"\n[receiver.udp]\nlisten = \"{to}\"\n\
-             [[tracker]]\nname = \"ship\"\nwait_s = 0.3\nperiod_s = 0.5\nfresh_s = 5.0\n{keys}\
+             [[tracker]]\nname = \"ship\"\nperiod_s = 0.5\nfresh_s = 5.0\n{keys}\
              [tracker.settings.motion]\nprocess_noise_m2ps3 = [1.0, 1.0]\n\
              [tracker.settings.initiation]\nspeed_sigma_mps = 30.0\n\
              [tracker.settings.capacity]\ndetections = 256\ntracks = 1024\n\
@@ -324,7 +324,8 @@ fn pictures_and_cues_of_several_sensors_go_out_and_are_recorded() {
         "[[cue_outlet]]\nname = \"looks\"\nsource = \"ship\"\nsend_to = \"{to}\"\n\
          [[cue_outlet]]\nname = \"lines\"\nsource = \"ship\"\nlisten = \"{at}\"\n"
     );
-    let mut site = Site::with("output_period_s = 0.5\ncues = true\n", &tables);
+    // The wait exceeds the period of the sonar's scans: whatever their phase, none is late.
+    let mut site = Site::with("wait_s = 1.2\noutput_period_s = 0.5\ncues = true\n", &tables);
     let running = site.start();
     until("the outlets run", || {
         ["looks", "lines"].map(|name| site.home.status_row(name).state) == ["running", "running"].map(str::to_owned)
