@@ -75,7 +75,7 @@ impl<'a> BitReader<'a> {
         8 * self.loaded - self.left as usize
     }
 
-    /// Whether the next bit is the first of an octet.
+    /// Returns true if the next bit is the first of an octet.
     #[inline(always)]
     pub(super) fn is_between_octets(&self) -> bool {
         self.left.is_multiple_of(8)

@@ -90,7 +90,7 @@ impl JsonLines {
 
 struct Walk<'a> {
     uap: &'static Uap,
-    /// What the reader reads.
+    /// Octets under `reader`.
     octets: &'a [u8],
     reader: BitReader<'a>,
     text: JsonText,

@@ -28,7 +28,7 @@ pub(crate) struct WakeUp<S: Transport> {
     port: DropGuard<WakeUps<S>>,
     /// The topic's word when nobody was found to listen, and until when this holds (monotonic, nanoseconds).
     alone: (u64, i64),
-    /// Whether slices have been sent since without counting.
+    /// Set if slices were sent on the strength of `alone`: a listener may have come meanwhile.
     owes: bool,
 }
 

@@ -328,7 +328,7 @@ pub struct Moments {
 }
 
 impl Moments {
-    /// Those of two states with their weights.
+    /// Returns the moments of two states with their weights.
     #[inline]
     pub fn of(pair: &PlanePair, weight: Two, about: &[f64; COMPONENTS]) -> Self {
         let (first, second) = weighted(pair, weight, about);

@@ -12,10 +12,9 @@
 
 use crate::counts::TrackerCounts;
 use crate::explanation::{Explanation, Observer, TrackEvent, TrackRecord};
-use crate::limits::DETECTION_COUNTS;
 use crate::motion::TargetMotion;
 use crate::plot::{Plot, Scan};
-use crate::population::{Cluster, Hypothesis, Population};
+use crate::population::Population;
 use crate::sensor::Sensor;
 use crate::settings::Settings;
 use crate::track::Track;
@@ -81,25 +80,9 @@ fn designated(plot: &Plot, serial: u32, population: &Population, settings: &Sett
     Some(track)
 }
 
-/// Adds a cluster of a track that is certain.
+/// Adds a cluster of a track that is certain, and takes its root and number.
 fn add(population: &mut Population, track: Track) {
-    let (place, hypothesis, member) = (
-        population.tracks.len() as u32,
-        population.hypotheses.len() as u32,
-        population.members.len() as u32,
-    );
-    population.tracks.push(track);
-    population.members.push(place);
-    population.hypotheses.push(Hypothesis {
-        log_reliability: 0.0,
-        members: member..member + 1,
-    });
-    population.clusters.push(Cluster {
-        tracks: place..place + 1,
-        hypotheses: hypothesis..hypothesis + 1,
-        detections: [0.0; DETECTION_COUNTS],
-        scans: 0,
-    });
+    population.add_certain(track);
     population.next_root = population.next_root.wrapping_add(1).max(1);
     population.next_number = population.next_number.wrapping_add(1).max(1);
 }

@@ -99,6 +99,24 @@ impl Population {
             && fits(self.clusters.len(), 1, self.clusters.capacity())
     }
 
+    /// Adds a cluster of a track that is certain. There must be room.
+    pub(crate) fn add_certain(&mut self, track: Track) {
+        let [place, hypothesis, member] =
+            [self.tracks.len(), self.hypotheses.len(), self.members.len()].map(|count| count as u32);
+        self.tracks.push(track);
+        self.members.push(place);
+        self.hypotheses.push(Hypothesis {
+            log_reliability: 0.0,
+            members: member..member + 1,
+        });
+        self.clusters.push(Cluster {
+            tracks: place..place + 1,
+            hypotheses: hypothesis..hypothesis + 1,
+            detections: [0.0; DETECTION_COUNTS],
+            scans: 0,
+        });
+    }
+
     pub(crate) fn members_of(&self, hypothesis: &Hypothesis) -> &[u32] {
         &self.members[hypothesis.members.start as usize..hypothesis.members.end as usize]
     }

@@ -9,8 +9,6 @@ use std::sync::atomic::AtomicU64;
 
 use kept::{Memory, MemoryRefusal, Picture, kept};
 
-use crate::limits::DETECTION_COUNTS;
-use crate::population::{Cluster, Hypothesis};
 use crate::settings::Settings;
 use crate::track::Track;
 use crate::tracker::Tracker;
@@ -100,25 +98,9 @@ impl Tracker {
             if !population.has_room(1, 1, 1) {
                 break;
             }
-            let (place, hypothesis, member) = (
-                population.tracks.len() as u32,
-                population.hypotheses.len() as u32,
-                population.members.len() as u32,
-            );
-            population.tracks.push(Track {
+            population.add_certain(Track {
                 reliability: 1.0,
                 ..*track
-            });
-            population.members.push(place);
-            population.hypotheses.push(Hypothesis {
-                log_reliability: 0.0,
-                members: member..member + 1,
-            });
-            population.clusters.push(Cluster {
-                tracks: place..place + 1,
-                hypotheses: hypothesis..hypothesis + 1,
-                detections: [0.0; DETECTION_COUNTS],
-                scans: 0,
             });
         }
         self.report(None);

@@ -33,6 +33,17 @@ pub(crate) trait DatagramReader: Debug {
 
     /// Returns the health of the receiver apart from its socket, and of each source behind it.
     fn health(&self, whole: &mut HealthEntry, sources: &mut Vec<HealthEntry>);
+
+    /// Returns the same, with the sources summed up in the receiver's entry.
+    fn summed_health(&self) -> (HealthEntry, Vec<HealthEntry>) {
+        let (mut whole, mut sources) = (HealthEntry::default(), Vec::new());
+        self.health(&mut whole, &mut sources);
+        if let Some(progress_ns) = sources.iter().map(|source| source.progress_ns).max() {
+            whole.progress_ns = progress_ns;
+        }
+        whole.add_sources(&sources);
+        (whole, sources)
+    }
 }
 
 /// Time of receipt of a datagram, nanoseconds.
@@ -116,12 +127,7 @@ impl<D: DatagramReader> Agent for DatagramAgent<D> {
     }
 
     fn health(&self, entries: &mut Vec<HealthEntry>) {
-        let (mut whole, mut sources) = (HealthEntry::default(), Vec::new());
-        self.reader.health(&mut whole, &mut sources);
-        if let Some(progress_ns) = sources.iter().map(|source| source.progress_ns).max() {
-            whole.progress_ns = progress_ns;
-        }
-        whole.add_sources(&sources);
+        let (mut whole, sources) = self.reader.summed_health();
         whole.note = self.socket.warning().unwrap_or_default().to_owned();
         let counted = self.socket.counters();
         whole.set(Counter::Datagrams, counted.datagrams);

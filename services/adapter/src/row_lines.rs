@@ -121,12 +121,7 @@ impl<D: DatagramReader> Agent for RowLineAgent<D> {
     }
 
     fn health(&self, entries: &mut Vec<HealthEntry>) {
-        let (mut whole, mut sources) = (HealthEntry::default(), Vec::new());
-        self.reader.health(&mut whole, &mut sources);
-        if let Some(progress_ns) = sources.iter().map(|source| source.progress_ns).max() {
-            whole.progress_ns = progress_ns;
-        }
-        whole.add_sources(&sources);
+        let (mut whole, sources) = self.reader.summed_health();
         let lines = self.client.counters();
         whole.counters[Counter::BlocksRejected] += lines.oversized + self.headless;
         whole.set(Counter::Connections, lines.connections);
