@@ -18,8 +18,10 @@ pub(crate) const PERIOD: Duration = Duration::from_millis(200);
 pub(crate) const SPEED_MPS: f64 = 100.0;
 pub(crate) const NS: f64 = 1e9;
 pub(crate) const HEADER: &str = "time_s,arrival_s,x,y,z,vx,vy,vz,count\n";
+/// Without counts the two targets are found late: nothing else that helps a split is on.
 pub(crate) const TRACKER: &str = "scans = \"turn\"\ndetection_probability = 0.9\nclutter_density = 1e-9\n\
-                       splitting = { reliability_min = \"off\" }\n[source.tracker.motion]\n\
+                       splitting = { reliability_min = \"off\", departed_s = \"off\", leaving_max = \"off\" }\n\
+                       [source.tracker.motion]\n\
                        process_noise_m2ps3 = [20.0, 5.0]\n";
 
 pub(crate) struct Site {
@@ -53,12 +55,12 @@ impl Radar {
         [-12e3 + SPEED_MPS * self.period_s * self.turns as f64, 15e3]
     }
 
-    /// The plots of a turn that begins at `begin_ns`; both targets are in every fourth one.
+    /// The plots of a turn that begins at `begin_ns`; both targets are in every sixth one.
     pub(crate) fn turn(&mut self, begin_ns: i64, send: &mut dyn FnMut(&[u8])) {
         let [east, north] = self.middle_m();
         let off = 15.0 * ((self.turns * 7) % 5) as f64 - 30.0;
-        let places = match self.turns % 4 {
-            3 => vec![[east + off, north + 100.0], [east - off, north - 100.0]],
+        let places = match self.turns % 6 {
+            5 => vec![[east + off, north + 100.0], [east - off, north - 100.0]],
             _ => vec![[east + off, north - off]],
         };
         self.reports.status(begin_ns, send);
