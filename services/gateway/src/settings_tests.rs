@@ -179,12 +179,13 @@ fn a_cue_outlet_needs_one_way_out_and_a_source_with_cues() {
 fn cursor_on_target_has_keys_of_its_own() {
     let read = |keys: &[&str]| {
         let site = "name = \"site\"\n[frame]\nlatitude_deg = 1.0\nlongitude_deg = 2.0\n";
-        let text = format!("{site}[[gateway]]\nname = \"tak\"\n{}\n", keys.join("\n"));
+        let source = "[[source]]\nname = \"own\"\nperiod_s = 1.0\n[source.external]\n";
+        let text = format!("{site}{source}[[gateway]]\nname = \"tak\"\n{}\n", keys.join("\n"));
         Config::parse(Path::new("test.toml"), &text, &[])
     };
     let [cot, to, at] = [
         "format = \"cot\"",
-        "send_to = \"239.2.3.1:6969\"",
+        "send_to = \"127.0.0.1:6969\"",
         "listen = \"127.0.0.1:8087\"",
     ];
     let sender = |keys: &[&str]| read(keys).unwrap().services.gateways[0].sender.is_some();
