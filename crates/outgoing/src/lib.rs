@@ -1,9 +1,10 @@
-//! Tracks and states of the system as ASTERIX data blocks.
+//! Tracks and states of the system as ASTERIX data blocks, and tracks as Cursor on Target events.
 //!
 //! Fused tracks leave as CAT062, with CAT065 and CAT063 saying how the system and its sensors are; sensor tracks leave
 //! in a category that the sensor itself would send, to feed other systems with them.
 //!
 //! ```text
+//! SystemTrack ── CotEvents ──► Cursor on Target
 //! SystemTrack ── SystemReports ──► CAT062     state of the system ── StatusReports ──► CAT065, 063
 //! SensorTrack ── SensorReports ──► CAT048, 020, 021 or 010; status ──► CAT034, 019, 023 or 010
 //! ```
@@ -32,6 +33,7 @@
 
 #![forbid(unsafe_code)]
 
+mod cot;
 mod items;
 mod motion;
 mod place;
@@ -41,6 +43,7 @@ mod status;
 mod system;
 mod track_numbers;
 
+pub use cot::CotEvents;
 pub use sensor::SensorReports;
 pub use status::{Condition, SensorBiases, SensorStatus, ServiceEvent, StatusReports, SystemStatus};
 pub use system::{SystemReports, SystemSource, Technology};

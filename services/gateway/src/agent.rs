@@ -7,14 +7,16 @@ use asterix::registry;
 use bus::{Bus, Payload, Subscriber, Transport, WaitMode, Waiter};
 use deployment::{Deployment, Source};
 use messages::{Alarm, BatchHeader, Counter, Health, SensorTrack, SystemTrack, Topic, TrackState, sensor_track_bits};
-use net::UdpSender;
-use outgoing::{OutgoingCounts, SendBlock, SensorReports, ServiceEvent, StatusReports, SystemReports, SystemSource};
+use outgoing::{
+    CotEvents, OutgoingCounts, SendBlock, SensorReports, ServiceEvent, StatusReports, SystemReports, SystemSource,
+};
 use runtime::{Agent, HealthEntry, Now, Turn};
 
+use crate::outlet::Outlet;
 use crate::schedule::SendSchedule;
 use crate::selection::TrackSelection;
 use crate::sensor_states::SensorStates;
-use crate::settings::{GatewayContent as Sent, Settings};
+use crate::settings::{GatewayContent as Sent, OutputFormat, Settings};
 
 /// Maximum number of slices taken in one turn: the length of the queue.
 const SLICES_PER_TURN: usize = 256;
@@ -32,7 +34,7 @@ pub(crate) struct GatewayAgent<S: Transport> {
     health: Subscriber<S, Health>,
     alarms: Subscriber<S, Alarm>,
     sensors: SensorStates,
-    sender: UdpSender,
+    outlet: Outlet,
     waiter: Waiter<S>,
     /// Categories of the status messages for this user.
     status: Vec<u8>,
@@ -45,6 +47,7 @@ pub(crate) struct GatewayAgent<S: Transport> {
 enum OutgoingContent<S: Transport> {
     System(Box<OutgoingPicture<S, SystemTrack, SystemReports>>, Box<StatusReports>),
     Sensor(Box<OutgoingPicture<S, SensorTrack, SensorReports>>),
+    Events(Box<OutgoingPicture<S, SystemTrack, CotEvents>>),
 }
 
 /// Outgoing tracks of one topic.
@@ -87,34 +90,41 @@ impl<S: Transport> GatewayAgent<S> {
     /// # Errors
     /// If the socket or a topic cannot be opened.
     pub(crate) fn new(config: &Deployment, gateway: &Settings, bus: &Bus<S>, incarnation: u64) -> anyhow::Result<Self> {
-        let sender = UdpSender::open(&gateway.sender());
-        let sender = sender.with_context(|| format!("sending to {}", gateway.send_to.0))?;
-        let table = gateway.table()?;
+        let outlet = Outlet::open(&gateway.way()?)?;
         let mut waiter = bus.waiter(WaitMode::Event);
-        let (sac, sic, block_bytes) = (gateway.sac, gateway.sic, gateway.block_bytes);
         let user = (gateway.refresh_s.ns(), TrackSelection::new(gateway, config.frame));
+        let block_bytes = gateway.block_bytes;
         let what = gateway.content(config)?;
         let content = match what {
             Sent::Fused | Sent::Own => {
-                let sources: Vec<SystemSource> = config.sources.iter().map(system_source).collect();
-                let capacity = config.system_tracks.max;
-                let reports = SystemReports::new(table, sac, sic, config.frame, &sources, block_bytes)?
-                    .with_height(gateway.heights)
-                    .with_tracks(capacity);
                 let topic = match what {
                     Sent::Own => messages::own_tracks(),
                     _ => messages::system_tracks(),
                 };
                 waiter.watch(bus, &topic)?;
-                let picture = OutgoingPicture::open(bus, &topic, incarnation, user, capacity, reports)?;
-                let [of_system, of_sensors] = STATUS_CATEGORIES.map(registry::default_edition);
-                let (of_system, of_sensors) = of_system.zip(of_sensors).context("CAT065 and CAT063 have tables")?;
-                let status = StatusReports::new(of_system, of_sensors, sac, sic, block_bytes)?;
-                OutgoingContent::System(Box::new(picture), Box::new(status))
+                let capacity = config.system_tracks.max;
+                if gateway.format == OutputFormat::Cot {
+                    let events = CotEvents::new(&config.name, config.frame, gateway.stale_s.ns());
+                    let events = events.with_height(gateway.heights);
+                    let picture = OutgoingPicture::open(bus, &topic, incarnation, user, capacity, events)?;
+                    OutgoingContent::Events(Box::new(picture))
+                } else {
+                    let [sac, sic] = gateway.codes()?;
+                    let sources: Vec<SystemSource> = config.sources.iter().map(system_source).collect();
+                    let reports = SystemReports::new(gateway.table()?, sac, sic, config.frame, &sources, block_bytes)?
+                        .with_height(gateway.heights)
+                        .with_tracks(capacity);
+                    let picture = OutgoingPicture::open(bus, &topic, incarnation, user, capacity, reports)?;
+                    let [of_system, of_sensors] = STATUS_CATEGORIES.map(registry::default_edition);
+                    let (of_system, of_sensors) = of_system.zip(of_sensors).context("CAT065 and CAT063 have tables")?;
+                    let status = StatusReports::new(of_system, of_sensors, sac, sic, block_bytes)?;
+                    OutgoingContent::System(Box::new(picture), Box::new(status))
+                }
             }
             Sent::OfSource(source) => {
                 let model = &source.model;
-                let reports = SensorReports::new(table, sac, sic, model.frame, model.system, block_bytes)?
+                let [sac, sic] = gateway.codes()?;
+                let reports = SensorReports::new(gateway.table()?, sac, sic, model.frame, model.system, block_bytes)?
                     .with_height(gateway.heights);
                 let topic = messages::sensor_tracks(&source.name);
                 waiter.watch(bus, &topic)?;
@@ -128,7 +138,7 @@ impl<S: Transport> GatewayAgent<S> {
             health: bus.subscriber(&messages::health(), || incarnation)?,
             alarms: bus.subscriber(&messages::alarms(), || incarnation)?,
             sensors: SensorStates::new(config),
-            sender,
+            outlet,
             waiter,
             status: gateway.status.clone(),
             status_ns: gateway.status_s.ns(),
@@ -136,13 +146,19 @@ impl<S: Transport> GatewayAgent<S> {
         })
     }
 
+    /// Address at which clients connect; `None` for datagrams.
+    #[cfg(test)]
+    pub(crate) fn listening_at(&self) -> Option<std::net::SocketAddr> {
+        self.outlet.listening_at()
+    }
+
     fn say_status(&mut self, now: Now) {
         if now.utc_ns < self.next_status_ns {
             return;
         }
         self.next_status_ns = now.utc_ns + self.status_ns;
-        let (sender, wanted) = (&mut self.sender, &self.status);
-        let mut send = |datagram: &[u8]| drop(sender.send(datagram));
+        let (outlet, wanted) = (&mut self.outlet, &self.status);
+        let mut send = |datagram: &[u8]| outlet.send(datagram);
         // The first byte of a block is its category.
         let mut send_wanted = |datagram: &[u8]| {
             if datagram.first().is_some_and(|category| wanted.contains(category)) {
@@ -152,6 +168,7 @@ impl<S: Transport> GatewayAgent<S> {
         match &mut self.content {
             OutgoingContent::System(_, status) => self.sensors.report(now, status, &mut send_wanted),
             OutgoingContent::Sensor(picture) => picture.reports.status(now.utc_ns, &mut send),
+            OutgoingContent::Events(_) => {}
         }
     }
 }
@@ -263,9 +280,10 @@ impl<S: Transport> Agent for GatewayAgent<S> {
             sensors.observed.take_alarms(header, slice)
         })?;
         self.say_status(now);
-        let sender = &mut self.sender;
-        // The sender counts blocks that it could not send; the remaining blocks follow.
-        let mut send = |datagram: &[u8]| drop(sender.send(datagram));
+        self.outlet.accept_with(&[])?;
+        let outlet = &mut self.outlet;
+        // The outlet counts blocks that it could not send; the remaining blocks follow.
+        let mut send = |block: &[u8]| outlet.send(block);
         let (more, next_ns) = match &mut self.content {
             OutgoingContent::System(picture, status) => {
                 let more = picture.turn(now, &mut send)?;
@@ -275,6 +293,7 @@ impl<S: Transport> Agent for GatewayAgent<S> {
                 (more, picture.next_turn_ns())
             }
             OutgoingContent::Sensor(picture) => (picture.turn(now, &mut send)?, picture.next_turn_ns()),
+            OutgoingContent::Events(picture) => (picture.turn(now, &mut send)?, picture.next_turn_ns()),
         };
         if more {
             return Ok(Turn::Worked);
@@ -284,13 +303,11 @@ impl<S: Transport> Agent for GatewayAgent<S> {
     }
 
     fn close(&mut self, now: Now) -> anyhow::Result<()> {
-        let sender = &mut self.sender;
+        let outlet = &mut self.outlet;
         if let OutgoingContent::System(_, status) = &mut self.content
             && self.status.contains(&65)
         {
-            status.event(now.utc_ns, ServiceEvent::Ended, &mut |datagram| {
-                drop(sender.send(datagram))
-            });
+            status.event(now.utc_ns, ServiceEvent::Ended, &mut |datagram| outlet.send(datagram));
         }
         Ok(())
     }
@@ -300,6 +317,7 @@ impl<S: Transport> Agent for GatewayAgent<S> {
         self.waiter.wait(at_most, || match content {
             OutgoingContent::System(picture, _) => picture.subscriber.has_slices(),
             OutgoingContent::Sensor(picture) => picture.subscriber.has_slices(),
+            OutgoingContent::Events(picture) => picture.subscriber.has_slices(),
         })?;
         Ok(())
     }
@@ -309,10 +327,9 @@ impl<S: Transport> Agent for GatewayAgent<S> {
         match &self.content {
             OutgoingContent::System(picture, _) => picture.count(&mut entry),
             OutgoingContent::Sensor(picture) => picture.count(&mut entry),
+            OutgoingContent::Events(picture) => picture.count(&mut entry),
         }
-        let counted = self.sender.counters();
-        entry.set(Counter::DatagramsSent, counted.sent);
-        entry.set(Counter::SendFailures, counted.failed);
+        self.outlet.count(&mut entry);
         entries.push(entry);
     }
 }
@@ -375,6 +392,19 @@ impl BlockConversion<SystemTrack> for SystemReports {
     fn flush(&mut self, send: &mut SendBlock<'_>) {
         self.flush(send);
     }
+
+    fn counts(&self) -> OutgoingCounts {
+        self.counts()
+    }
+}
+
+impl BlockConversion<SystemTrack> for CotEvents {
+    fn report(&mut self, track: &SystemTrack, send: &mut SendBlock<'_>) {
+        self.report(track, send);
+    }
+
+    /// Each event has left at once.
+    fn flush(&mut self, _send: &mut SendBlock<'_>) {}
 
     fn counts(&self) -> OutgoingCounts {
         self.counts()

@@ -12,7 +12,8 @@ use tempfile::TempDir;
 use test_support::S;
 
 use crate::agent::GatewayAgent;
-use crate::settings::Keys;
+use crate::destination::Destination;
+use crate::settings::{Keys, Settings};
 
 const LOAD: &str = include_str!("../../../config/load.toml");
 
@@ -25,6 +26,14 @@ struct Bench {
     bus: Bus<InProcess>,
     _held: (TopicHold, TopicHold, TopicHold, TopicHold),
     _folder: TempDir,
+}
+
+/// The gateway, listening at a port of the system's choice if it listens.
+fn any_port(gateway: &Settings) -> Settings {
+    Settings {
+        listen: gateway.listen.map(|_| Destination(([127, 0, 0, 1], 0).into())),
+        ..gateway.clone()
+    }
 }
 
 /// A record that the user has got, in words.
@@ -59,7 +68,7 @@ impl Bench {
             bus.hold(&messages::alarms()).unwrap(),
         );
         Self {
-            gateway: GatewayAgent::new(&config, &config.parts.gateways[0], &bus, 1).unwrap(),
+            gateway: GatewayAgent::new(&config, &any_port(&config.parts.gateways[0]), &bus, 1).unwrap(),
             user,
             now_ns: 100 * S,
             health: bus.publisher(&messages::health(), 1).unwrap(),
@@ -105,13 +114,17 @@ impl Bench {
             };
             let said = said.with_name("fusion");
             self.health.send(self.mark(), 1, |_, _| said).unwrap();
-            let now = Now {
-                mono_ns: self.now_ns,
-                utc_ns: self.now_ns,
-            };
-            let _ = self.gateway.turn(now).unwrap();
+            self.turn();
         }
         self.got()
+    }
+
+    fn turn(&mut self) {
+        let now = Now {
+            mono_ns: self.now_ns,
+            utc_ns: self.now_ns,
+        };
+        let _ = self.gateway.turn(now).unwrap();
     }
 
     /// Reads up to a datagram of its own: over loopback, datagrams arrive in their order.
@@ -208,4 +221,67 @@ fn users_are_told_that_tracks_are_numbered_anew_where_nobody_knows_the_ones_befo
     bench.show(&mut second, &[(7, SHOWN)]);
     assert_eq!(bench.pass(1), ["1 ends", "7 begins", "event 5", "event 6"]);
     assert_eq!(bench.pass(1), ["other numbers"]);
+}
+
+/// Keys of a gateway of Cursor on Target.
+const COT: [&str; 4] = [
+    "gateway[0].format=\"cot\"",
+    "gateway[0].edition=\"off\"",
+    "gateway[0].sac=\"off\"",
+    "gateway[0].sic=\"off\"",
+];
+
+/// Number and time to live, seconds, of an event of the deployment.
+fn event(text: &str) -> (u32, i64) {
+    let attribute = |name: &str| {
+        let (_, rest) = text.split_once(&format!(" {name}=\"")).unwrap();
+        rest.split_once('"').unwrap().0
+    };
+    let second = |name: &str| -> i64 {
+        let (_, second) = attribute(name).rsplit_once(':').unwrap();
+        second.trim_end_matches('Z').parse::<f64>().unwrap() as i64
+    };
+    let number = attribute("uid").strip_prefix("koseki.load.").unwrap();
+    (
+        number.parse().unwrap(),
+        (second("stale") - second("start")).rem_euclid(60),
+    )
+}
+
+#[test]
+fn each_event_of_cursor_on_target_is_a_datagram() {
+    let mut bench = Bench::with(&COT);
+    let mut fusion = bench.fusion(5);
+    bench.show(&mut fusion, &[(1, SHOWN), (2, SHOWN), (3, TrackState::Tentative)]);
+    bench.turn();
+    bench.show(&mut fusion, &[(2, TrackState::Terminated)]);
+    bench.turn();
+    let mut octets = [0; 2000];
+    let mut got = Vec::new();
+    for _ in 0..3 {
+        let length = bench.user.recv(&mut octets).unwrap();
+        got.push(event(std::str::from_utf8(&octets[..length]).unwrap()));
+    }
+    assert_eq!(got, [(1, 30), (2, 30), (2, 0)]);
+    assert_eq!(bench.counted(Counter::RecordsSent), 3);
+    assert_eq!(bench.counted(Counter::DatagramsSent), 3);
+}
+
+#[test]
+fn clients_of_cursor_on_target_that_connect_get_each_event_as_a_line() {
+    let listen = [
+        "gateway[0].send_to=\"off\"",
+        "gateway[0].listen=\"127.0.0.1:1\"",
+        "gateway[0].stale_s=7",
+    ];
+    let mut bench = Bench::with(&[&COT[..], &listen[..]].concat());
+    let mut fusion = bench.fusion(5);
+    let client = std::net::TcpStream::connect(bench.gateway.listening_at().unwrap()).unwrap();
+    client.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+    bench.turn();
+    bench.show(&mut fusion, &[(4, SHOWN), (9, SHOWN)]);
+    bench.turn();
+    let lines = std::io::BufRead::lines(std::io::BufReader::new(client));
+    let got: Vec<_> = lines.take(2).map(|line| event(&line.unwrap())).collect();
+    assert_eq!(got, [(4, 7), (9, 7)]);
 }

@@ -10,16 +10,15 @@
 
 use std::time::Duration;
 
-use anyhow::Context as _;
 use bus::{Bus, BusError, Subscriber, Transport, WaitMode, Waiter};
 use formats::cues_csv::CueRow;
 use formats::rows::{Row, RowWriter};
 use messages::{Counter, Cue, NS_PER_S};
-use net::{LineServer, NetError, UdpSender};
 use observations::sensor_id;
 use runtime::{Agent, HealthEntry, Now, Turn};
 
-use crate::cue_settings::{CueOutletSettings, CueWay};
+use crate::cue_settings::CueOutletSettings;
+use crate::outlet::Outlet;
 
 /// Maximum number of slices taken in one turn.
 const SLICES_PER_TURN: usize = 64;
@@ -32,16 +31,9 @@ const NS_PER_DAY: i64 = 86_400 * NS_PER_S as i64;
 pub(crate) struct CueOutlet<S: Transport> {
     subscriber: Subscriber<S, Cue>,
     waiter: Waiter<S>,
-    way: CueConnection,
+    outlet: Outlet,
     text: CueText,
     records: u64,
-}
-
-/// How rows leave.
-#[derive(Debug)]
-enum CueConnection {
-    Datagrams(Box<UdpSender>),
-    Lines(LineServer),
 }
 
 /// Rows that wait to be sent.
@@ -93,59 +85,37 @@ impl CueText {
     }
 }
 
-impl CueConnection {
-    fn open(way: &CueWay) -> Result<Self, NetError> {
-        Ok(match way {
-            CueWay::Datagrams(sender) => Self::Datagrams(Box::new(UdpSender::open(sender)?)),
-            CueWay::Lines(address) => Self::Lines(LineServer::open(*address)?),
-        })
-    }
-}
-
 impl<S: Transport> CueOutlet<S> {
     /// Opens the outlet on `bus`; `incarnation` is the process's monotonic start time, nanoseconds.
     ///
     /// # Errors
     /// If the socket or the topic cannot be opened.
     pub(crate) fn new(settings: &CueOutletSettings, bus: &Bus<S>, incarnation: u64) -> anyhow::Result<Self> {
-        let way = settings.way()?;
         let topic = messages::cues(&settings.source);
         let mut waiter = bus.waiter(WaitMode::Event);
         waiter.watch(bus, &topic)?;
         Ok(Self {
             subscriber: bus.subscriber(&topic, || incarnation)?,
             waiter,
-            way: CueConnection::open(&way).with_context(|| way.to_string())?,
+            outlet: Outlet::open(&settings.way()?)?,
             text: CueText::new(settings.block_bytes),
             records: 0,
         })
-    }
-
-    /// Address at which controllers connect; `None` for datagrams.
-    #[cfg(test)]
-    fn listening_at(&self) -> Option<std::net::SocketAddr> {
-        match &self.way {
-            CueConnection::Datagrams(_) => None,
-            CueConnection::Lines(server) => server.local_address().ok(),
-        }
     }
 
     /// Sends the published cues. Returns whether more slices may be waiting.
     fn send(&mut self) -> Result<bool, BusError> {
         let Self {
             subscriber,
-            way,
+            outlet,
             text,
             records,
             ..
         } = self;
         let header = text.header.len();
-        let mut send = |rows: &[u8]| match way {
-            // The sender counts datagrams that it could not send.
-            CueConnection::Datagrams(sender) => drop(sender.send(rows)),
-            // A controller has had the header when it connected.
-            CueConnection::Lines(server) => server.send(&rows[header..]),
-        };
+        // A controller that connects gets the header first, a datagram has its own.
+        let first = if matches!(outlet, Outlet::Lines(_)) { header } else { 0 };
+        let mut send = |rows: &[u8]| outlet.send(&rows[first..]);
         let slices = subscriber.take(SLICES_PER_TURN, |_, cues| {
             for cue in cues {
                 *records += 1;
@@ -159,9 +129,7 @@ impl<S: Transport> CueOutlet<S> {
 
 impl<S: Transport> Agent for CueOutlet<S> {
     fn turn(&mut self, _now: Now) -> anyhow::Result<Turn> {
-        if let CueConnection::Lines(server) = &mut self.way {
-            server.accept_with(&self.text.header)?;
-        }
+        self.outlet.accept_with(&self.text.header)?;
         Ok(match self.send()? {
             true => Turn::Worked,
             false => Turn::Idle(SLEEP_MAX),
@@ -182,10 +150,7 @@ impl<S: Transport> Agent for CueOutlet<S> {
         entry.set(Counter::RejectedSchema, taken.schema_mismatch);
         entry.set(Counter::RejectedEpoch, taken.of_older_epochs);
         entry.set(Counter::RecordsSent, self.records);
-        if let CueConnection::Datagrams(sender) = &self.way {
-            entry.set(Counter::DatagramsSent, sender.counters().sent);
-            entry.set(Counter::SendFailures, sender.counters().failed);
-        }
+        self.outlet.count(&mut entry);
         entries.push(entry);
     }
 }
@@ -306,7 +271,7 @@ mod tests {
         });
         bench.publish(1..2);
         bench.turn();
-        let address = bench.outlet.listening_at().unwrap();
+        let address = bench.outlet.outlet.listening_at().unwrap();
         let mut controllers = [(); 2].map(|()| BufReader::new(TcpStream::connect(address).unwrap()));
         bench.turn();
         bench.publish(2..4);

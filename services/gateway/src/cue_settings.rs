@@ -1,13 +1,10 @@
 //! Keys of cue outlets.
 
-use std::fmt;
-use std::net::SocketAddr;
-
 use deployment::{Deployment, NetworkOutput};
-use net::{Interface, SenderSettings};
 use settings::SettingsError;
 
-use crate::destination::{Destination, sender_mistake};
+use crate::destination::Destination;
+use crate::outlet::{OutletKeys, OutletWay};
 
 settings::settings! {
     /// Outlet of a source's cues to sensor controllers: rows in datagrams, or over connections (WA-12).
@@ -31,61 +28,23 @@ settings::settings! {
     }
 }
 
-/// How rows leave.
-#[derive(Clone, Debug)]
-pub(crate) enum CueWay {
-    /// In datagrams.
-    Datagrams(SenderSettings),
-    /// As lines to each controller that connects.
-    Lines(SocketAddr),
-}
-
-impl fmt::Display for CueWay {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Datagrams(sender) => write!(f, "sending to {}", sender.destination),
-            Self::Lines(address) => write!(f, "listening at {address}"),
-        }
-    }
-}
-
 impl CueOutletSettings {
     fn check(&self) -> Result<(), SettingsError> {
-        let way = self.way()?;
-        match way {
-            CueWay::Datagrams(sender) => sender.check().map_err(sender_mistake),
-            CueWay::Lines(_) if self.interface.is_some() || self.ttl.is_some() => {
-                let what = "is about datagrams, but controllers connect; leave it out";
-                let key = if self.interface.is_some() { "interface" } else { "ttl" };
-                Err(SettingsError::new(key, what))
-            }
-            CueWay::Lines(_) => Ok(()),
-        }
+        self.way().map(|_| ())
     }
 
     /// Returns how rows leave.
     ///
     /// # Errors
-    /// If not exactly one way is given.
-    pub(crate) fn way(&self) -> Result<CueWay, SettingsError> {
-        match (self.send_to, self.listen) {
-            (Some(to), None) => {
-                let interface = |text: &str| -> Interface {
-                    let Ok(interface) = text.parse();
-                    interface
-                };
-                Ok(CueWay::Datagrams(SenderSettings {
-                    interface: self.interface.as_deref().map(interface),
-                    time_to_live: self.ttl,
-                    ..SenderSettings::new(to.0)
-                }))
-            }
-            (None, Some(at)) => Ok(CueWay::Lines(at.0)),
-            _ => {
-                let what = "give either send_to (datagrams) or listen (connections of controllers)";
-                Err(SettingsError::new("", what))
-            }
-        }
+    /// If not exactly one way is given, or a key does not fit the way.
+    pub(crate) fn way(&self) -> Result<OutletWay, SettingsError> {
+        let keys = OutletKeys {
+            send_to: self.send_to,
+            listen: self.listen,
+            interface: self.interface.as_deref(),
+            ttl: self.ttl,
+        };
+        keys.way()
     }
 
     /// Checks the source, and returns the facts that other processes need.
@@ -108,10 +67,7 @@ impl CueOutletSettings {
         }
         Ok(NetworkOutput {
             name: self.name.clone(),
-            sender: match self.way()? {
-                CueWay::Datagrams(sender) => Some(sender),
-                CueWay::Lines(_) => None,
-            },
+            sender: self.way()?.sender(),
         })
     }
 }

@@ -1,4 +1,4 @@
-//! Gateway process: sends tracks to other systems as ASTERIX over the network.
+//! Gateway process: sends tracks to other systems over the network, as ASTERIX or as Cursor on Target events.
 //!
 //! The fused picture is sent as CAT062, with the state of the fusion system (CAT065) and of its sensors (CAT063), for
 //! displays and neighbouring centres. The sensor tracks of one source can be sent as CAT010, 020, 021 or 048, to test
@@ -13,6 +13,7 @@ mod agent_tests;
 mod cue_outlet;
 mod cue_settings;
 mod destination;
+mod outlet;
 mod schedule;
 mod selection;
 mod sensor_states;

@@ -4,12 +4,12 @@ use std::collections::BTreeSet;
 
 use asterix::Category;
 use deployment::{Deployment, NetworkOutput, Parts, Source, check_name};
-use net::{Interface, SenderSettings};
 use outgoing::HeightReference;
 use settings::{KeyTable, Seconds, SettingsError};
 
 use crate::cue_settings::CueOutletSettings;
-use crate::destination::{Destination, sender_mistake};
+use crate::destination::Destination;
+use crate::outlet::{OutletKeys, OutletWay};
 
 /// Categories that a gateway can send of a sensor.
 const SENSOR_CATEGORIES: [u8; 4] = [10, 20, 21, 48];
@@ -17,6 +17,16 @@ const SENSOR_CATEGORIES: [u8; 4] = [10, 20, 21, 48];
 const STATUS_CATEGORIES: [u8; 2] = [65, 63];
 /// Category that a gateway sends of the fused picture.
 const SYSTEM_CATEGORY: u8 = 62;
+
+settings::words! {
+    /// Form of a gateway's output.
+    pub enum OutputFormat {
+        /// ASTERIX data blocks.
+        Asterix = "asterix",
+        /// Cursor on Target events of the fused picture.
+        Cot = "cot",
+    }
+}
 
 settings::settings! {
     /// Keys of a deployment's file.
@@ -47,7 +57,14 @@ settings::settings! {
         /// Name of the gateway process.
         name: String;
         /// Multicast group or address, with the port, as destination of the datagrams.
-        send_to: Destination;
+        send_to: Option<Destination> = None, usually "none: clients connect";
+        /// Address and port at which clients connect (TCP), for Cursor on Target: a loopback address, unless clients
+        /// of other hosts are wanted.
+        listen: Option<Destination> = None, usually "none: datagrams are sent";
+        /// Form of the output.
+        format: OutputFormat = OutputFormat::Asterix;
+        /// Time until clients of Cursor on Target drop a track without a new event; longer than `refresh_s`.
+        stale_s: Seconds = Seconds::of(30.0), in [1, 3600];
         /// Interface on which datagrams leave, by address, name or index.
         interface: Option<String> = None, usually "the machine's choice";
         /// Time to live of the datagrams. Without the key, 1 for a group: the datagrams stay in the local network.
@@ -62,9 +79,9 @@ settings::settings! {
         /// Edition of the category.
         edition: Option<String> = None, usually "the newest one known";
         /// System area code of the sender.
-        sac: u8;
+        sac: Option<u8> = None, usually "must be given for ASTERIX";
         /// System identification code of the sender.
-        sic: u8;
+        sic: Option<u8> = None, usually "must be given for ASTERIX";
         /// Time between two reports of a track; 0: every report is sent.
         refresh_s: Seconds = Seconds::of(1.0), in [0, 3600];
         /// Time between two status messages.
@@ -98,7 +115,14 @@ pub(crate) enum GatewayContent<'a> {
 
 impl Settings {
     fn check(&self) -> Result<(), SettingsError> {
-        self.sender().check().map_err(sender_mistake)?;
+        match (self.way()?, self.format) {
+            (OutletWay::Lines(_), OutputFormat::Asterix) => {
+                let what = "is for format = \"cot\"; ASTERIX leaves in datagrams: give send_to";
+                return Err(SettingsError::new("listen", what));
+            }
+            (_, OutputFormat::Cot) => return self.check_cot(),
+            (OutletWay::Datagrams(_), OutputFormat::Asterix) => self.codes().map(|_| ())?,
+        }
         match (&self.source, self.category) {
             (Some(_), _) if self.own => {
                 let what = "is about the fused picture; a source's sensor tracks are its own: leave one of the two out";
@@ -123,6 +147,12 @@ impl Settings {
             let what = format!("{other}: status messages are of category 65 or 63");
             return Err(SettingsError::new("status", what));
         }
+        self.check_selection()?;
+        self.table().map(|_| ())
+    }
+
+    /// Checks area and levels of the tracks that are sent.
+    fn check_selection(&self) -> Result<(), SettingsError> {
         if let Some([low, high]) = self.levels.filter(|[low, high]| !(*low..=*high).contains(low)) {
             let what = format!("{low} lies above {high}; write the lower level first");
             return Err(SettingsError::new("levels", what));
@@ -132,20 +162,52 @@ impl Settings {
                         give a period";
             return Err(SettingsError::new("refresh_s", what));
         }
-        self.table().map(|_| ())
+        Ok(())
     }
 
-    /// Returns where datagrams go, and how.
-    pub(crate) fn sender(&self) -> SenderSettings {
-        let interface = |text: &str| -> Interface {
-            let Ok(interface) = text.parse();
-            interface
-        };
-        SenderSettings {
-            interface: self.interface.as_deref().map(interface),
-            time_to_live: self.ttl,
-            ..SenderSettings::new(self.send_to.0)
+    /// Checks the keys of Cursor on Target.
+    fn check_cot(&self) -> Result<(), SettingsError> {
+        let given = [
+            ("source", self.source.is_some()),
+            ("category", self.category.is_some()),
+            ("edition", self.edition.is_some()),
+            ("sac", self.sac.is_some()),
+            ("sic", self.sic.is_some()),
+        ];
+        if let Some((key, _)) = given.into_iter().find(|(_, is_given)| *is_given) {
+            let what = "is for ASTERIX, and format = \"cot\" sends the fused picture: leave one of the two out";
+            return Err(SettingsError::new(key, what));
         }
+        if self.stale_s.ns() <= self.refresh_s.ns() {
+            let what = format!("must be longer than refresh_s, {}", self.refresh_s.ns() as f64 / 1e9);
+            return Err(SettingsError::new("stale_s", what));
+        }
+        self.check_selection()
+    }
+
+    /// Returns how blocks leave.
+    ///
+    /// # Errors
+    /// If not exactly one way is given, or a key does not fit the way.
+    pub(crate) fn way(&self) -> Result<OutletWay, SettingsError> {
+        let keys = OutletKeys {
+            send_to: self.send_to,
+            listen: self.listen,
+            interface: self.interface.as_deref(),
+            ttl: self.ttl,
+        };
+        keys.way()
+    }
+
+    /// Returns system area code and system identification code.
+    ///
+    /// # Errors
+    /// If one of them is not given.
+    pub(crate) fn codes(&self) -> Result<[u8; 2], SettingsError> {
+        let given = |key: &str, code: Option<u8>| {
+            code.ok_or_else(|| SettingsError::new(key, "must be given for ASTERIX, 0 to 255"))
+        };
+        Ok([given("sac", self.sac)?, given("sic", self.sic)?])
     }
 
     /// Returns the category and edition in which the gateway sends.
@@ -252,11 +314,14 @@ impl Parts for Keys {
                 return Err(SettingsError::new(key("own"), what));
             }
         }
-        let output = |gateway: &Settings| NetworkOutput {
-            name: gateway.name.clone(),
-            sender: Some(gateway.sender()),
+        let output = |gateway: &Settings| {
+            Ok(NetworkOutput {
+                name: gateway.name.clone(),
+                sender: gateway.way()?.sender(),
+            })
         };
-        deployment.services.gateways = self.gateways.iter().map(output).collect();
+        let outputs: Result<Vec<_>, SettingsError> = self.gateways.iter().map(output).collect();
+        deployment.services.gateways = outputs?;
         for (index, outlet) in self.cue_outlets.iter().enumerate() {
             let output = outlet.output(deployment);
             let output = output.map_err(|error| error.under(&format!("cue_outlet[{index}]")))?;

@@ -24,7 +24,7 @@ fn a_gateway_sends_the_fused_picture_by_default() {
     let output = &config.services.gateways[0];
     assert_eq!(
         (output.name.as_str(), output.sender.as_ref().unwrap().destination),
-        ("picture", gateway.send_to.0)
+        ("picture", gateway.send_to.unwrap().0)
     );
 }
 
@@ -172,5 +172,39 @@ fn a_cue_outlet_needs_one_way_out_and_a_source_with_cues() {
     ] {
         let refused = read(&keys).unwrap_err();
         assert!(refused.contains(expected), "{refused}");
+    }
+}
+
+#[test]
+fn cursor_on_target_has_keys_of_its_own() {
+    let read = |keys: &[&str]| {
+        let site = "name = \"site\"\n[frame]\nlatitude_deg = 1.0\nlongitude_deg = 2.0\n";
+        let source = "[[source]]\nname = \"own\"\nperiod_s = 1.0\n[source.external]\n";
+        let text = format!("{site}{source}[[gateway]]\nname = \"tak\"\n{}\n", keys.join("\n"));
+        Config::parse(Path::new("test.toml"), &text, &[])
+    };
+    let [cot, to, at] = [
+        "format = \"cot\"",
+        "send_to = \"127.0.0.1:6969\"",
+        "listen = \"127.0.0.1:8087\"",
+    ];
+    let sender = |keys: &[&str]| read(keys).unwrap().services.gateways[0].sender.is_some();
+    assert!(sender(&[cot, to]));
+    assert!(!sender(&[cot, at]));
+    for (keys, part) in [
+        (&[cot][..], "give either send_to"),
+        (&[cot, to, at], "give either send_to"),
+        (&[cot, at, "ttl = 3"], "ttl: is about datagrams"),
+        (&[cot, to, "sac = 1"], "sac: is for ASTERIX"),
+        (
+            &[cot, to, "refresh_s = 40.0"],
+            "stale_s: must be longer than refresh_s, 40",
+        ),
+        (&[cot, to, "levels = [9.0, 1.0]"], "write the lower level first"),
+        (&[at, "sac = 1", "sic = 2"], "listen: is for format = \"cot\""),
+        (&[to, "sac = 1"], "sic: must be given for ASTERIX"),
+    ] {
+        let refused = read(keys).unwrap_err().to_string();
+        assert!(refused.contains(part), "{keys:?}: {refused}");
     }
 }

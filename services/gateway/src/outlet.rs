@@ -1,0 +1,146 @@
+//! Ways out of a gateway process: datagrams, or connections of clients.
+
+use std::fmt;
+use std::net::SocketAddr;
+
+use anyhow::Context as _;
+use messages::Counter;
+use net::{Interface, LineServer, SenderSettings, UdpSender};
+use runtime::HealthEntry;
+use settings::SettingsError;
+
+use crate::destination::{Destination, sender_mistake};
+
+/// How blocks leave.
+#[derive(Clone, Debug)]
+pub(crate) enum OutletWay {
+    /// In datagrams.
+    Datagrams(SenderSettings),
+    /// To each client that connects (TCP).
+    Lines(SocketAddr),
+}
+
+/// Keys of an outlet that select the way.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct OutletKeys<'a> {
+    /// Destination of datagrams.
+    pub(crate) send_to: Option<Destination>,
+    /// Address for connections.
+    pub(crate) listen: Option<Destination>,
+    /// Interface of datagrams.
+    pub(crate) interface: Option<&'a str>,
+    /// Time to live of datagrams.
+    pub(crate) ttl: Option<u8>,
+}
+
+/// An open way out.
+#[derive(Debug)]
+pub(crate) enum Outlet {
+    /// In datagrams.
+    Datagrams(Box<UdpSender>),
+    /// To each connected client.
+    Lines(LineServer),
+}
+
+impl fmt::Display for OutletWay {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Datagrams(sender) => write!(f, "sending to {}", sender.destination),
+            Self::Lines(address) => write!(f, "listening at {address}"),
+        }
+    }
+}
+
+impl OutletWay {
+    /// Returns the settings of the datagrams' sender; `None` for connections.
+    pub(crate) fn sender(self) -> Option<SenderSettings> {
+        match self {
+            Self::Datagrams(sender) => Some(sender),
+            Self::Lines(_) => None,
+        }
+    }
+}
+
+impl OutletKeys<'_> {
+    /// Returns how blocks leave.
+    ///
+    /// # Errors
+    /// If not exactly one way is given, or a key does not fit the way.
+    pub(crate) fn way(&self) -> Result<OutletWay, SettingsError> {
+        match (self.send_to, self.listen) {
+            (Some(to), None) => {
+                let interface = |text: &str| -> Interface {
+                    let Ok(interface) = text.parse();
+                    interface
+                };
+                let sender = SenderSettings {
+                    interface: self.interface.map(interface),
+                    time_to_live: self.ttl,
+                    ..SenderSettings::new(to.0)
+                };
+                sender.check().map_err(sender_mistake)?;
+                Ok(OutletWay::Datagrams(sender))
+            }
+            (None, Some(_)) if self.interface.is_some() || self.ttl.is_some() => {
+                let what = "is about datagrams, but clients connect; leave it out";
+                let key = if self.interface.is_some() { "interface" } else { "ttl" };
+                Err(SettingsError::new(key, what))
+            }
+            (None, Some(at)) => Ok(OutletWay::Lines(at.0)),
+            _ => {
+                let what = "give either send_to (datagrams) or listen (connections of clients)";
+                Err(SettingsError::new("", what))
+            }
+        }
+    }
+}
+
+impl Outlet {
+    /// Opens the sockets of `way`.
+    ///
+    /// # Errors
+    /// If the operating system refuses.
+    pub(crate) fn open(way: &OutletWay) -> anyhow::Result<Self> {
+        let outlet = match way {
+            OutletWay::Datagrams(sender) => UdpSender::open(sender).map(|sender| Self::Datagrams(Box::new(sender))),
+            OutletWay::Lines(address) => LineServer::open(*address).map(Self::Lines),
+        };
+        outlet.with_context(|| way.to_string())
+    }
+
+    /// Accepts clients, each of which gets `greeting` first.
+    ///
+    /// # Errors
+    /// If the operating system refuses.
+    pub(crate) fn accept_with(&mut self, greeting: &[u8]) -> anyhow::Result<()> {
+        if let Self::Lines(server) = self {
+            server.accept_with(greeting)?;
+        }
+        Ok(())
+    }
+
+    /// Sends a block; blocks that cannot be sent are counted.
+    pub(crate) fn send(&mut self, block: &[u8]) {
+        match self {
+            Self::Datagrams(sender) => drop(sender.send(block)),
+            Self::Lines(server) => server.send(block),
+        }
+    }
+
+    /// Adds the counts of datagrams.
+    pub(crate) fn count(&self, entry: &mut HealthEntry) {
+        if let Self::Datagrams(sender) = self {
+            entry.set(Counter::DatagramsSent, sender.counters().sent);
+            entry.set(Counter::SendFailures, sender.counters().failed);
+        }
+    }
+
+    /// Address at which clients connect; `None` for datagrams.
+    #[cfg(test)]
+    pub(crate) fn listening_at(&self) -> Option<SocketAddr> {
+        match self {
+            Self::Datagrams(_) => None,
+            Self::Lines(server) => server.local_address().ok(),
+        }
+    }
+}
