@@ -121,7 +121,7 @@ mod tests {
         looks.pause().as_nanos() as i64
     }
 
-    /// Looks at a leader without reports, which gives a sign of life just before each look, until the pause is the longest.
+    /// Looks at a leader without reports, which gives a sign of life at each look, until the pause is the longest.
     fn idle(takeover_ns: i64) -> StandbyLooks {
         let mut looks = StandbyLooks::new(takeover_ns, 0);
         for _ in 0..50 {
