@@ -38,8 +38,9 @@ use crate::ports::{DropGuard, Transport};
 /// Most topics that one waiter watches.
 pub const WATCHED_MAX: usize = 256;
 
-/// Longest sleep of a blocked waiter before it asks for work without a notification.
-pub const BACKSTOP: Duration = Duration::from_millis(100);
+/// Longest sleep of a blocked waiter before it asks for work without a notification. Each such question wakes an idle
+/// machine, and finds nothing but wake-ups that were lost within nanoseconds.
+pub const BACKSTOP: Duration = Duration::from_millis(200);
 
 /// Time between two full looks of a waiter that spins.
 const FULL_LOOK: Duration = Duration::from_millis(1);

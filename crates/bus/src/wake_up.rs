@@ -18,7 +18,7 @@ use crate::hint::Hint;
 use crate::ports::{DropGuard, Transport};
 use crate::service::WakeUps;
 
-/// How long nobody is known to listen, nanoseconds: as long as a sleeping reader of this crate may miss a wake-up
+/// How long nobody is known to listen, nanoseconds: less than a sleeping reader of this crate may miss a wake-up
 /// ([`BACKSTOP`](crate::BACKSTOP)).
 const KNOWN_NS: i64 = 100_000_000;
 

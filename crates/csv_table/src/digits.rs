@@ -41,8 +41,9 @@ const PAIRS: [[u8; 2]; 100] = {
 };
 /// Bits of the fraction of an `f64`.
 const FRACTION_BITS: u32 = f64::MANTISSA_DIGITS - 1;
-/// Longest text: sign, 20 digits, point, decimals.
-const TEXT_MAX: usize = 22 + DECIMALS_MAX;
+/// Most octets of a text, a power of two: sign, 20 digits, point and decimals are 39.
+const TEXT_MAX: usize = 64;
+const _: () = assert!(22 + DECIMALS_MAX <= TEXT_MAX && TEXT_MAX.is_power_of_two());
 
 /// Text that grows from its end to its beginning.
 struct Text {
@@ -53,41 +54,53 @@ struct Text {
 impl Text {
     const fn new() -> Self {
         Self {
-            octets: [b'0'; TEXT_MAX],
+            octets: [0; TEXT_MAX],
             begin: TEXT_MAX,
         }
     }
 
+    #[inline(always)]
     fn octet(&mut self, octet: u8) {
         self.begin -= 1;
-        self.octets[self.begin] = octet;
+        // The remainder is the place itself, and spares the check of the place at each digit.
+        self.octets[self.begin % TEXT_MAX] = octet;
     }
 
+    /// Two digits of a number below 100.
+    #[inline(always)]
+    fn pair(&mut self, number: u64) {
+        let [tens, ones] = PAIRS[number as usize];
+        self.octet(ones);
+        self.octet(tens);
+    }
+
+    #[inline]
     fn whole(&mut self, mut number: u64) {
         while number >= 100 {
-            let pair = PAIRS[(number % 100) as usize];
+            self.pair(number % 100);
             number /= 100;
-            self.begin -= 2;
-            self.octets[self.begin..self.begin + 2].copy_from_slice(&pair);
         }
         if number >= 10 {
-            self.begin -= 2;
-            self.octets[self.begin..self.begin + 2].copy_from_slice(&PAIRS[number as usize]);
+            self.pair(number);
         } else {
             self.octet(b'0' + number as u8);
         }
     }
 
-    /// The number with leading zeros, `width` digits in all.
-    fn padded(&mut self, number: u64, width: usize) {
-        let begin = self.begin - width;
-        if number > 0 {
-            self.whole(number);
+    /// The number with leading zeros, `width` digits in all, of which it has no more.
+    #[inline]
+    fn padded(&mut self, mut number: u64, mut width: usize) {
+        while width >= 2 {
+            self.pair(number % 100);
+            number /= 100;
+            width -= 2;
         }
-        // Octets before the digits are zeros from the start.
-        self.begin = begin;
+        if width == 1 {
+            self.octet(b'0' + number as u8);
+        }
     }
 
+    #[inline]
     fn write(&self, out: &mut impl Write) -> io::Result<()> {
         out.write_all(&self.octets[self.begin..])
     }

@@ -231,8 +231,12 @@ impl Cells<'_> {
     /// If it is not UTF-8.
     pub fn text(&self, column: impl Into<Option<Column>>) -> Result<Option<&str>, CsvError> {
         let Some(column) = column.into() else { return Ok(None) };
-        match std::str::from_utf8(self.value(column)) {
-            Ok(text) => Ok(Some(text).filter(|text| !text.is_empty())),
+        let value = self.value(column);
+        if value.is_empty() {
+            return Ok(None);
+        }
+        match std::str::from_utf8(value) {
+            Ok(text) => Ok(Some(text)),
             Err(_) => Err(self.error(column, "is not UTF-8 text")),
         }
     }
@@ -325,6 +329,7 @@ impl Cells<'_> {
     }
 
     /// The value without blanks around it.
+    #[inline]
     fn value(&self, column: Column) -> &[u8] {
         let value = self.values.value(column.place);
         // Most values have no blank around them.

@@ -191,7 +191,8 @@ impl<F> SensorTrackColumns<F> {
 
     /// The covariance; `None` if the row has its trace instead.
     fn covariance(&self, row: Cells<'_>, trace_m2: Option<f64>) -> Result<Option<Covariance>, CsvError> {
-        let columns = match (self.at.covariance, self.at.trace, trace_m2) {
+        // By reference: the places of 21 columns are half a kilobyte.
+        let columns = match (&self.at.covariance, self.at.trace, trace_m2) {
             (None, Some(column), None) => return Err(row.error(column, "is empty, and there are no covariances")),
             (None, ..) => return Ok(None),
             (Some(columns), _, Some(_)) if row.text(columns[0])?.is_none() => return Ok(None),
@@ -199,7 +200,7 @@ impl<F> SensorTrackColumns<F> {
         };
         let mut covariance = Covariance::default();
         for (place, column) in covariance.upper.iter_mut().zip(columns) {
-            *place = row.number(column)?;
+            *place = row.number(*column)?;
         }
         let variances: [f64; STATE_LEN] = std::array::from_fn(|line| covariance.get(line, line));
         if let Some(line) = variances.iter().position(|variance| *variance < 0.0) {

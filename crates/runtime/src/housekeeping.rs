@@ -54,6 +54,8 @@ const RESTORED_SLICES: usize = 4;
 /// none.
 const PAUSE: Duration = Duration::from_millis(10);
 const IDLE_PAUSE: Duration = Duration::from_millis(200);
+/// Pause while the loop does not lead: it obeys no orders and makes nothing but health.
+const STANDBY_PAUSE: Duration = Duration::from_millis(500);
 
 /// Loop's side of a housekeeper.
 #[derive(Debug)]
@@ -211,6 +213,7 @@ impl House {
             whole: SnapshotParts::default(),
             said: 0,
         };
+        desk.queues.keep(std::thread::current());
         // The starter of this thread waits for the signal.
         let _ = ready.send(());
         keep_house(desk, reporter, order_desk, decisions, whole)
@@ -306,8 +309,9 @@ fn keep_house(
         if closing {
             return Ok(());
         }
-        // Ends early when the desk closes.
-        std::thread::park_timeout(pause.after(worked));
+        let pause = pause.after(worked);
+        // Ends early when the desk closes, and when the loop begins to lead.
+        std::thread::park_timeout(if desk.queues.leads() { pause } else { STANDBY_PAUSE });
     }
 }
 

@@ -1,7 +1,8 @@
 //! Queues between a loop and its housekeeper.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, OnceLock};
+use std::thread::Thread;
 
 use crossbeam_queue::ArrayQueue;
 use messages::{Decision, Order, OrderState, RESTORED_WORDS, Restored, SensorTrack};
@@ -26,6 +27,8 @@ pub struct Queues {
     pub order_states: ArrayQueue<OrderState>,
     /// True once the loop obeys orders.
     leads: AtomicBool,
+    /// The housekeeper, which sleeps long before the loop leads.
+    housekeeper: OnceLock<Thread>,
     /// Orders that were refused before the loop.
     refused: AtomicU64,
     /// Decisions of the loop, for publication; `None` without a request.
@@ -86,6 +89,7 @@ impl Queues {
             orders: ArrayQueue::new(ORDERS_MAX),
             order_states: ArrayQueue::new(ORDER_STATES_MAX),
             leads: AtomicBool::new(false),
+            housekeeper: OnceLock::new(),
             refused: AtomicU64::new(0),
             decisions: decisions.then(|| ArrayQueue::new(DECISIONS_MAX)),
             restored: ArrayQueue::new(1),
@@ -97,6 +101,15 @@ impl Queues {
     /// Begins to pass orders to the loop. Before, orders are taken and dropped: another process obeys.
     pub fn lead(&self) {
         self.leads.store(true, Ordering::Release);
+        if let Some(housekeeper) = self.housekeeper.get() {
+            housekeeper.unpark();
+        }
+    }
+
+    /// Lets `thread` wake up once the loop leads.
+    pub(crate) fn keep(&self, thread: Thread) {
+        // A second housekeeper would look at times only.
+        let _ = self.housekeeper.set(thread);
     }
 
     /// Returns whether the loop obeys orders.

@@ -7,7 +7,7 @@
 //! ```text
 //!   leader  ──▶ checkpoint: tracks, numbers, positions, a sign of life each millisecond (idle: every 20 ms)
 //!      │             │
-//!      │ lock        ▼ every 5 to 100 ms
+//!      │ lock        ▼ every 5 to 100 ms, by the number of reports
 //!   standby: drops the reports that the leader has finished; is the leader's process gone? its sign of life old?
 //!      │
 //!      └─ gone: the lock is free      old: SIGKILL, then the lock is free
@@ -50,6 +50,9 @@ const COURTESY: Duration = Duration::from_secs(3);
 const BEGINS: Duration = Duration::from_secs(1);
 /// Time in which a leader has taken the reports sent to it, nanoseconds: far longer than needed.
 const TAKEN_NS: i64 = 1_000_000_000;
+/// Slices between two looks from which on the next look is soon, so that no queue of 256 slices overflows. The pause
+/// doubles at most after a look, and so does this number.
+const MANY_SLICES: u64 = 32;
 /// Name of the standby process.
 pub(crate) const NAME: &str = "standby";
 
@@ -189,11 +192,11 @@ impl StandbyFusion {
             let done = position_of(leader.memory.words(), &self.layout, input.source);
             input.follow(done, done_ns, mono_ns)?;
         }
-        let slices = self.ready.inputs.iter().map(SourceInput::slices).sum();
-        let has_received = std::mem::replace(&mut self.slices, slices) != slices;
+        let slices: u64 = self.ready.inputs.iter().map(SourceInput::slices).sum();
+        let arrived = slices.saturating_sub(std::mem::replace(&mut self.slices, slices));
         let clock = clock_of(leader.memory.words(), &self.layout).unwrap_or(leader.clock);
         let sign = (clock != leader.clock).then_some(clock.turn_ns);
-        self.looks.note(now.mono_ns, sign, has_received);
+        self.looks.note(now.mono_ns, sign, arrived >= MANY_SLICES);
         leader.clock = clock;
         let begins = now.mono_ns.saturating_sub(leader.since_ns) < COURTESY.as_nanos() as i64;
         let least_ns = if begins { BEGINS.as_nanos() as i64 } else { 0 };

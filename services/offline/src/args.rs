@@ -5,7 +5,7 @@ mod smooth;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Command, Parser, Subcommand};
 use formats::cues_csv::CueRow;
 use formats::rows::Row as _;
 use messages::Decision;
@@ -20,21 +20,19 @@ pub use smooth::Smooth;
 
 /// A command on tables.
 #[derive(Debug, Subcommand)]
+#[command(mut_subcommands(with_help_on_request))]
 pub enum TableCommand {
     /// Write the reports of simulated sensors in a simulated world, and the truth
     #[command(after_help = SIMULATE_EXAMPLES)]
     Simulate(Simulate),
     /// Fuse files of sensor tracks into one file of system tracks
-    #[command(after_help = fuse_examples())]
     Fuse(Fuse),
     /// Smooth the system tracks of a recording, or of files of sensor tracks, with later measurements
     #[command(after_help = SMOOTH_EXAMPLES)]
     Smooth(Smooth),
     /// Track targets in files of detections
-    #[command(after_help = track_examples())]
     Track(TrackArgs),
     /// Locate emitters from files of bearings, measured by a moving platform
-    #[command(after_help = locate_examples())]
     Locate(Locate),
     /// Run every fusion rule on the same sensor tracks, and show the results side by side
     #[command(after_help = COMPARE_EXAMPLES)]
@@ -42,6 +40,16 @@ pub enum TableCommand {
     /// Score tracks or fixes against a known truth
     #[command(after_help = SCORE_EXAMPLES)]
     Score(Score),
+}
+
+/// Lets the help with keys of configurations be made for the given command only, not at each start of any command.
+fn with_help_on_request(command: Command) -> Command {
+    match command.get_name() {
+        "fuse" => command.defer(|command| command.after_help(fuse_examples())),
+        "track" => command.defer(|command| command.after_help(track_examples())),
+        "locate" => command.defer(|command| command.after_help(locate_examples())),
+        _ => command,
+    }
 }
 
 /// Words without an executable before them.

@@ -100,7 +100,7 @@ pub(crate) enum Command {
     /// Check whether this machine is fit for a deployment, and print remedies
     #[command(after_help = DOCTOR_EXAMPLES)]
     Doctor(Doctor),
-    /// Write completions for shells, man pages, and rules for Prometheus
+    /// Write rules for Prometheus; for packages, completions for shells and man pages
     #[command(after_help = GENERATE_EXAMPLES, subcommand)]
     Generate(Generate),
     /// Show the running instances of this machine
@@ -283,20 +283,24 @@ pub(crate) struct Doctor {
 
 const GENERATE_EXAMPLES: &str = "\
 Examples:
+  koseki generate alerts > /etc/prometheus/rules/koseki.yml
   koseki generate completions bash > /usr/share/bash-completion/completions/koseki
   koseki generate man --out /usr/local/share/man/man1
-  koseki generate alerts > /etc/prometheus/rules/koseki.yml";
+
+Packages contain all of these. Only an executable built with `--features generate` writes completions and man pages.";
 
 /// `koseki generate`.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Generate {
     /// Print completions of commands and options for a shell
+    #[cfg(any(test, feature = "generate"))]
     Completions {
         /// The shell
         #[arg(value_name = "SHELL")]
         shell: clap_complete::Shell,
     },
     /// Write a man page for each command
+    #[cfg(any(test, feature = "generate"))]
     Man {
         /// Folder for the pages; created if missing
         #[arg(long, value_name = "DIR")]

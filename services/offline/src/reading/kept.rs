@@ -4,6 +4,7 @@
 //! files, files that state arrivals (they are read in another order), and files with unreadable rows (whose refusals a
 //! later pass must report) are read again.
 
+use std::collections::VecDeque;
 use std::rc::Rc;
 
 use super::arrivals::ArrivedReport;
@@ -93,12 +94,17 @@ impl KeptReader {
         self.file.octets / (self.file.rows.len() as u64).max(1)
     }
 
-    /// The next row.
-    pub(super) fn next(&mut self) -> Option<ArrivedReport> {
-        let mut row = *self.file.rows.get(self.next)?;
+    /// Appends the next row; `false` at the end.
+    pub(super) fn next_into(&mut self, rows: &mut VecDeque<ArrivedReport>) -> bool {
+        let Some(row) = self.file.rows.get(self.next) else {
+            return false;
+        };
         self.next += 1;
-        row.track.source = self.sources[usize::from(row.track.source)];
-        Some(row)
+        rows.push_back(*row);
+        if let Some(row) = rows.back_mut() {
+            row.track.source = self.sources[usize::from(row.track.source)];
+        }
+        true
     }
 }
 
@@ -128,8 +134,9 @@ mod tests {
         assert!(kept.again(&[70]).is_none(), "sensor 80 is no source");
         for _ in 0..2 {
             let mut readers = kept.again(&[90, 80, 70]).unwrap();
-            let read = std::iter::from_fn(|| readers[0].next());
-            let read: Vec<_> = read.map(|row| (row.track.source, row.line)).collect();
+            let mut read = VecDeque::new();
+            while readers[0].next_into(&mut read) {}
+            let read: Vec<_> = read.iter().map(|row| (row.track.source, row.line)).collect();
             assert_eq!(read, [(2, 2), (1, 3)]);
             assert_eq!(readers[0].octets_of_row(), 50);
         }

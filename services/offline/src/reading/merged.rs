@@ -72,8 +72,8 @@ pub(crate) struct MergedRows {
 struct FileLane {
     path: PathBuf,
     rows: LaneRows,
-    /// Next row, and the rows after it.
-    next: Option<ArrivedReport>,
+    /// The next row, and up to [`AHEAD`] rows after it. A row is large: it is read into its place here, and leaves it
+    /// once.
     ahead: VecDeque<ArrivedReport>,
     /// Time of the last returned row.
     given_ns: i64,
@@ -184,14 +184,17 @@ impl MergedRows {
     /// If reading a file fails.
     pub(crate) fn next(&mut self) -> Result<Option<ArrivedReport>, InputError> {
         let order = |lane: &FileLane| {
-            let row = lane.next.as_ref()?;
+            let row = lane.ahead.front()?;
             Some((row.arrival_ns, row.track.time_of_measurement_ns, row.track.source))
         };
-        let lanes = self.lanes.iter_mut().filter(|lane| lane.next.is_some());
+        let lanes = self.lanes.iter_mut().filter(|lane| !lane.ahead.is_empty());
         let Some(lane) = lanes.min_by_key(|lane| order(lane)) else {
             return Ok(None);
         };
-        let given = lane.next;
+        let given = lane.ahead.pop_front();
+        if let Some(given) = &given {
+            lane.given_ns = given.track.time_of_measurement_ns;
+        }
         lane.step(&mut self.refusals)?;
         Ok(given)
     }
@@ -202,36 +205,34 @@ impl FileLane {
         Self {
             path: path.to_owned(),
             rows,
-            next: None,
-            ahead: VecDeque::with_capacity(AHEAD),
+            ahead: VecDeque::with_capacity(1 + AHEAD),
             given_ns: i64::MIN,
             arrivals,
         }
     }
 
-    /// Advances to the next row.
+    /// Finds the next row: the first one read ahead, unless its time or that of the row after it is wrong.
     fn step(&mut self, refusals: &mut SkippedRows) -> Result<(), InputError> {
         if let Some(mut arrivals) = self.arrivals.take() {
-            self.next = self.next_arrival(&mut arrivals, refusals)?;
+            let next = self.next_arrival(&mut arrivals, refusals);
             self.arrivals = Some(arrivals);
+            self.ahead.extend(next?);
             return Ok(());
         }
-        if let Some(given) = self.next {
-            self.given_ns = given.track.time_of_measurement_ns;
-        }
-        self.next = self.next_ahead(refusals)?;
-        // A row is large: none is copied here that stays where it is.
-        while let Some((next_ns, source, line)) = self.next.as_ref().map(time_source_line) {
+        loop {
             self.look_ahead(refusals)?;
+            let Some((next_ns, source, line)) = self.ahead.front().map(time_source_line) else {
+                return Ok(());
+            };
             if self.runs_away(next_ns, source) {
                 let what = format!("{} is far beyond the rows around it", seconds(next_ns));
                 refusals.out_of_order(&self.path, line, &what);
-                self.next = self.next_ahead(refusals)?;
+                self.ahead.pop_front();
                 continue;
             }
-            let after = self.ahead.front().map(time_source_line);
+            let after = self.ahead.get(1).map(time_source_line);
             let Some((after_ns, _, line)) = after.filter(|(after_ns, ..)| *after_ns < next_ns) else {
-                break;
+                return Ok(());
             };
             let what = format!(
                 "{} is before {}, the time of an earlier row; sort the rows by time",
@@ -239,12 +240,11 @@ impl FileLane {
                 seconds(next_ns)
             );
             refusals.out_of_order(&self.path, line, &what);
-            self.ahead.pop_front();
+            self.ahead.remove(1);
         }
-        Ok(())
     }
 
-    /// Returns the next row in the order of arrival.
+    /// Returns the next row in the order of arrival; nothing is read ahead.
     fn next_arrival(
         &mut self,
         arrivals: &mut ArrivalOrder,
@@ -254,7 +254,8 @@ impl FileLane {
             if let Some(row) = arrivals.pop(false) {
                 return Ok(Some(row));
             }
-            match self.read(refusals)? {
+            self.read(refusals)?;
+            match self.ahead.pop_back() {
                 Some(row) => arrivals.push(&row),
                 None => return Ok(arrivals.pop(true)),
             }
@@ -268,11 +269,9 @@ impl FileLane {
         if latest_ns <= self.given_ns {
             return false; // no time can speak against it
         }
-        let has_others = self.ahead.iter().any(|row| row.track.source != source);
-        let judges = self
-            .ahead
-            .iter()
-            .filter(|row| (row.track.source != source) == has_others);
+        let following = || self.ahead.iter().skip(1);
+        let has_others = following().any(|row| row.track.source != source);
+        let judges = following().filter(|row| (row.track.source != source) == has_others);
         let times = judges.map(|row| row.track.time_of_measurement_ns);
         let (mut against, mut for_it) = (0, 0);
         for time_ns in times {
@@ -282,37 +281,32 @@ impl FileLane {
         against > for_it
     }
 
-    fn next_ahead(&mut self, refusals: &mut SkippedRows) -> Result<Option<ArrivedReport>, InputError> {
-        self.look_ahead(refusals)?;
-        Ok(self.ahead.pop_front())
-    }
-
     /// Fills the read-ahead buffer.
     fn look_ahead(&mut self, refusals: &mut SkippedRows) -> Result<(), InputError> {
-        while self.ahead.len() < AHEAD
-            && let Some(row) = self.read(refusals)?
-        {
-            self.ahead.push_back(row);
-        }
+        while self.ahead.len() <= AHEAD && self.read(refusals)? {}
         Ok(())
     }
 
-    /// Returns the next readable row.
-    fn read(&mut self, refusals: &mut SkippedRows) -> Result<Option<ArrivedReport>, InputError> {
+    /// Reads the next readable row, behind those read ahead; `false` at the end.
+    fn read(&mut self, refusals: &mut SkippedRows) -> Result<bool, InputError> {
         let (reader, kept) = match &mut self.rows {
             LaneRows::File { reader, kept } => (reader, kept),
             LaneRows::Kept { reader, octets } => {
-                let next = reader.next();
-                if next.is_some() {
+                let has_next = reader.next_into(&mut self.ahead);
+                if has_next {
                     *octets.borrow_mut() += reader.octets_of_row();
                 }
-                return Ok(next);
+                return Ok(has_next);
             }
         };
         while let Some(row) = reader.next() {
-            let Some(track) = refusals.usable(&self.path, row)? else {
-                *kept = None;
-                continue;
+            let track = match row {
+                Ok(track) => track,
+                Err(error) => {
+                    refusals.skip(&self.path, error)?;
+                    *kept = None;
+                    continue;
+                }
             };
             let row = ArrivedReport {
                 track,
@@ -320,9 +314,10 @@ impl FileLane {
                 line: reader.line(),
             };
             *kept = kept.take().and_then(|kept| kept.with(&row));
-            return Ok(Some(row));
+            self.ahead.push_back(row);
+            return Ok(true);
         }
-        Ok(None)
+        Ok(false)
     }
 }
 

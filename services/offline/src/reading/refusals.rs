@@ -27,11 +27,21 @@ impl SkippedRows {
     pub fn usable<T>(&mut self, file: &Path, row: Result<T, CsvError>) -> Result<Option<T>, InputError> {
         match row {
             Ok(value) => Ok(Some(value)),
-            Err(error @ (CsvError::Value { .. } | CsvError::Length { .. })) => {
+            Err(error) => self.skip(file, error).map(|()| None),
+        }
+    }
+
+    /// Counts a row of `file` as skipped, for this reason.
+    ///
+    /// # Errors
+    /// If the whole file cannot be read.
+    pub(super) fn skip(&mut self, file: &Path, error: CsvError) -> Result<(), InputError> {
+        match error {
+            CsvError::Value { .. } | CsvError::Length { .. } => {
                 self.unreadable(file, &error);
-                Ok(None)
+                Ok(())
             }
-            Err(error) => Err(InputError::new(file, error)),
+            _ => Err(InputError::new(file, error)),
         }
     }
 
