@@ -24,11 +24,11 @@ mod stamps;
 mod stand_in;
 mod wire;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::Context as _;
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, CommandFactory as _, Parser, Subcommand};
 use configuration::{Config, ConfigError};
 use deployment::Process;
 use messages::ProcessKind;
@@ -49,6 +49,13 @@ enum LinkCommand {
     /// Show a deployment of another host as an instance here, for displays, gateways and other readers
     #[command(after_help = MIRROR_EXAMPLES)]
     Mirror(Mirror),
+    /// Write the man pages into a folder, for packages
+    #[command(hide = true)]
+    Man {
+        /// The folder
+        #[arg(long, value_name = "FOLDER")]
+        out: PathBuf,
+    },
 }
 
 const MIRROR_EXAMPLES: &str = "\
@@ -118,6 +125,7 @@ fn main() -> ExitCode {
     let done = match command {
         LinkCommand::Join(join) => run(join),
         LinkCommand::Mirror(mirror) => mirror::run(mirror),
+        LinkCommand::Man { out } => man_pages(&out),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -130,6 +138,11 @@ fn main() -> ExitCode {
             })
         }
     }
+}
+
+fn man_pages(folder: &Path) -> anyhow::Result<()> {
+    std::fs::create_dir_all(folder).with_context(|| format!("making {}", folder.display()))?;
+    clap_mangen::generate_to(LinkCli::command(), folder).with_context(|| format!("writing to {}", folder.display()))
 }
 
 fn run(join: Join) -> anyhow::Result<()> {

@@ -6,7 +6,7 @@ mod source;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use cargo_metadata::{DependencyKind, Metadata, MetadataCommand, Package};
+use cargo_metadata::{Dependency, DependencyKind, Metadata, MetadataCommand, Package};
 use source::sources;
 
 use crate::common::{repository, texts};
@@ -152,14 +152,23 @@ fn normal_dependencies(package: &Package) -> BTreeSet<String> {
         .dependencies
         .iter()
         .filter(|dependency| dependency.kind == DependencyKind::Normal);
-    normal.map(|dependency| dependency.name.clone()).collect()
+    let name = |dependency: &Dependency| dependency.rename.as_ref().unwrap_or(&dependency.name).clone();
+    normal.map(name).collect()
 }
 
+/// Packages by their names inside of the workspace: a published one has the name of its library, with a prefix.
 fn packages(metadata: &Metadata) -> BTreeMap<String, &Package> {
+    let name = |package: &Package| {
+        let library = package.targets.iter().find(|target| target.is_lib());
+        match library.map(|library| library.name.as_str()) {
+            Some(library) if package.name.as_str() == format!("koseki-{library}") => library.to_owned(),
+            _ => package.name.to_string(),
+        }
+    };
     metadata
         .packages
         .iter()
-        .map(|package| (package.name.to_string(), package))
+        .map(|package| (name(package), package))
         .collect()
 }
 

@@ -16,9 +16,8 @@ const READERS_OF_FILES: [&str; 2] = ["offline", "koseki"];
 fn dependents(packages: &BTreeMap<String, &Package>, name: &str) -> BTreeSet<String> {
     let mut found = BTreeSet::from([name.to_owned()]);
     loop {
-        let depends = |package: &&Package| !normal_dependencies(package).is_disjoint(&found);
-        let more = packages.values().copied().filter(depends);
-        let more: BTreeSet<String> = more.map(|package| package.name.to_string()).collect();
+        let depends = |(_, package): &(&String, &&Package)| !normal_dependencies(package).is_disjoint(&found);
+        let more: BTreeSet<String> = packages.iter().filter(depends).map(|(name, _)| name.clone()).collect();
         if more.is_subset(&found) {
             break;
         }

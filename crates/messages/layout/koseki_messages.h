@@ -1,4 +1,4 @@
-/* Koseki's samples in shared memory. Written by `cargo run -p messages --example layouts`; a test keeps it true. */
+/* Koseki's samples in shared memory. Written by `cargo run -p koseki-messages --example layouts`; a test keeps it true. */
 #ifndef KOSEKI_MESSAGES_H
 #define KOSEKI_MESSAGES_H
 

@@ -3,7 +3,7 @@
 To join an instance, set iceoryx2's root-path to the folder that `koseki status` names, and its prefix to the line in
 the file koseki-instance there, which is another one at each start.
 
-Written by `cargo run -p messages --example layouts`; a test keeps it true.
+Written by `cargo run -p koseki-messages --example layouts`; a test keeps it true.
 """
 
 import ctypes

@@ -485,7 +485,7 @@ fn constant_name(type_name: &str) -> String {
 /// Returns the layouts as a C11 header, with static assertions.
 pub fn c_header() -> String {
     let mut out = String::from(
-        "/* Koseki's samples in shared memory. Written by `cargo run -p messages --example layouts`; a test keeps it true. */\n\
+        "/* Koseki's samples in shared memory. Written by `cargo run -p koseki-messages --example layouts`; a test keeps it true. */\n\
          #ifndef KOSEKI_MESSAGES_H\n#define KOSEKI_MESSAGES_H\n\n#include <assert.h>\n#include <stddef.h>\n#include <stdint.h>\n\n",
     );
     for (name, value, doc) in constants() {
@@ -531,7 +531,7 @@ pub fn python_module() -> String {
         "\"\"\"Koseki's samples in shared memory, for ctypes and the iceoryx2 Python package.\n\n\
          To join an instance, set iceoryx2's root-path to the folder that `koseki status` names, and its prefix to the \
          line in\nthe file koseki-instance there, which is another one at each start.\n\n\
-         Written by `cargo run -p messages --example layouts`; a test keeps it true.\n\"\"\"\n\nimport ctypes\n\n",
+         Written by `cargo run -p koseki-messages --example layouts`; a test keeps it true.\n\"\"\"\n\nimport ctypes\n\n",
     );
     for (name, value, doc) in constants() {
         let _ = writeln!(out, "{name} = {value:#x}  # {doc}");

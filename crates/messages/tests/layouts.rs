@@ -13,7 +13,7 @@ fn assert_current(file: &str, expected: &str) {
     let found = std::fs::read_to_string(folder().join(file)).unwrap();
     assert!(
         found == expected,
-        "{file} no longer matches the samples; run `cargo run -p messages --example layouts` and raise SCHEMA_VERSION where only a meaning changes"
+        "{file} no longer matches the samples; run `cargo run -p koseki-messages --example layouts` and raise SCHEMA_VERSION where only a meaning changes"
     );
 }
 

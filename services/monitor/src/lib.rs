@@ -51,6 +51,8 @@
 
 mod agent;
 mod alarm_desk;
+#[cfg(test)]
+mod board_tests;
 mod conditions;
 mod counters;
 mod display;
