@@ -326,10 +326,6 @@ impl Engine {
             self.sources.read_content(report, before, repaired, &mut content);
             correction = self.sources.correction_of(&self.settings.sources, report);
         }
-        let mut measurement = content.measurement;
-        if let Some(measurement) = &mut measurement {
-            measurement.correct(&correction);
-        }
         let sensors = &mut self.tracks.sensors;
         let place = earlier.map(|(sensor, _)| sensor).or_else(|| sensors.insert(report));
         let Some(sensor) = place else {
@@ -346,7 +342,10 @@ impl Engine {
         entry.is_foreign = is_foreign;
         entry.epoch = self.sources.alignment.epoch_of(report.source);
         sensors.note(sensor, self.settings.sources[usize::from(report.source)].period_ns);
-        Some((sensor, measurement))
+        if let Some(measurement) = &mut content.measurement {
+            measurement.correct(&correction);
+        }
+        Some((sensor, content.measurement))
     }
 
     /// Returns the entry of the report's sensor track and the seconds since its latest report; `Some(None)` if there
@@ -555,14 +554,13 @@ impl Engine {
         let confirmed = self.tracks.systems.count_in_state(TrackState::Confirmed);
         let enabled = self.settings.registration.enabled;
         let largest_m = self.settings.target_size.unknown_m;
-        self.sources.register(
-            due && enabled,
-            largest_m,
-            (confirmed, self.points.sees_points()),
-            |source| {
-                self.outbox.counts.add(source, Counter::EstimatesRestarted);
-            },
-        );
+        let begins = due && enabled;
+        if begins || self.sources.registration.is_solving() {
+            self.sources
+                .register(begins, largest_m, (confirmed, self.points.sees_points()), |source| {
+                    self.outbox.counts.add(source, Counter::EstimatesRestarted);
+                });
+        }
         if due {
             self.points.look(&self.sources, self.publisher.rule().keeps_points);
             let common_m2 = self.sources.registration.common_error_m2();

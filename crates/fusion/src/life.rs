@@ -319,11 +319,16 @@ impl Life {
 
 /// Counts a system track as a target, once, in the purity of its sources: where two agree on a confirmed track, or
 /// where the track has lasted.
+#[inline]
 fn count_target(tracks: &mut Tracks, system: SystemSlot, now_ns: i64) {
-    let entry = tracks.systems.get(system);
-    if entry.is_counted {
-        return;
+    if !tracks.systems.get(system).is_counted {
+        count_target_if_sure(tracks, system, now_ns);
     }
+}
+
+#[inline(never)]
+fn count_target_if_sure(tracks: &mut Tracks, system: SystemSlot, now_ns: i64) {
+    let entry = tracks.systems.get(system);
     let sources = tracks.sources_of(system, now_ns);
     let agree = entry.life == TrackState::Confirmed && tracks.dependence.witnesses_among(sources) >= 2;
     if !agree && entry.reports < LASTING_REPORTS {

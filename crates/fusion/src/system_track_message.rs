@@ -113,10 +113,8 @@ pub(crate) fn write(
         .filter
         .climb_rate()
         .map_or([0.0; 2], |rate| rate.map(|value| value as f32));
-    let offset = tracks
-        .pressure
-        .at(entry.state.position_m)
-        .filter(|_| entry.state.has_height);
+    let has_height = entry.state.has_height;
+    let offset = has_height.then(|| tracks.pressure.at(entry.state.position_m)).flatten();
     [message.pressure_offset_m, message.pressure_offset_sigma_m] =
         offset.map_or([0.0; 2], |offset| offset.map(|value| value as f32));
     message.existence = entry.existence();
@@ -170,7 +168,8 @@ pub(crate) fn write(
     message.level_valid = u8::from(is_known);
     message.level_age_ms = if is_known { (level_age_ns / NS_PER_MS) as u32 } else { 0 };
     let [east, north, _] = message.position_m;
-    let altitude = qnh::altitude(&settings.qnh, [east, north], level, entry.state.time_ns).filter(|_| is_known);
+    let altitude_by_qnh = || qnh::altitude(&settings.qnh, [east, north], level, entry.state.time_ns);
+    let altitude = is_known.then(altitude_by_qnh).flatten();
     [message.altitude_m, message.qnh_hpa] = altitude.map_or([0.0; 2], |altitude| {
         [altitude.altitude_m as f32, altitude.qnh_hpa as f32]
     });

@@ -507,12 +507,17 @@ impl SystemTracks {
     }
 
     /// Adds what `identity` knows to the system track's; an address once carried is never changed.
+    #[inline]
     pub(crate) fn identify(&mut self, slot: SystemSlot, identity: &Identity) {
-        let entry = &mut self.entries[slot as usize];
         // So it is nearly always, and then there is nothing to add.
-        if *identity == entry.identity {
-            return;
+        if *identity != self.entries[slot as usize].identity {
+            self.add_identity(slot, identity);
         }
+    }
+
+    #[inline(never)]
+    fn add_identity(&mut self, slot: SystemSlot, identity: &Identity) {
+        let entry = &mut self.entries[slot as usize];
         let carried = entry.identity.unique_number();
         let mut merged = identity.or(&entry.identity);
         if let Some(address) = carried {

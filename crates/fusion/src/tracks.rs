@@ -372,7 +372,16 @@ impl Tracks {
 
     /// Learns from a sensor track's latest report, beside those of other sources on its target, whether sources have
     /// errors in common.
+    #[inline]
     pub(crate) fn learn_dependence(&mut self, sensor: SensorSlot, period_ns: i64) {
+        let entry = self.sensors.get(sensor);
+        if !entry.repaired && Dependence::compares(entry.reports, period_ns) {
+            self.compare_with_members(sensor);
+        }
+    }
+
+    #[inline(never)]
+    fn compare_with_members(&mut self, sensor: SensorSlot) {
         let Self {
             sensors,
             systems,
@@ -380,9 +389,6 @@ impl Tracks {
             ..
         } = self;
         let entry = sensors.get(sensor);
-        if entry.repaired || !Dependence::compares(entry.reports, period_ns) {
-            return;
-        }
         let mut at = systems.get(entry.system).members;
         while let Some(member) = at {
             let other = sensors.get(member);
@@ -395,14 +401,20 @@ impl Tracks {
 
     /// Makes a sensor track the primary one of its source, and of those that it depends on, if there is no other one
     /// that is fresh: one speaks for a source, and goes on doing so while it is fresh.
+    #[inline]
     pub(crate) fn assign_role(&mut self, sensor: SensorSlot) {
+        let entry = self.sensors.get(sensor);
+        // No other source of the group comes before the first one.
+        if entry.role != Role::Primary || self.dependence.group_of(entry.source) != entry.source {
+            self.assign_role_in_group(sensor);
+        }
+    }
+
+    #[inline(never)]
+    fn assign_role_in_group(&mut self, sensor: SensorSlot) {
         let entry = self.sensors.get(sensor);
         let (system, source, now_ns) = (entry.system, entry.source, entry.time_ns);
         let group = self.dependence.group_of(source);
-        if entry.role == Role::Primary && group == source {
-            // No other source of the group comes before the first one.
-            return;
-        }
         let other = self
             .member_entries(system)
             .find(|(member, entry)| {

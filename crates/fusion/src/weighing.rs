@@ -57,7 +57,8 @@ pub(crate) struct Weighed {
     has_centres: bool,
     /// What the members state of the target beside its motion.
     stated: Stated,
-    /// Keys by which members are sorted: source, order in the list of members, and place, from the highest bits on.
+    /// Keys by which members are sorted, greatest first: source, order in the list of members, and place, from the
+    /// highest bits on.
     keys: [u64; CONTRIBUTIONS_MAX],
 }
 
@@ -225,7 +226,6 @@ impl Weigher<'_> {
     /// unless accuracy values are wanted.
     fn gather_shares(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
         let sensors = &self.tracks.sensors;
-        let wants_values = self.settings.accuracy_values();
         let keys = &mut weighed.keys;
         let mut len = 0;
         for (member, entry) in self.tracks.member_entries(system) {
@@ -238,44 +238,51 @@ impl Weigher<'_> {
             }
             weighed.contributing += 1;
             if len == CONTRIBUTIONS_MAX {
-                if source_of(keys[CONTRIBUTIONS_MAX - 1]) < entry.source {
+                if source_of(keys[0]) < entry.source {
                     continue;
                 }
+                keys.rotate_left(1);
                 len -= 1;
             }
             let key = u64::from(entry.source) << 48 | u64::from(weighed.contributing) << 32 | u64::from(member);
-            // Few, and mostly in the order of their sources or against it: each goes to its place at once.
+            // Few, and mostly from the last source to the first, since the newest member comes first: each goes to its
+            // place at once.
             let mut place = len;
-            while place > 0 && keys[place - 1] > key {
+            while place > 0 && keys[place - 1] < key {
                 keys[place] = keys[place - 1];
                 place -= 1;
             }
             keys[place] = key;
             len += 1;
         }
-        let keys = &keys[..len];
         weighed.len = len;
         weighed.stated = Stated::default();
         let places = weighed.members.iter_mut().zip(&mut weighed.candidates);
-        for ((member, candidate), key) in places.zip(keys) {
+        for ((member, candidate), key) in places.zip(keys[..len].iter().rev()) {
             *member = *key as SensorSlot;
             let entry = sensors.get(*member);
             weighed.stated.add(entry);
             candidate.source = source_of(*key);
             candidate.filter_share = entry.share;
             candidate.lambda = f64::INFINITY;
-            if wants_values {
-                let latest = &entry.latest;
-                let later_ns = reference_ns - latest.time_of_measurement_ns;
-                let place_m = moved(latest.position_m, latest.velocity_mps, later_ns);
-                candidate.alpha = self.alpha(latest, place_m, latest.velocity_mps);
-                candidate.residual = self.residual(*member, reference_ns);
-                candidate.state.has_height = latest.has(sensor_track_bits::HEIGHT);
-            }
         }
-        if wants_values {
-            weighed.value();
+        if self.settings.accuracy_values() {
+            self.value_shares(reference_ns, weighed);
         }
+    }
+
+    /// Gives the contributions to a filter their accuracy values.
+    #[inline(never)]
+    fn value_shares(&self, reference_ns: i64, weighed: &mut Weighed) {
+        for (member, candidate) in weighed.members[..weighed.len].iter().zip(&mut weighed.candidates) {
+            let latest = &self.tracks.sensors.get(*member).latest;
+            let later_ns = reference_ns - latest.time_of_measurement_ns;
+            let place_m = moved(latest.position_m, latest.velocity_mps, later_ns);
+            candidate.alpha = self.alpha(latest, place_m, latest.velocity_mps);
+            candidate.residual = self.residual(*member, reference_ns);
+            candidate.state.has_height = latest.has(sensor_track_bits::HEIGHT);
+        }
+        weighed.value();
     }
 
     /// The contributions to `system`, in the order of their sources, brought to `reference_ns`.
