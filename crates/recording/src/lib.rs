@@ -12,11 +12,12 @@
 //!
 //! Messages are collected in memory into a *chunk*, which is written in one piece at the end of a slice. A killed
 //! recorder loses its unwritten chunk and may leave a torn chunk. [`whole`] returns the length of the readable part
-//! of a file, and the bytes of [`closing`] in place of the rest make a complete file. Container bytes depend on the
-//! version of the library: compare contents of files, not files.
+//! of a file, and the bytes of [`closing`] in place of the rest make a complete file. Chunks may be compressed
+//! ([`Compression`]); a reader reads both kinds. Compare contents of files, not files.
 
 #![forbid(unsafe_code)]
 
+mod container;
 mod damage;
 mod part;
 mod reader;
@@ -25,7 +26,9 @@ mod survey;
 mod tally;
 mod whole;
 mod writer;
+mod zstd;
 
+pub use container::{Compression, Container, MessageHead};
 pub use part::{Copied, RecordingPart, copy};
 pub use reader::{Chunks, Item, facts, read};
 pub use survey::{Survey, TopicSurvey};
@@ -45,9 +48,9 @@ pub enum RecordingError {
     /// Refusal of the system.
     #[error(transparent)]
     System(#[from] std::io::Error),
-    /// Invalid contents.
-    #[error(transparent)]
-    Contents(mcap::McapError),
+    /// Chunk with a compression that no recorder uses.
+    #[error("has chunks with the compression {0}; those with zstd, and without compression, can be read")]
+    UnknownCompression(String),
     /// File of another kind.
     #[error("is no recording of all topics: it does not begin as MCAP does")]
     OtherKind,
@@ -72,15 +75,6 @@ pub enum RecordingError {
 impl RecordingError {
     fn damaged(at: u64, reason: &'static str) -> Self {
         Self::Damaged { at, reason }
-    }
-}
-
-impl From<mcap::McapError> for RecordingError {
-    fn from(error: mcap::McapError) -> Self {
-        match error {
-            mcap::McapError::Io(error) => Self::System(error),
-            other => Self::Contents(other),
-        }
     }
 }
 

@@ -6,6 +6,7 @@ use std::io::{Read, Seek, Write};
 use messages::BatchHeader;
 
 use crate::RecordingError;
+use crate::container::Compression;
 use crate::reader::{Item, read_as_recorded};
 use crate::survey::Survey;
 use crate::tally::Tally;
@@ -20,6 +21,8 @@ pub struct RecordingPart {
     pub to_ns: Option<u64>,
     /// Names of topics, or beginnings of names up to a `/`; empty for all topics.
     pub topics: Vec<String>,
+    /// Compression of the copy.
+    pub compression: Compression,
 }
 
 /// Whether `wanted` is a topic's name, or its beginning up to a `/`.
@@ -90,7 +93,7 @@ pub struct Copied {
 ///
 /// # Errors
 /// If a file cannot be read, if no file has a topic of the part, or if `out` cannot be written.
-pub fn copy<R: Read + Seek, W: Write + Seek>(
+pub fn copy<R: Read + Seek, W: Write>(
     files: impl IntoIterator<Item = R>,
     part: &RecordingPart,
     out: W,
@@ -120,7 +123,7 @@ pub fn copy<R: Read + Seek, W: Write + Seek>(
     Ok(copying.copied)
 }
 
-struct PartCopier<'a, W: Write + Seek> {
+struct PartCopier<'a, W: Write> {
     part: &'a RecordingPart,
     /// Contents before the part.
     before: Survey,
@@ -162,7 +165,7 @@ struct CopiedSlice {
     sample_size: usize,
 }
 
-impl<W: Write + Seek> PartCopier<'_, W> {
+impl<W: Write> PartCopier<'_, W> {
     fn item(&mut self, item: Item<'_>) -> Result<(), RecordingError> {
         if let Item::Topic { name, .. } = item {
             self.known.insert(name.to_owned());
@@ -252,7 +255,7 @@ impl<W: Write + Seek> PartCopier<'_, W> {
             Some(channel) => channel,
             None => {
                 let (definition, fingerprint) = (&topic.definition, &topic.fingerprint);
-                writer.channel_of(&slice.topic, size, &topic.schema, definition, fingerprint)?
+                writer.channel_of(&slice.topic, size, &topic.schema, definition, fingerprint)
             }
         };
         // The sample size of a slice without samples is unknown.
@@ -274,7 +277,7 @@ impl<W: Write + Seek> PartCopier<'_, W> {
         if self.part.from_ns.is_some() {
             Tally::forget_losses(&mut facts);
         }
-        self.writer = Some(Writer::begin(out, &facts)?);
+        self.writer = Some(Writer::begin(out, &facts)?.with(self.part.compression));
         Ok(())
     }
 }

@@ -4,12 +4,11 @@ use std::collections::BTreeMap;
 use std::io::{Read, Seek, SeekFrom};
 use std::ops::Range;
 
-use mcap::records::op;
 use messages::layout::{ALL, Sample as _};
 use messages::{BatchHeader, Conversion};
 
 use crate::damage::{footer, hides_chunk, next_chunk, summary};
-use crate::record::{Fields, HEAD, contradiction, head_of, is_known, is_needed};
+use crate::record::{Fields, HEAD, MAGIC, contradiction, head_of, is_known, is_needed, op};
 use crate::{CDR, FACTS, FINGERPRINT, Facts, RecordingError, SCHEMA_PREFIX, SLICES, fingerprint_of};
 
 /// Item of a file, in the file's order.
@@ -103,6 +102,8 @@ pub struct Chunks<R> {
     at: Option<u64>,
     names: ChannelNames,
     record: Vec<u8>,
+    /// Records of the latest compressed chunk.
+    unpacked: Vec<u8>,
 }
 
 impl<R: Read + Seek> Chunks<R> {
@@ -122,10 +123,11 @@ impl<R: Read + Seek> Chunks<R> {
             end: length,
             is_ended,
             is_summary_known: false,
-            next: mcap::MAGIC.len() as u64,
+            next: MAGIC.len() as u64,
             at: None,
             names: ChannelNames::default(),
             record: Vec::new(),
+            unpacked: Vec::new(),
         })
     }
 
@@ -179,7 +181,7 @@ impl<R: Read + Seek> Chunks<R> {
         let fields = Fields::of(&self.record, place);
         self.names.undescribed = 0;
         if code == op::CHUNK {
-            let mut records = fields.records()?;
+            let mut records = fields.records(&mut self.unpacked)?;
             while let Some((code, fields)) = records.record()? {
                 if let Err(refused) = self.names.show(code, fields, visit)? {
                     return Ok(Err(refused));
@@ -334,8 +336,8 @@ fn is_foreign(code: u8) -> bool {
 fn begins_as_recording<R: Read + Seek>(file: &mut R) -> std::io::Result<bool> {
     let mut begin = Vec::new();
     file.rewind()?;
-    file.take(mcap::MAGIC.len() as u64).read_to_end(&mut begin)?;
-    Ok(mcap::MAGIC.starts_with(&begin))
+    file.take(MAGIC.len() as u64).read_to_end(&mut begin)?;
+    Ok(MAGIC.starts_with(&begin))
 }
 
 /// Returns the facts at the beginning of a file; `None` without facts.
@@ -511,14 +513,14 @@ mod tests {
     use messages::PlatformState;
 
     use super::*;
-    use crate::Writer;
+    use crate::{Compression, Writer};
 
     /// Layout of a former build: without standard deviations, velocity before position.
     const FORMER: &str = "int64 time_ns # Time.\nfloat64[3] velocity_mps # Velocity.\nfloat64[3] position_m # Place.\n";
 
     fn former_file() -> Vec<u8> {
         let mut file = Cursor::new(Vec::new());
-        let mut writer = Writer::begin(&mut file, &Facts::new()).unwrap();
+        let mut writer = Writer::begin(&mut file, &Facts::new()).unwrap().with(Compression::Zstd);
         let schema = format!("{SCHEMA_PREFIX}PlatformState");
         let channel = writer
             .channel_of(
@@ -527,8 +529,7 @@ mod tests {
                 &schema,
                 FORMER.as_bytes(),
                 "0123456789abcdef",
-            )
-            .unwrap();
+            );
         let mut sample = 5i64.to_le_bytes().to_vec();
         for value in [1.0f64, 2.0, 3.0, 10.0, 20.0, 30.0] {
             sample.extend(value.to_le_bytes());

@@ -6,9 +6,29 @@
 
 use std::collections::BTreeMap;
 
-use mcap::records::op;
+use crate::{CDR, RecordingError, zstd};
 
-use crate::{CDR, RecordingError};
+/// First and last bytes of a file.
+pub(crate) const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
+
+/// Codes of records.
+pub(crate) mod op {
+    pub(crate) const HEADER: u8 = 0x01;
+    pub(crate) const FOOTER: u8 = 0x02;
+    pub(crate) const SCHEMA: u8 = 0x03;
+    pub(crate) const CHANNEL: u8 = 0x04;
+    pub(crate) const MESSAGE: u8 = 0x05;
+    pub(crate) const CHUNK: u8 = 0x06;
+    pub(crate) const MESSAGE_INDEX: u8 = 0x07;
+    pub(crate) const CHUNK_INDEX: u8 = 0x08;
+    pub(crate) const ATTACHMENT: u8 = 0x09;
+    pub(crate) const ATTACHMENT_INDEX: u8 = 0x0a;
+    pub(crate) const STATISTICS: u8 = 0x0b;
+    pub(crate) const METADATA: u8 = 0x0c;
+    pub(crate) const METADATA_INDEX: u8 = 0x0d;
+    pub(crate) const SUMMARY_OFFSET: u8 = 0x0e;
+    pub(crate) const DATA_END: u8 = 0x0f;
+}
 
 /// Bytes before the data of a record: code and length.
 pub(crate) const HEAD: usize = 9;
@@ -163,22 +183,28 @@ impl<'a> Fields<'a> {
         Ok(Some((code, Self::of(data, self.place))))
     }
 
-    /// Returns the records of a chunk, after checks of its stated size and checksum.
-    pub(crate) fn records(mut self) -> Result<Self, RecordingError> {
+    /// Returns the records of a chunk, after checks of its stated size and checksum; those of a compressed chunk are
+    /// in `unpacked`.
+    pub(crate) fn records(mut self, unpacked: &'a mut Vec<u8>) -> Result<Self, RecordingError> {
         let _times_ns = (self.u64()?, self.u64()?);
         let (size, checksum) = (self.u64()?, self.u32()?);
         let compression = self.text()?;
         if !matches!(compression, "" | "lz4" | "zstd") {
             return Err(self.damaged("the compression of the chunk has no known name"));
         }
-        if !compression.is_empty() {
-            return Err(mcap::McapError::UnsupportedCompression(compression.to_owned()).into());
+        if compression == "lz4" {
+            return Err(RecordingError::UnknownCompression(compression.to_owned()));
         }
         let stored = self.u64()?;
-        let records = self.take(stored)?;
-        if size != stored || !self.left.is_empty() {
+        let stored = self.take(stored)?;
+        let is_packed = !compression.is_empty();
+        if size != stored.len() as u64 && !is_packed || !self.left.is_empty() {
             return Err(self.damaged("the sizes of the chunk contradict each other"));
         }
+        let records = match is_packed {
+            true => zstd::unpack(stored, size, unpacked).map_err(|reason| self.damaged(reason))?,
+            false => stored,
+        };
         if checksum != 0 && checksum != crc32fast::hash(records) {
             return Err(self.damaged("the checksum of the chunk is wrong"));
         }

@@ -1,24 +1,20 @@
 //! Writer of one file.
 
-use std::io::{Seek, Write};
+use std::io::Write;
 
-use mcap::WriteOptions;
-use mcap::records::{MessageHeader, Metadata};
 use messages::BatchHeader;
 use messages::layout::{Layout, Sample};
 
+use crate::container::{Compression, Container, MessageHead};
 use crate::{CDR, FACTS, FINGERPRINT, Facts, RecordingError, SCHEMA_PREFIX, SLICES, fingerprint_of};
 
 /// Bytes of messages after which a chunk is written.
 const CHUNK_BYTES: usize = 1 << 20;
 
 /// Writer of one file.
-pub struct Writer<W: Write + Seek> {
-    file: mcap::Writer<W>,
-    /// Present message, reused.
-    message: Vec<u8>,
-    /// Bytes of messages in the chunk.
-    gathered: usize,
+#[derive(Debug)]
+pub struct Writer<W> {
+    file: Container<W>,
 }
 
 /// Topic of a file.
@@ -29,42 +25,27 @@ pub struct Channel {
     sample_size: usize,
 }
 
-impl<W: Write + Seek> std::fmt::Debug for Writer<W> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Writer").field("gathered", &self.gathered).finish()
-    }
-}
-
-impl<W: Write + Seek> Writer<W> {
+impl<W: Write> Writer<W> {
     /// Begins a file with `facts`.
     ///
     /// # Errors
     /// If the file cannot be written.
     pub fn begin(out: W, facts: &Facts) -> Result<Self, RecordingError> {
-        let options = WriteOptions::new()
-            .profile("ros2")
-            .library("koseki")
-            .compression(None)
-            .disable_seeking(true)
-            // A chunk ends at the end of a slice, so that no slice is torn.
-            .chunk_size(None);
-        let mut file = options.create(out)?;
-        file.write_metadata(&Metadata {
-            name: FACTS.to_owned(),
-            metadata: facts.clone(),
-        })?;
-        Ok(Self {
-            file,
-            message: Vec::new(),
-            gathered: 0,
-        })
+        let mut file = Container::begin(out, "ros2")?;
+        file.metadata(FACTS, facts)?;
+        Ok(Self { file })
+    }
+
+    /// Compresses the chunks so.
+    #[must_use]
+    pub fn with(self, compression: Compression) -> Self {
+        Self {
+            file: self.file.with(compression),
+        }
     }
 
     /// Adds topic `name` with samples of this layout.
-    ///
-    /// # Errors
-    /// If the file cannot be written.
-    pub fn channel(&mut self, name: &str, layout: &Layout) -> Result<Channel, RecordingError> {
+    pub fn channel(&mut self, name: &str, layout: &Layout) -> Channel {
         let definition = layout.ros2_schema();
         let fingerprint = fingerprint_of(layout);
         let schema = schema_name(layout);
@@ -72,9 +53,6 @@ impl<W: Write + Seek> Writer<W> {
     }
 
     /// Adds topic `name` with samples of `size` bytes.
-    ///
-    /// # Errors
-    /// If the file cannot be written.
     pub(crate) fn channel_of(
         &mut self,
         name: &str,
@@ -82,27 +60,25 @@ impl<W: Write + Seek> Writer<W> {
         schema: &str,
         definition: &[u8],
         fingerprint: &str,
-    ) -> Result<Channel, RecordingError> {
+    ) -> Channel {
         let header = BatchHeader::LAYOUT;
         let of_header = fingerprint_of(&header);
-        Ok(Channel {
+        Channel {
             headers: self.add(
                 &format!("{name}{SLICES}"),
                 &schema_name(&header),
                 header.ros2_schema().as_bytes(),
                 &of_header,
-            )?,
-            samples: self.add(name, schema, definition, fingerprint)?,
+            ),
+            samples: self.add(name, schema, definition, fingerprint),
             sample_size,
-        })
+        }
     }
 
-    fn add(&mut self, name: &str, schema: &str, definition: &[u8], fingerprint: &str) -> Result<u16, RecordingError> {
-        let schema = self.file.add_schema(schema, "ros2msg", definition)?;
+    fn add(&mut self, name: &str, schema: &str, definition: &[u8], fingerprint: &str) -> u16 {
+        let schema = self.file.schema(schema, "ros2msg", definition);
         let fingerprint = (FINGERPRINT.to_owned(), fingerprint.to_owned());
-        Ok(self
-            .file
-            .add_channel(schema, name, "cdr", &Facts::from([fingerprint]))?)
+        self.file.channel(schema, name, "cdr", &Facts::from([fingerprint]))
     }
 
     /// Adds a slice with the samples `octets`, taken and sent at these times (UTC, nanoseconds). Returns whether a
@@ -118,31 +94,25 @@ impl<W: Write + Seek> Writer<W> {
         taken_ns: i64,
         sent_ns: i64,
     ) -> Result<bool, RecordingError> {
-        let mut message = MessageHeader {
-            channel_id: channel.headers,
+        let mut message = MessageHead {
+            channel: channel.headers,
             sequence: header.first_sequence as u32,
-            log_time: taken_ns.max(0) as u64,
-            publish_time: sent_ns.max(0) as u64,
+            log_ns: taken_ns.max(0) as u64,
+            publish_ns: sent_ns.max(0) as u64,
         };
-        self.message(&message, BatchHeader::octets(std::slice::from_ref(header)))?;
-        message.channel_id = channel.samples;
+        self.file
+            .message(&message, &[&CDR, BatchHeader::octets(std::slice::from_ref(header))]);
+        message.channel = channel.samples;
         for sample in octets.chunks_exact(channel.sample_size) {
-            self.message(&message, sample)?;
+            self.file.message(&message, &[&CDR, sample]);
             message.sequence = message.sequence.wrapping_add(1);
         }
-        let is_full = self.gathered >= CHUNK_BYTES;
+        // A chunk ends at the end of a slice, so that no slice is torn.
+        let is_full = self.file.gathered() >= CHUNK_BYTES;
         if is_full {
             self.flush()?;
         }
         Ok(is_full)
-    }
-
-    fn message(&mut self, header: &MessageHeader, octets: &[u8]) -> Result<(), RecordingError> {
-        self.message.clear();
-        self.message.extend_from_slice(&CDR);
-        self.message.extend_from_slice(octets);
-        self.gathered += self.message.len();
-        Ok(self.file.write_to_known_channel(header, &self.message)?)
     }
 
     /// Hands all contents so far to the system.
@@ -150,17 +120,15 @@ impl<W: Write + Seek> Writer<W> {
     /// # Errors
     /// If the file cannot be written.
     pub fn flush(&mut self) -> Result<(), RecordingError> {
-        self.gathered = 0;
-        Ok(self.file.flush()?)
+        self.file.flush()
     }
 
     /// Writes the remaining contents and the index.
     ///
     /// # Errors
     /// If the file cannot be written.
-    pub fn finish(mut self) -> Result<(), RecordingError> {
-        self.file.finish()?;
-        Ok(())
+    pub fn finish(self) -> Result<(), RecordingError> {
+        self.file.finish().map(drop)
     }
 }
 

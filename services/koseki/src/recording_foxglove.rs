@@ -7,12 +7,10 @@
 use std::collections::BTreeMap;
 
 use frames::SystemFrame;
-use mcap::WriteOptions;
-use mcap::records::MessageHeader;
 use messages::layout::Sample as _;
 use messages::{SystemTrack, TrackState};
 use offline::OutputFile;
-use recording::Item;
+use recording::{Container, Facts, Item, MessageHead};
 use serde_json::{Value, json};
 
 use crate::config::Config;
@@ -26,12 +24,14 @@ const AHEAD_S: f64 = 60.0;
 /// Colours distinguishable with colour blindness: confirmed, coasted.
 const CONFIRMED: [f64; 3] = [0.0, 0.45, 0.7];
 const COASTED: [f64; 3] = [0.9, 0.6, 0.0];
+/// Bytes of messages after which a chunk is written.
+const CHUNK_BYTES: usize = 1 << 20;
 /// Name of the frame.
 const FRAME: &str = "system";
 
 /// Pictures, written one after the other.
 pub(crate) struct PictureWriter {
-    file: mcap::Writer<OutputFile>,
+    file: Container<OutputFile>,
     places: u16,
     scene: u16,
     frame: SystemFrame,
@@ -48,20 +48,19 @@ impl PictureWriter {
     /// # Errors
     /// If it cannot be written.
     pub(crate) fn begin(config: &Config, out: OutputFile) -> anyhow::Result<Self> {
-        let options = WriteOptions::new().library("koseki").compression(None);
-        let mut file = options.create(out)?;
+        let mut file = Container::begin(out, "")?;
         let mut channel = |name: &str, topic: &str, list: &str| {
             let schema = json!({
                 "title": name,
                 "type": "object",
                 "properties": {list: {"type": "array", "items": {"type": "object"}}},
             });
-            let schema = file.add_schema(name, "jsonschema", schema.to_string().as_bytes())?;
-            file.add_channel(schema, topic, "json", &BTreeMap::new())
+            let schema = file.schema(name, "jsonschema", schema.to_string().as_bytes());
+            file.channel(schema, topic, "json", &Facts::new())
         };
         Ok(Self {
-            places: channel("foxglove.LocationFixes", "/system/places", "fixes")?,
-            scene: channel("foxglove.SceneUpdate", "/system/scene", "entities")?,
+            places: channel("foxglove.LocationFixes", "/system/places", "fixes"),
+            scene: channel("foxglove.SceneUpdate", "/system/scene", "entities"),
             file,
             frame: config.frame,
             topic: messages::system_tracks().name.as_str().to_owned(),
@@ -112,16 +111,18 @@ impl PictureWriter {
         Ok(())
     }
 
-    fn write(&mut self, channel_id: u16, time_ns: i64, message: &Value) -> anyhow::Result<()> {
-        let header = MessageHeader {
-            channel_id,
+    fn write(&mut self, channel: u16, time_ns: i64, message: &Value) -> anyhow::Result<()> {
+        let head = MessageHead {
+            channel,
             sequence: self.sequence,
-            log_time: time_ns.max(0) as u64,
-            publish_time: time_ns.max(0) as u64,
+            log_ns: time_ns.max(0) as u64,
+            publish_ns: time_ns.max(0) as u64,
         };
-        Ok(self
-            .file
-            .write_to_known_channel(&header, message.to_string().as_bytes())?)
+        self.file.message(&head, &[message.to_string().as_bytes()]);
+        if self.file.gathered() >= CHUNK_BYTES {
+            self.file.flush()?;
+        }
+        Ok(())
     }
 
     fn fix(&self, state: &SystemTrack, stamp: &Value) -> Value {
@@ -148,8 +149,7 @@ impl PictureWriter {
         if let Some(due_ns) = self.due_ns {
             self.tell(due_ns)?;
         }
-        self.file.finish()?;
-        self.file.into_inner().finish()
+        self.file.finish()?.finish()
     }
 }
 

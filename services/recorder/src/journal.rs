@@ -75,7 +75,7 @@ impl Journal {
             ])
         };
         let topics = accounts.len();
-        let segments = |limits| SegmentSink::new(files, earlier.number, limits, facts(), topics);
+        let segments = |limits| SegmentSink::new((files, earlier.number), (limits, settings.compression.of_chunks()), facts(), topics);
         Ok(Self {
             segments: containers.map(segments),
             accounts,

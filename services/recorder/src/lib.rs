@@ -43,7 +43,7 @@ mod tables;
 
 pub use agent::RecorderAgent;
 pub use recorded::table;
-pub use settings::{Format, Keys, Settings};
+pub use settings::{Format, Keys, Packing, Settings};
 pub use start::Start;
 pub use tables::Tables;
 

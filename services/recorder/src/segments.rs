@@ -8,7 +8,7 @@ use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 use deployment::Segments as Settings;
-use recording::{Channel, Facts, RecordingError, Writer};
+use recording::{Channel, Compression, Facts, RecordingError, Writer};
 use runtime::{Now, NumberedFiles};
 
 use crate::account::Account;
@@ -23,6 +23,7 @@ const RETRY_NS: i64 = 1_000_000_000;
 pub(crate) struct SegmentSink {
     files: NumberedFiles,
     settings: Settings,
+    compression: Compression,
     facts: Facts,
     /// Samples of each topic not yet on disk.
     gathered: Vec<u64>,
@@ -54,10 +55,16 @@ pub(crate) struct SegmentCounts {
 
 impl SegmentSink {
     /// Continues the recording of `topics` topics in `files` after the file `number`. Each file begins with `facts`.
-    pub(crate) fn new(files: NumberedFiles, number: u32, settings: Settings, facts: Facts, topics: usize) -> Self {
+    pub(crate) fn new(
+        (files, number): (NumberedFiles, u32),
+        (settings, compression): (Settings, Compression),
+        facts: Facts,
+        topics: usize,
+    ) -> Self {
         Self {
             files,
             settings,
+            compression,
             facts,
             gathered: vec![0; topics],
             number,
@@ -182,10 +189,11 @@ impl SegmentSink {
     fn begin(&self, path: &Path, accounts: &[Account], now: Now) -> Result<OpenSegment, RecordingError> {
         let mut facts = self.facts.clone();
         accounts.iter().for_each(|account| account.state(&mut facts));
-        let mut writer = Writer::begin(BufWriter::new(File::create_new(path)?), &facts)?;
+        let writer = Writer::begin(BufWriter::new(File::create_new(path)?), &facts)?;
+        let mut writer = writer.with(self.compression);
         let channels = accounts.iter();
         let channels = channels.map(|account| writer.channel(account.name(), account.layout()));
-        let channels = channels.collect::<Result<_, _>>()?;
+        let channels = channels.collect();
         writer.flush()?;
         Ok(OpenSegment {
             path: path.to_owned(),

@@ -338,10 +338,16 @@ mod all_topics {
 
     #[test]
     fn a_killed_recorder_costs_what_was_not_flushed_and_the_next_one_counts_it() {
+        for compression in ["zstd", "none"] {
+            kill(&[&format!("recorder.compression={compression}")]);
+        }
+    }
+
+    fn kill(settings: &[&str]) {
         let mut bench = bench();
         let (out, after) = (bench.folder.path().join("out"), bench.folder.path().join("after"));
         std::fs::create_dir(&after).unwrap();
-        let mut first = recorder_of(&bench, &out, &[]);
+        let mut first = recorder_of(&bench, &out, settings);
         bench.send(0..4, false);
         first.turn(at(10.0)).unwrap();
         bench.send(4..6, false);
@@ -354,7 +360,7 @@ mod all_topics {
         std::fs::write(after.join("all_topics_000001.mcap"), left).unwrap();
         drop(first);
         std::fs::write(after.join("all_topics_000002.mcap"), [0x89, b'M']).unwrap();
-        let mut second = recorder_of(&bench, &after, &[]);
+        let mut second = recorder_of(&bench, &after, settings);
         bench.send(9..11, false);
         second.turn(at(13.0)).unwrap();
         assert_eq!(counted(&second, Counter::RecordedLost), 6, "3 of each topic");
@@ -371,7 +377,7 @@ mod all_topics {
     fn files_follow_each_other_and_the_oldest_make_room() {
         let mut bench = bench();
         let out = bench.folder.path().join("out");
-        let mut recorder = recorder_of(&bench, &out, &["recorder.segment_s=1", "recorder.keep_gb=0.001"]);
+        let mut recorder = recorder_of(&bench, &out, &["recorder.segment_s=1", "recorder.keep_gb=0.001", "recorder.compression=none"]);
         for turn in 0..40 {
             let first = 60 * turn;
             bench.send(first..first + 60, false);
