@@ -238,6 +238,16 @@ impl<W: Write> Container<W> {
         *self.summary.counts.entry(head.channel).or_default() += 1;
     }
 
+    /// Returns the first and last time of the messages of written chunks, UTC, nanoseconds.
+    pub(crate) fn times_ns(&self) -> Option<(u64, u64)> {
+        self.summary.times.0
+    }
+
+    /// Returns the number of messages of a channel.
+    pub(crate) fn count(&self, channel: u16) -> u64 {
+        self.summary.counts.get(&channel).copied().unwrap_or(0)
+    }
+
     /// Returns the size of the chunk in progress, bytes.
     pub fn gathered(&self) -> usize {
         self.chunk.records.len()

@@ -18,6 +18,7 @@
 #![forbid(unsafe_code)]
 
 mod container;
+mod contents;
 mod damage;
 mod part;
 mod reader;
@@ -29,6 +30,7 @@ mod writer;
 mod zstd;
 
 pub use container::{Compression, Container, MessageHead};
+pub use contents::{Contents, bag};
 pub use part::{Copied, RecordingPart, copy};
 pub use reader::{Chunks, Item, facts, read};
 pub use survey::{Survey, TopicSurvey};

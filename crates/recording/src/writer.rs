@@ -6,6 +6,7 @@ use messages::BatchHeader;
 use messages::layout::{Layout, Sample};
 
 use crate::container::{Compression, Container, MessageHead};
+use crate::contents::Contents;
 use crate::{CDR, FACTS, FINGERPRINT, Facts, RecordingError, SCHEMA_PREFIX, SLICES, fingerprint_of};
 
 /// Bytes of messages after which a chunk is written.
@@ -15,6 +16,8 @@ const CHUNK_BYTES: usize = 1 << 20;
 #[derive(Debug)]
 pub struct Writer<W> {
     file: Container<W>,
+    /// Name and type of each channel.
+    names: Vec<(String, String)>,
 }
 
 /// Topic of a file.
@@ -33,7 +36,10 @@ impl<W: Write> Writer<W> {
     pub fn begin(out: W, facts: &Facts) -> Result<Self, RecordingError> {
         let mut file = Container::begin(out, "ros2")?;
         file.metadata(FACTS, facts)?;
-        Ok(Self { file })
+        Ok(Self {
+            file,
+            names: Vec::new(),
+        })
     }
 
     /// Compresses the chunks so.
@@ -41,6 +47,7 @@ impl<W: Write> Writer<W> {
     pub fn with(self, compression: Compression) -> Self {
         Self {
             file: self.file.with(compression),
+            names: self.names,
         }
     }
 
@@ -76,6 +83,7 @@ impl<W: Write> Writer<W> {
     }
 
     fn add(&mut self, name: &str, schema: &str, definition: &[u8], fingerprint: &str) -> u16 {
+        self.names.push((name.to_owned(), schema.to_owned()));
         let schema = self.file.schema(schema, "ros2msg", definition);
         let fingerprint = (FINGERPRINT.to_owned(), fingerprint.to_owned());
         self.file.channel(schema, name, "cdr", &Facts::from([fingerprint]))
@@ -121,6 +129,17 @@ impl<W: Write> Writer<W> {
     /// If the file cannot be written.
     pub fn flush(&mut self) -> Result<(), RecordingError> {
         self.file.flush()
+    }
+
+    /// Returns the contents so far; right after [`Writer::flush`], those of the file.
+    pub fn contents(&self) -> Contents {
+        let channels = self.names.iter().zip(0..);
+        Contents {
+            times_ns: self.file.times_ns(),
+            channels: channels
+                .map(|((name, schema), number)| (name.clone(), (schema.clone(), self.file.count(number))))
+                .collect(),
+        }
     }
 
     /// Writes the remaining contents and the index.
