@@ -7,8 +7,10 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::{Read, Seek, SeekFrom};
 
+use mcap::records::op;
+
 use crate::damage::summary;
-use crate::record::{Fields, op};
+use crate::record::Fields;
 use crate::survey::Survey;
 use crate::{RecordingError, SCHEMA_PREFIX, SLICES};
 
@@ -57,7 +59,13 @@ impl Contents {
                     }
                     op::STATISTICS => {
                         let messages = fields.u64()?;
-                        let _objects = (fields.u16()?, fields.u32()?, fields.u32()?, fields.u32()?, fields.u32()?);
+                        let _objects = (
+                            fields.u16()?,
+                            fields.u32()?,
+                            fields.u32()?,
+                            fields.u32()?,
+                            fields.u32()?,
+                        );
                         let (first, last) = (fields.u64()?, fields.u64()?);
                         times_ns = (messages > 0).then_some((first, last));
                         let mut each = Fields::of(fields.octets()?, length);
@@ -94,7 +102,9 @@ impl Contents {
                 contents.times_ns = Some((begin.min(first), end.max(last)));
             }
             let header = format!("{SCHEMA_PREFIX}BatchHeader");
-            contents.channels.insert(format!("{name}{SLICES}"), (header, topic.slices));
+            contents
+                .channels
+                .insert(format!("{name}{SLICES}"), (header, topic.slices));
             contents.channels.insert(name, (topic.schema, topic.samples));
         }
         Ok(contents)

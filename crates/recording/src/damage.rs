@@ -12,7 +12,9 @@
 use std::io::{self, ErrorKind, Read, Seek, SeekFrom};
 use std::ops::Range;
 
-use crate::record::{HEAD, MAGIC, head_of, op};
+use mcap::records::op;
+
+use crate::record::{HEAD, head_of};
 
 /// Bytes from the beginning of a chunk to its records: head, two times, size, checksum, name of the compression, stored
 /// size. The name is empty or `zstd`; a chunk without compression is longer than this by a message.
@@ -24,7 +26,7 @@ const ZSTD: &[u8] = b"zstd";
 /// Bytes searched at once.
 const BLOCK: usize = 1 << 16;
 /// Bytes from the beginning of the last record to the end of a complete file.
-const FOOTER: usize = HEAD + 20 + MAGIC.len();
+const FOOTER: usize = HEAD + 20 + mcap::MAGIC.len();
 
 /// Returns the place of the first chunk that begins within `places` and is whole in a file of `length` bytes.
 ///
@@ -103,7 +105,7 @@ pub(crate) fn footer<R: Read + Seek>(file: &mut R, length: u64) -> io::Result<Op
     file.read_exact(&mut end)?;
     let (code, stated) = head_of(end.first_chunk().expect("a longer array"));
     let summary = u64::from_le_bytes(end[HEAD..HEAD + 8].try_into().expect("eight bytes"));
-    let is_end = code == op::FOOTER && stated == 20 && end.ends_with(&MAGIC);
+    let is_end = code == op::FOOTER && stated == 20 && end.ends_with(mcap::MAGIC);
     Ok(is_end.then_some(summary))
 }
 

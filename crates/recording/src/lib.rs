@@ -17,7 +17,6 @@
 
 #![forbid(unsafe_code)]
 
-mod container;
 mod contents;
 mod damage;
 mod part;
@@ -27,16 +26,14 @@ mod survey;
 mod tally;
 mod whole;
 mod writer;
-mod zstd;
 
-pub use container::{Compression, Container, MessageHead};
 pub use contents::{Contents, bag};
 pub use part::{Copied, RecordingPart, copy};
 pub use reader::{Chunks, Item, facts, read};
 pub use survey::{Survey, TopicSurvey};
 pub use tally::Tally;
 pub use whole::{ReadablePart, closing, whole};
-pub use writer::{Channel, Writer};
+pub use writer::{Channel, Compression, Writer};
 
 /// Name of the metadata with the origin of a file.
 pub const FACTS: &str = "koseki";
@@ -50,6 +47,9 @@ pub enum RecordingError {
     /// Refusal of the system.
     #[error(transparent)]
     System(#[from] std::io::Error),
+    /// Invalid contents.
+    #[error(transparent)]
+    Contents(mcap::McapError),
     /// Chunk with a compression that no recorder uses.
     #[error("has chunks with the compression {0}; those with zstd, and without compression, can be read")]
     UnknownCompression(String),
@@ -77,6 +77,15 @@ pub enum RecordingError {
 impl RecordingError {
     fn damaged(at: u64, reason: &'static str) -> Self {
         Self::Damaged { at, reason }
+    }
+}
+
+impl From<mcap::McapError> for RecordingError {
+    fn from(error: mcap::McapError) -> Self {
+        match error {
+            mcap::McapError::Io(error) => Self::System(error),
+            other => Self::Contents(other),
+        }
     }
 }
 

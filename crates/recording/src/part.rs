@@ -6,11 +6,10 @@ use std::io::{Read, Seek, Write};
 use messages::BatchHeader;
 
 use crate::RecordingError;
-use crate::container::Compression;
 use crate::reader::{Item, read_as_recorded};
 use crate::survey::Survey;
 use crate::tally::Tally;
-use crate::writer::{Channel, Writer};
+use crate::writer::{Channel, Compression, Writer};
 
 /// Part of a recording.
 #[derive(Clone, Debug, Default)]
@@ -93,7 +92,7 @@ pub struct Copied {
 ///
 /// # Errors
 /// If a file cannot be read, if no file has a topic of the part, or if `out` cannot be written.
-pub fn copy<R: Read + Seek, W: Write>(
+pub fn copy<R: Read + Seek, W: Write + Seek>(
     files: impl IntoIterator<Item = R>,
     part: &RecordingPart,
     out: W,
@@ -123,7 +122,7 @@ pub fn copy<R: Read + Seek, W: Write>(
     Ok(copying.copied)
 }
 
-struct PartCopier<'a, W: Write> {
+struct PartCopier<'a, W: Write + Seek> {
     part: &'a RecordingPart,
     /// Contents before the part.
     before: Survey,
@@ -165,7 +164,7 @@ struct CopiedSlice {
     sample_size: usize,
 }
 
-impl<W: Write> PartCopier<'_, W> {
+impl<W: Write + Seek> PartCopier<'_, W> {
     fn item(&mut self, item: Item<'_>) -> Result<(), RecordingError> {
         if let Item::Topic { name, .. } = item {
             self.known.insert(name.to_owned());
@@ -255,7 +254,7 @@ impl<W: Write> PartCopier<'_, W> {
             Some(channel) => channel,
             None => {
                 let (definition, fingerprint) = (&topic.definition, &topic.fingerprint);
-                writer.channel_of(&slice.topic, size, &topic.schema, definition, fingerprint)
+                writer.channel_of(&slice.topic, size, &topic.schema, definition, fingerprint)?
             }
         };
         // The sample size of a slice without samples is unknown.
@@ -277,7 +276,7 @@ impl<W: Write> PartCopier<'_, W> {
         if self.part.from_ns.is_some() {
             Tally::forget_losses(&mut facts);
         }
-        self.writer = Some(Writer::begin(out, &facts)?.with(self.part.compression));
+        self.writer = Some(Writer::compressed(out, &facts, self.part.compression)?);
         Ok(())
     }
 }

@@ -4,11 +4,12 @@ use std::collections::BTreeMap;
 use std::io::{Read, Seek, SeekFrom};
 use std::ops::Range;
 
+use mcap::records::op;
 use messages::layout::{ALL, Sample as _};
 use messages::{BatchHeader, Conversion};
 
 use crate::damage::{footer, hides_chunk, next_chunk, summary};
-use crate::record::{Fields, HEAD, MAGIC, contradiction, head_of, is_known, is_needed, op};
+use crate::record::{Fields, HEAD, contradiction, head_of, is_known, is_needed};
 use crate::{CDR, FACTS, FINGERPRINT, Facts, RecordingError, SCHEMA_PREFIX, SLICES, fingerprint_of};
 
 /// Item of a file, in the file's order.
@@ -123,7 +124,7 @@ impl<R: Read + Seek> Chunks<R> {
             end: length,
             is_ended,
             is_summary_known: false,
-            next: MAGIC.len() as u64,
+            next: mcap::MAGIC.len() as u64,
             at: None,
             names: ChannelNames::default(),
             record: Vec::new(),
@@ -336,8 +337,8 @@ fn is_foreign(code: u8) -> bool {
 fn begins_as_recording<R: Read + Seek>(file: &mut R) -> std::io::Result<bool> {
     let mut begin = Vec::new();
     file.rewind()?;
-    file.take(MAGIC.len() as u64).read_to_end(&mut begin)?;
-    Ok(MAGIC.starts_with(&begin))
+    file.take(mcap::MAGIC.len() as u64).read_to_end(&mut begin)?;
+    Ok(mcap::MAGIC.starts_with(&begin))
 }
 
 /// Returns the facts at the beginning of a file; `None` without facts.
@@ -520,7 +521,7 @@ mod tests {
 
     fn former_file() -> Vec<u8> {
         let mut file = Cursor::new(Vec::new());
-        let mut writer = Writer::begin(&mut file, &Facts::new()).unwrap().with(Compression::Zstd);
+        let mut writer = Writer::compressed(&mut file, &Facts::new(), Compression::Zstd).unwrap();
         let schema = format!("{SCHEMA_PREFIX}PlatformState");
         let channel = writer
             .channel_of(
@@ -529,7 +530,8 @@ mod tests {
                 &schema,
                 FORMER.as_bytes(),
                 "0123456789abcdef",
-            );
+            )
+            .unwrap();
         let mut sample = 5i64.to_le_bytes().to_vec();
         for value in [1.0f64, 2.0, 3.0, 10.0, 20.0, 30.0] {
             sample.extend(value.to_le_bytes());

@@ -5,30 +5,16 @@
 //! the size of the file.
 
 use std::collections::BTreeMap;
+use std::io::Read as _;
 
-use crate::{CDR, RecordingError, zstd};
+use mcap::records::op;
 
-/// First and last bytes of a file.
-pub(crate) const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
+use crate::{CDR, RecordingError};
 
-/// Codes of records.
-pub(crate) mod op {
-    pub(crate) const HEADER: u8 = 0x01;
-    pub(crate) const FOOTER: u8 = 0x02;
-    pub(crate) const SCHEMA: u8 = 0x03;
-    pub(crate) const CHANNEL: u8 = 0x04;
-    pub(crate) const MESSAGE: u8 = 0x05;
-    pub(crate) const CHUNK: u8 = 0x06;
-    pub(crate) const MESSAGE_INDEX: u8 = 0x07;
-    pub(crate) const CHUNK_INDEX: u8 = 0x08;
-    pub(crate) const ATTACHMENT: u8 = 0x09;
-    pub(crate) const ATTACHMENT_INDEX: u8 = 0x0a;
-    pub(crate) const STATISTICS: u8 = 0x0b;
-    pub(crate) const METADATA: u8 = 0x0c;
-    pub(crate) const METADATA_INDEX: u8 = 0x0d;
-    pub(crate) const SUMMARY_OFFSET: u8 = 0x0e;
-    pub(crate) const DATA_END: u8 = 0x0f;
-}
+/// Largest chunk, bytes: a damaged size makes a reader take no more memory.
+const UNPACKED_MAX: u64 = 1 << 30;
+/// Logarithm of the largest window of a compressed chunk, bytes: what the usual levels of compression need.
+const WINDOW_LOG_MAX: u32 = 24;
 
 /// Bytes before the data of a record: code and length.
 pub(crate) const HEAD: usize = 9;
@@ -202,12 +188,32 @@ impl<'a> Fields<'a> {
             return Err(self.damaged("the sizes of the chunk contradict each other"));
         }
         let records = match is_packed {
-            true => zstd::unpack(stored, size, unpacked).map_err(|reason| self.damaged(reason))?,
+            true => unpack(stored, size, unpacked).map_err(|reason| self.damaged(reason))?,
             false => stored,
         };
         if checksum != 0 && checksum != crc32fast::hash(records) {
             return Err(self.damaged("the checksum of the chunk is wrong"));
         }
         Ok(Self::of(records, self.place))
+    }
+}
+
+/// Returns the `size` bytes that `packed` contains, by way of `unpacked`; or the kind of damage.
+///
+/// Memory follows what is unpacked, not what a damaged chunk states.
+fn unpack<'u>(packed: &[u8], size: u64, unpacked: &'u mut Vec<u8>) -> Result<&'u [u8], &'static str> {
+    if size > UNPACKED_MAX {
+        return Err("the chunk states more than 1 GiB");
+    }
+    unpacked.clear();
+    let mut decoder =
+        zstd::Decoder::with_buffer(packed).map_err(|_| "no memory for the compressed data of the chunk")?;
+    let window = decoder.window_log_max(WINDOW_LOG_MAX);
+    window
+        .and_then(|()| decoder.take(size + 1).read_to_end(unpacked))
+        .map_err(|_| "the compressed data of the chunk contradict themselves")?;
+    match unpacked.len() as u64 == size {
+        true => Ok(unpacked),
+        false => Err("the sizes of the chunk contradict each other"),
     }
 }

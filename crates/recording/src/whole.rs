@@ -5,7 +5,7 @@
 
 use std::io::{ErrorKind, Read, Seek, SeekFrom};
 
-use crate::record::{HEAD, MAGIC, head_of, is_known};
+use crate::record::{HEAD, head_of, is_known};
 
 /// Code of the last record.
 const FOOTER: u8 = 0x02;
@@ -28,8 +28,8 @@ pub struct ReadablePart {
 pub fn whole<R: Read + Seek>(file: &mut R) -> std::io::Result<ReadablePart> {
     let file_bytes = file.seek(SeekFrom::End(0))?;
     file.rewind()?;
-    let mut magic = [0; MAGIC.len()];
-    if !read(file, &mut magic)? || magic != MAGIC {
+    let mut magic = [0; mcap::MAGIC.len()];
+    if !read(file, &mut magic)? || magic != *mcap::MAGIC {
         return Ok(ReadablePart {
             bytes: 0,
             is_ended: false,
@@ -48,7 +48,7 @@ fn whole_from<R: Read + Seek>(file: &mut R, from: u64, file_bytes: u64) -> std::
         bytes: from,
         is_ended: false,
     };
-    let mut magic = [0; MAGIC.len()];
+    let mut magic = [0; mcap::MAGIC.len()];
     let mut next = from;
     let mut in_data = true;
     let mut head = [0; HEAD];
@@ -65,7 +65,7 @@ fn whole_from<R: Read + Seek>(file: &mut R, from: u64, file_bytes: u64) -> std::
             at.bytes = end;
         }
         if code == FOOTER {
-            at.is_ended = read(file, &mut magic)? && magic == MAGIC;
+            at.is_ended = read(file, &mut magic)? && magic == *mcap::MAGIC;
             break;
         }
     }
@@ -89,6 +89,6 @@ pub fn closing() -> Vec<u8> {
     bytes.push(FOOTER);
     bytes.extend(20u64.to_le_bytes());
     bytes.extend([0; 20]);
-    bytes.extend(MAGIC);
+    bytes.extend(mcap::MAGIC);
     bytes
 }

@@ -116,9 +116,9 @@ fn file(slices: u64) -> Vec<u8> {
 
 fn file_of(slices: u64, compression: Compression) -> Vec<u8> {
     let mut out = Cursor::new(Vec::new());
-    let mut writer = Writer::begin(&mut out, &Facts::from([("build".to_owned(), "one".to_owned())])).unwrap();
-    writer = writer.with(compression);
-    let channel = writer.channel("sensor/a/cues", &Cue::LAYOUT);
+    let facts = Facts::from([("build".to_owned(), "one".to_owned())]);
+    let mut writer = Writer::compressed(&mut out, &facts, compression).unwrap();
+    let channel = writer.channel("sensor/a/cues", &Cue::LAYOUT).unwrap();
     for slice in 0..slices {
         let header = BatchHeader {
             first_sequence: slice,
@@ -533,7 +533,7 @@ fn a_file_of_another_kind_and_a_topic_that_is_not_there_are_refused() {
 fn one_chunk_of_a_whole_file_is_held_once() {
     let mut out = Cursor::new(Vec::new());
     let mut writer = Writer::begin(&mut out, &Facts::new()).unwrap();
-    let channel = writer.channel("sensor/a/cues", &Cue::LAYOUT);
+    let channel = writer.channel("sensor/a/cues", &Cue::LAYOUT).unwrap();
     let cues = vec![Cue::default(); 200_000];
     writer
         .slice(channel, &BatchHeader::default(), Cue::octets(&cues), 1, 1)

@@ -15,8 +15,8 @@ fn file(slices: &[usize], is_finished: bool) -> (Vec<u8>, Vec<(usize, u64)>) {
     let (mut bytes, mut first, mut flushed) = (Shared::default(), 0, Vec::new());
     let facts = Facts::from([("build".to_owned(), "one".to_owned())]);
     let mut writer = Writer::begin(bytes.clone(), &facts).unwrap();
-    let channel = writer.channel(TOPIC, &Cue::LAYOUT);
-    writer.channel("health", &Health::LAYOUT);
+    let channel = writer.channel(TOPIC, &Cue::LAYOUT).unwrap();
+    writer.channel("health", &Health::LAYOUT).unwrap();
     for (index, count) in slices.iter().enumerate() {
         let header = BatchHeader {
             first_sequence: first,
@@ -210,7 +210,7 @@ fn one_file_of_several_counts_what_was_lost_between_them() {
     tally.state(TOPIC, &mut facts);
     let bytes = Shared::default();
     let mut writer = Writer::begin(bytes.clone(), &facts).unwrap();
-    let channel = writer.channel(TOPIC, &Cue::LAYOUT);
+    let channel = writer.channel(TOPIC, &Cue::LAYOUT).unwrap();
     let header = BatchHeader {
         first_sequence: 8,
         ..BatchHeader::default()
@@ -231,7 +231,7 @@ fn times_in_which_nothing_was_taken_are_gaps_within_a_file_and_between_files() {
     let taken = |times_ms: &[i64]| {
         let bytes = Shared::default();
         let mut writer = Writer::begin(bytes.clone(), &Facts::new()).unwrap();
-        let channel = writer.channel(TOPIC, &Cue::LAYOUT);
+        let channel = writer.channel(TOPIC, &Cue::LAYOUT).unwrap();
         for time_ms in times_ms {
             let header = BatchHeader::default();
             writer.slice(channel, &header, &[], time_ms * 1_000_000, 5).unwrap();

@@ -357,7 +357,7 @@ mod tests {
         for (path, from) in paths.iter().zip([0, 100]) {
             let mut writer = Writer::begin(File::create(path).unwrap(), &Facts::new()).unwrap();
             let topic = messages::system_tracks();
-            let channel = writer.channel(topic.name.as_str(), &SystemTrack::LAYOUT);
+            let channel = writer.channel(topic.name.as_str(), &SystemTrack::LAYOUT).unwrap();
             for second in from..from + 100 {
                 let of_second = match second {
                     50..150 => Some(TrackState::Confirmed),
@@ -426,7 +426,7 @@ mod tests {
         let path = folder.path().join("hurried.mcap");
         let mut writer = Writer::begin(File::create(&path).unwrap(), &Facts::new()).unwrap();
         let topic = messages::system_tracks();
-        let channel = writer.channel(topic.name.as_str(), &SystemTrack::LAYOUT);
+        let channel = writer.channel(topic.name.as_str(), &SystemTrack::LAYOUT).unwrap();
         // A cycle of 5 s in each 10 ms, without health messages; a chunk each.
         for cycle in 0..60 {
             let header = BatchHeader {

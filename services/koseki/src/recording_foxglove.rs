@@ -7,10 +7,12 @@
 use std::collections::BTreeMap;
 
 use frames::SystemFrame;
+use mcap::WriteOptions;
+use mcap::records::MessageHeader;
 use messages::layout::Sample as _;
 use messages::{SystemTrack, TrackState};
 use offline::OutputFile;
-use recording::{Container, Facts, Item, MessageHead};
+use recording::Item;
 use serde_json::{Value, json};
 
 use crate::config::Config;
@@ -24,14 +26,12 @@ const AHEAD_S: f64 = 60.0;
 /// Colours distinguishable with colour blindness: confirmed, coasted.
 const CONFIRMED: [f64; 3] = [0.0, 0.45, 0.7];
 const COASTED: [f64; 3] = [0.9, 0.6, 0.0];
-/// Bytes of messages after which a chunk is written.
-const CHUNK_BYTES: usize = 1 << 20;
 /// Name of the frame.
 const FRAME: &str = "system";
 
 /// Pictures, written one after the other.
 pub(crate) struct PictureWriter {
-    file: Container<OutputFile>,
+    file: mcap::Writer<OutputFile>,
     places: u16,
     scene: u16,
     frame: SystemFrame,
@@ -48,19 +48,20 @@ impl PictureWriter {
     /// # Errors
     /// If it cannot be written.
     pub(crate) fn begin(config: &Config, out: OutputFile) -> anyhow::Result<Self> {
-        let mut file = Container::begin(out, "")?;
+        let options = WriteOptions::new().library("koseki").compression(None);
+        let mut file = options.create(out)?;
         let mut channel = |name: &str, topic: &str, list: &str| {
             let schema = json!({
                 "title": name,
                 "type": "object",
                 "properties": {list: {"type": "array", "items": {"type": "object"}}},
             });
-            let schema = file.schema(name, "jsonschema", schema.to_string().as_bytes());
-            file.channel(schema, topic, "json", &Facts::new())
+            let schema = file.add_schema(name, "jsonschema", schema.to_string().as_bytes())?;
+            file.add_channel(schema, topic, "json", &BTreeMap::new())
         };
         Ok(Self {
-            places: channel("foxglove.LocationFixes", "/system/places", "fixes"),
-            scene: channel("foxglove.SceneUpdate", "/system/scene", "entities"),
+            places: channel("foxglove.LocationFixes", "/system/places", "fixes")?,
+            scene: channel("foxglove.SceneUpdate", "/system/scene", "entities")?,
             file,
             frame: config.frame,
             topic: messages::system_tracks().name.as_str().to_owned(),
@@ -111,18 +112,16 @@ impl PictureWriter {
         Ok(())
     }
 
-    fn write(&mut self, channel: u16, time_ns: i64, message: &Value) -> anyhow::Result<()> {
-        let head = MessageHead {
-            channel,
+    fn write(&mut self, channel_id: u16, time_ns: i64, message: &Value) -> anyhow::Result<()> {
+        let header = MessageHeader {
+            channel_id,
             sequence: self.sequence,
-            log_ns: time_ns.max(0) as u64,
-            publish_ns: time_ns.max(0) as u64,
+            log_time: time_ns.max(0) as u64,
+            publish_time: time_ns.max(0) as u64,
         };
-        self.file.message(&head, &[message.to_string().as_bytes()]);
-        if self.file.gathered() >= CHUNK_BYTES {
-            self.file.flush()?;
-        }
-        Ok(())
+        Ok(self
+            .file
+            .write_to_known_channel(&header, message.to_string().as_bytes())?)
     }
 
     fn fix(&self, state: &SystemTrack, stamp: &Value) -> Value {
@@ -149,7 +148,8 @@ impl PictureWriter {
         if let Some(due_ns) = self.due_ns {
             self.tell(due_ns)?;
         }
-        self.file.finish()?.finish()
+        self.file.finish()?;
+        self.file.into_inner().finish()
     }
 }
 

@@ -230,11 +230,11 @@ impl SegmentSink {
     fn begin(&self, path: &Path, accounts: &[Account], now: Now) -> Result<OpenSegment, RecordingError> {
         let mut facts = self.facts.clone();
         accounts.iter().for_each(|account| account.state(&mut facts));
-        let writer = Writer::begin(BufWriter::new(File::create_new(path)?), &facts)?;
-        let mut writer = writer.with(self.compression);
+        let file = BufWriter::new(File::create_new(path)?);
+        let mut writer = Writer::compressed(file, &facts, self.compression)?;
         let channels = accounts.iter();
         let channels = channels.map(|account| writer.channel(account.name(), account.layout()));
-        let channels = channels.collect();
+        let channels = channels.collect::<Result<_, _>>()?;
         writer.flush()?;
         Ok(OpenSegment {
             path: path.to_owned(),
