@@ -139,11 +139,9 @@ pub fn bag(files: &[(String, Contents)]) -> String {
     }
     put(format_args!("files:"));
     for (name, contents) in files {
-        put(format_args!("  - path: {}", quoted(name)));
-        let mut times = String::new();
-        put_times(&mut times, "      ", contents.times_ns);
-        put(format_args!("{}", times.trim_end().trim_start_matches("  ")));
-        put(format_args!("    message_count: {}", contents.messages()));
+        let _ = writeln!(text, "    - path: {}", quoted(name));
+        put_times(&mut text, "      ", contents.times_ns);
+        let _ = writeln!(text, "      message_count: {}", contents.messages());
     }
     text
 }

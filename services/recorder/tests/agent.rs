@@ -555,7 +555,7 @@ mod all_topics {
         let messages: u64 = of_files.iter().map(|file| file["message_count"].as_u64().unwrap()).sum();
         assert_eq!(ended["message_count"].as_u64(), Some(messages));
         assert_eq!(of_files[1]["starting_time"]["nanoseconds_since_epoch"].as_u64(), Some(7_000));
-        assert_eq!(ended["duration"]["nanoseconds"].as_u64(), Some(7_000));
+        assert_eq!(ended["duration"]["nanoseconds"].as_u64(), Some(9_000));
         assert!(!out.join(".metadata.yaml").exists());
         // A third recorder reads the counts of ended files in their summaries.
         drop(second);
