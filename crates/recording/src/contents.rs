@@ -160,3 +160,24 @@ fn put_times(text: &mut String, indent: &str, times_ns: Option<(u64, u64)>) {
 fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bag_counts_over_all_files_and_quotes_names() {
+        let contents = |first, count| Contents {
+            times_ns: Some((first, first + 5)),
+            channels: BTreeMap::from([("a \"b\"".to_owned(), ("koseki/msg/Cue".to_owned(), count))]),
+        };
+        let files = [("1.mcap".to_owned(), contents(10, 2)), ("2.mcap".to_owned(), contents(20, 3))];
+        let text = bag(&files);
+        assert!(text.contains("        name: \"a \\\"b\\\"\"\n"), "{text}");
+        assert!(text.contains("\n      message_count: 5\n"), "{text}");
+        assert!(text.contains("\n  message_count: 5\n"), "{text}");
+        let times = "  starting_time:\n    nanoseconds_since_epoch: 10\n  duration:\n    nanoseconds: 15\n";
+        assert!(text.contains(times), "{text}");
+        assert!(text.contains("\n    - path: \"2.mcap\"\n      starting_time:\n        nanoseconds_since_epoch: 20\n"));
+    }
+}
