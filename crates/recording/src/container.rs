@@ -298,9 +298,7 @@ impl<W: Write> Container<W> {
         let (end, stored) = (self.at, stored.len() as u64);
         let mut places = Vec::new();
         for (channel, messages) in &chunk.index {
-            places
-                .number(channel.to_le_bytes())
-                .number(self.at.to_le_bytes());
+            places.number(channel.to_le_bytes()).number(self.at.to_le_bytes());
             head.clear();
             head.number(channel.to_le_bytes())
                 .number((16 * messages.len() as u32).to_le_bytes());

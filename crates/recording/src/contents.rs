@@ -57,7 +57,13 @@ impl Contents {
                     }
                     op::STATISTICS => {
                         let messages = fields.u64()?;
-                        let _objects = (fields.u16()?, fields.u32()?, fields.u32()?, fields.u32()?, fields.u32()?);
+                        let _objects = (
+                            fields.u16()?,
+                            fields.u32()?,
+                            fields.u32()?,
+                            fields.u32()?,
+                            fields.u32()?,
+                        );
                         let (first, last) = (fields.u64()?, fields.u64()?);
                         times_ns = (messages > 0).then_some((first, last));
                         let mut each = Fields::of(fields.octets()?, length);
@@ -94,7 +100,9 @@ impl Contents {
                 contents.times_ns = Some((begin.min(first), end.max(last)));
             }
             let header = format!("{SCHEMA_PREFIX}BatchHeader");
-            contents.channels.insert(format!("{name}{SLICES}"), (header, topic.slices));
+            contents
+                .channels
+                .insert(format!("{name}{SLICES}"), (header, topic.slices));
             contents.channels.insert(name, (topic.schema, topic.samples));
         }
         Ok(contents)
@@ -171,7 +179,10 @@ mod tests {
             times_ns: Some((first, first + 5)),
             channels: BTreeMap::from([("a \"b\"".to_owned(), ("koseki/msg/Cue".to_owned(), count))]),
         };
-        let files = [("1.mcap".to_owned(), contents(10, 2)), ("2.mcap".to_owned(), contents(20, 3))];
+        let files = [
+            ("1.mcap".to_owned(), contents(10, 2)),
+            ("2.mcap".to_owned(), contents(20, 3)),
+        ];
         let text = bag(&files);
         assert!(text.contains("        name: \"a \\\"b\\\"\"\n"), "{text}");
         assert!(text.contains("\n      message_count: 5\n"), "{text}");

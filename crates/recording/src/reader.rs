@@ -522,14 +522,13 @@ mod tests {
         let mut file = Cursor::new(Vec::new());
         let mut writer = Writer::begin(&mut file, &Facts::new()).unwrap().with(Compression::Zstd);
         let schema = format!("{SCHEMA_PREFIX}PlatformState");
-        let channel = writer
-            .channel_of(
-                "platform/ship/state",
-                56,
-                &schema,
-                FORMER.as_bytes(),
-                "0123456789abcdef",
-            );
+        let channel = writer.channel_of(
+            "platform/ship/state",
+            56,
+            &schema,
+            FORMER.as_bytes(),
+            "0123456789abcdef",
+        );
         let mut sample = 5i64.to_le_bytes().to_vec();
         for value in [1.0f64, 2.0, 3.0, 10.0, 20.0, 30.0] {
             sample.extend(value.to_le_bytes());

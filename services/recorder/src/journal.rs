@@ -15,8 +15,8 @@ use messages::{BatchHeader, Streamed};
 use recording::Facts;
 use runtime::{Now, NumberedFiles};
 
-use crate::bag::Bag;
 use crate::account::{Account, Losses, SampleNumbers};
+use crate::bag::Bag;
 use crate::recovery::{self, Earlier};
 use crate::segments::{SegmentCounts, SegmentSink};
 use crate::settings::{Format, Settings};
@@ -96,13 +96,7 @@ impl Journal {
     }
 
     /// Adds a slice of a data stream.
-    pub(crate) fn add_numbered<T: Streamed>(
-        &mut self,
-        place: usize,
-        header: &BatchHeader,
-        samples: &[T],
-        now: Now,
-    ) {
+    pub(crate) fn add_numbered<T: Streamed>(&mut self, place: usize, header: &BatchHeader, samples: &[T], now: Now) {
         let from_sequence = self.accounts[place].add_samples(samples);
         let slice = StreamSlice {
             place,

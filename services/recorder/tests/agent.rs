@@ -380,7 +380,15 @@ mod all_topics {
     fn files_follow_each_other_and_the_oldest_make_room() {
         let mut bench = bench();
         let out = bench.folder.path().join("out");
-        let mut recorder = recorder_of(&bench, &out, &["recorder.segment_s=1", "recorder.keep_gb=0.001", "recorder.compression=none"]);
+        let mut recorder = recorder_of(
+            &bench,
+            &out,
+            &[
+                "recorder.segment_s=1",
+                "recorder.keep_gb=0.001",
+                "recorder.compression=none",
+            ],
+        );
         for turn in 0..40 {
             let first = 60 * turn;
             bench.send(first..first + 60, false);
@@ -525,7 +533,10 @@ mod all_topics {
         };
         let count = |bag: &serde_yaml::Value, topic: &str| {
             let topics = bag["topics_with_message_count"].as_sequence().unwrap();
-            let found = topics.iter().find(|each| each["topic_metadata"]["name"] == topic).unwrap();
+            let found = topics
+                .iter()
+                .find(|each| each["topic_metadata"]["name"] == topic)
+                .unwrap();
             assert_eq!(found["topic_metadata"]["serialization_format"], "cdr");
             assert_eq!(found["topic_metadata"]["offered_qos_profiles"], "");
             let schema = found["topic_metadata"]["type"].as_str().unwrap().to_owned();
@@ -535,7 +546,10 @@ mod all_topics {
         bench.send(0..4, false);
         first.turn(at(1.0)).unwrap();
         let begun = bag();
-        assert_eq!((&begun["version"], &begun["storage_identifier"]), (&5.into(), &"mcap".into()));
+        assert_eq!(
+            (&begun["version"], &begun["storage_identifier"]),
+            (&5.into(), &"mcap".into())
+        );
         assert_eq!(begun["relative_file_paths"][0], "all_topics_000001.mcap");
         assert_eq!(count(&begun, TOPIC), ("koseki/msg/SensorTrack".to_owned(), 0));
         first.turn(at(2.5)).unwrap();
@@ -546,18 +560,37 @@ mod all_topics {
         let mut second = recorder_of(&bench, &out, &[]);
         assert_eq!(count(&bag(), TOPIC).1, 4);
         bench.send(4..9, false);
-        second.turn(Now { utc_ns: 7_000, ..at(3.0) }).unwrap();
-        second.close(Now { utc_ns: 9_000, ..at(4.0) }).unwrap();
+        second
+            .turn(Now {
+                utc_ns: 7_000,
+                ..at(3.0)
+            })
+            .unwrap();
+        second
+            .close(Now {
+                utc_ns: 9_000,
+                ..at(4.0)
+            })
+            .unwrap();
         let ended = bag();
         assert_eq!(count(&ended, TOPIC).1, 9);
-        assert_eq!(count(&ended, "sensor/a/tracks/slices"), ("koseki/msg/BatchHeader".to_owned(), 2));
+        assert_eq!(
+            count(&ended, "sensor/a/tracks/slices"),
+            ("koseki/msg/BatchHeader".to_owned(), 2)
+        );
         let of_files = ended["files"].as_sequence().unwrap();
         let names: Vec<_> = of_files.iter().map(|file| file["path"].clone()).collect();
         assert_eq!(names, *ended["relative_file_paths"].as_sequence().unwrap());
         assert_eq!(names.len(), 2);
-        let messages: u64 = of_files.iter().map(|file| file["message_count"].as_u64().unwrap()).sum();
+        let messages: u64 = of_files
+            .iter()
+            .map(|file| file["message_count"].as_u64().unwrap())
+            .sum();
         assert_eq!(ended["message_count"].as_u64(), Some(messages));
-        assert_eq!(of_files[1]["starting_time"]["nanoseconds_since_epoch"].as_u64(), Some(7_000));
+        assert_eq!(
+            of_files[1]["starting_time"]["nanoseconds_since_epoch"].as_u64(),
+            Some(7_000)
+        );
         assert_eq!(ended["duration"]["nanoseconds"].as_u64(), Some(9_000));
         assert!(!out.join(".metadata.yaml").exists());
         // A third recorder reads the counts of ended files in their summaries.

@@ -71,7 +71,9 @@ fn blocks_of_all_kinds_follow_each_other() {
     let mut state = 1_u64;
     let mut random = |count: usize| -> Vec<u8> {
         let next = |_| {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             (state >> 56) as u8
         };
         (0..count).map(next).collect()
@@ -97,11 +99,17 @@ fn damage_is_named_and_takes_no_memory() {
     let mut read = |packed: &[u8], size| unpack(packed, size, &mut unpacked).map(<[u8]>::len);
     assert_eq!(read(&packed, 1_000), Ok(1_000));
     assert_eq!(read(&packed, 999), Err("the sizes of the chunk contradict each other"));
-    assert_eq!(read(&packed, 1_001), Err("the sizes of the chunk contradict each other"));
+    assert_eq!(
+        read(&packed, 1_001),
+        Err("the sizes of the chunk contradict each other")
+    );
     assert_eq!(read(&packed, 1 << 31), Err("the chunk states more than 1 GiB"));
     assert_eq!(
         read(&packed[..packed.len() - 1], 1_000),
         Err("the compressed data of the chunk contradict themselves")
     );
-    assert_eq!(read(&packed[1..], 1_000), Err("the compressed data of the chunk have no beginning"));
+    assert_eq!(
+        read(&packed[1..], 1_000),
+        Err("the compressed data of the chunk have no beginning")
+    );
 }
