@@ -60,7 +60,8 @@ mod tests {
         let text = String::from_utf8(writer.into_inner()).unwrap();
         assert_eq!(
             text.lines().nth(1).unwrap(),
-            "90.5,60,cleared,source-silent,major,3,,,\"\"\"a\"\" has sent nothing for 24 s, 6 of its periods.\",1970-01-01T00:01:30.500Z"
+            "90.5,60,cleared,source-silent,major,3,,,\"\"\"a\"\" has sent nothing for 24 s, 6 of its periods.\",\
+             1970-01-01T00:01:30.500Z"
         );
     }
 }
