@@ -1,7 +1,7 @@
 //! Contents of the files of a recording, and their description as a ROS 2 bag.
 //!
-//! Programs for ROS 2 open a folder as a bag if `metadata.yaml` describes its files (rosbag2, version 5). The numbers of
-//! a complete file are in its summary; a file without an end is read for them.
+//! Programs for ROS 2 open a folder as a bag if `metadata.yaml` describes its files (rosbag2, version 5). The numbers
+//! of a complete file are in its summary; a file without an end is read for them.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

@@ -1,4 +1,5 @@
-//! Section of literals of a block (RFC 8878, 3.1.1.3.1): bytes that repeat nothing, by a Huffman code if this is shorter.
+//! Section of literals of a block (RFC 8878, 3.1.1.3.1): bytes that repeat nothing, by a Huffman code if this is
+//! shorter.
 
 use super::bits::Bits;
 use super::entropy::StateTable;
