@@ -1,7 +1,7 @@
 //! Contents of the files of a recording, and their description as a ROS 2 bag.
 //!
-//! Programs for ROS 2 open a folder as a bag if `metadata.yaml` describes its files (rosbag2, version 5). The numbers of
-//! a complete file are in its summary; a file without an end is read for them.
+//! Programs for ROS 2 open a folder as a bag if `metadata.yaml` describes its files (rosbag2, version 5). The numbers
+//! of a complete file are in its summary; a file without an end is read for them.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -149,11 +149,9 @@ pub fn bag(files: &[(String, Contents)]) -> String {
     }
     put(format_args!("files:"));
     for (name, contents) in files {
-        put(format_args!("  - path: {}", quoted(name)));
-        let mut times = String::new();
-        put_times(&mut times, "      ", contents.times_ns);
-        put(format_args!("{}", times.trim_end().trim_start_matches("  ")));
-        put(format_args!("    message_count: {}", contents.messages()));
+        let _ = writeln!(text, "    - path: {}", quoted(name));
+        put_times(&mut text, "      ", contents.times_ns);
+        let _ = writeln!(text, "      message_count: {}", contents.messages());
     }
     text
 }
@@ -171,4 +169,28 @@ fn put_times(text: &mut String, indent: &str, times_ns: Option<(u64, u64)>) {
 /// Returns a text as YAML: in quotes, so that no character has a meaning.
 fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bag_counts_over_all_files_and_quotes_names() {
+        let contents = |first, count| Contents {
+            times_ns: Some((first, first + 5)),
+            channels: BTreeMap::from([("a \"b\"".to_owned(), ("koseki/msg/Cue".to_owned(), count))]),
+        };
+        let files = [
+            ("1.mcap".to_owned(), contents(10, 2)),
+            ("2.mcap".to_owned(), contents(20, 3)),
+        ];
+        let text = bag(&files);
+        assert!(text.contains("        name: \"a \\\"b\\\"\"\n"), "{text}");
+        assert!(text.contains("\n      message_count: 5\n"), "{text}");
+        assert!(text.contains("\n  message_count: 5\n"), "{text}");
+        let times = "  starting_time:\n    nanoseconds_since_epoch: 10\n  duration:\n    nanoseconds: 15\n";
+        assert!(text.contains(times), "{text}");
+        assert!(text.contains("\n    - path: \"2.mcap\"\n      starting_time:\n        nanoseconds_since_epoch: 20\n"));
+    }
 }

@@ -364,6 +364,9 @@ mod all_topics {
         bench.send(9..11, false);
         second.turn(at(13.0)).unwrap();
         assert_eq!(counted(&second, Counter::RecordedLost), 6, "3 of each topic");
+        let mut entries: Vec<HealthEntry> = Vec::new();
+        second.health(&mut entries);
+        assert_eq!(entries[0].note, "a recorder ended or was killed before it had written");
         second.close(at(14.0)).unwrap();
         let found = survey(&after);
         assert_eq!(
@@ -588,7 +591,7 @@ mod all_topics {
             of_files[1]["starting_time"]["nanoseconds_since_epoch"].as_u64(),
             Some(7_000)
         );
-        assert_eq!(ended["duration"]["nanoseconds"].as_u64(), Some(7_000));
+        assert_eq!(ended["duration"]["nanoseconds"].as_u64(), Some(9_000));
         assert!(!out.join(".metadata.yaml").exists());
         // A third recorder reads the counts of ended files in their summaries.
         drop(second);
