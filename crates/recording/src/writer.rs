@@ -72,6 +72,8 @@ impl<W: Write + Seek> Writer<W> {
                 Compression::None => None,
                 Compression::Zstd => Some(mcap::Compression::Zstd),
             })
+            // Higher levels take more time and save little: messages repeat each other.
+            .compression_level(1)
             // Threads of the compressor would have no place in the plan of the cores.
             .compression_threads(0)
             .disable_seeking(true)
