@@ -154,7 +154,7 @@ alarms! {
         "Read the last output of the previous process on standard error. If a process did not advance, give fusion a \
          core of its own, or raise `takeover_ms`.";
     RecordingFailed = 23, "recording-failed", Major, raise 0 s, clear 5 s,
-        "{process} cannot write its recording: {count} failed.",
+        "{process} cannot write its recording: {count} failed ({cause}).",
         "Free space on the disk, or remove the error reported on standard error. Recording resumes automatically; \
          missing samples are counted.";
     PeerMissing = 24, "peer-missing", Major, raise 3 s, clear 0 s,
@@ -212,6 +212,10 @@ alarms! {
     PlatformFar = 42, "platform-far", Warning, raise 0 s, clear 30 s,
         "The platform of {process} is {distance} from the origin of the system frame.",
         "Choose an origin nearer to the platform (`[frame]`): beyond 300 km, the plane of the frame distorts.";
+    RecordingIncomplete = 43, "recording-incomplete", Major, raise 0 s, clear 10 s,
+        "The recording of {process} lacks {count}{of}: {cause}.",
+        "On a full disk, free space or set `keep_gb`. Of a recorder that ended, read the last output on standard error. \
+         Give a recorder that is too slow more of the machine.";
 }
 
 #[cfg(test)]

@@ -1,12 +1,14 @@
 //! Alarms as CSV rows: a row when an alarm is raised, and a row when it is cleared.
 //!
 //! `time_s` is the time of the event, `raised_s` that at which the alarm was raised; `sensor_id` and `partner_id` are
-//! the sources concerned and `process` the process, empty where there is none.
+//! the sources concerned and `process` the process, empty where there is none. `utc` is `time_s` as date and time of
+//! day (ISO 8601, milliseconds); it is the last column, since readers knew the others before.
 
 use messages::{Alarm, AlarmEvent, AlarmSeverity};
 
 use crate::cells::{Quoted, SensorId, Time};
 use crate::columns::columns;
+use crate::rows::Milliseconds;
 
 /// Event of an alarm.
 #[derive(Clone, Copy, Debug)]
@@ -31,6 +33,7 @@ columns! {
     "process" => row.alarm.process(),
     // Sentences have commas.
     "text" => Quoted(row.alarm.text()),
+    "utc" => Milliseconds(row.alarm.time_ns),
 }
 
 #[cfg(test)]
@@ -57,7 +60,8 @@ mod tests {
         let text = String::from_utf8(writer.into_inner()).unwrap();
         assert_eq!(
             text.lines().nth(1).unwrap(),
-            "90.5,60,cleared,source-silent,major,3,,,\"\"\"a\"\" has sent nothing for 24 s, 6 of its periods.\""
+            "90.5,60,cleared,source-silent,major,3,,,\"\"\"a\"\" has sent nothing for 24 s, 6 of its periods.\",\
+             1970-01-01T00:01:30.500Z"
         );
     }
 }

@@ -36,7 +36,7 @@ macro_rules! as_they_are {
     } )* };
 }
 
-as_they_are!(f32, f64, crate::rows::Utc);
+as_they_are!(f32, f64, crate::rows::Utc, crate::rows::Milliseconds);
 
 impl Cell for &str {
     fn write(self, out: &mut impl Write, _: &Reference) -> io::Result<()> {

@@ -57,6 +57,19 @@ impl Reference {
 #[derive(Clone, Copy, Debug)]
 pub struct Utc(pub i64);
 
+/// Time since 1970, nanoseconds, as [`Utc`] with three decimals, as in `2016-05-10T22:00:00.250Z`: all texts have one
+/// width, and sort as the times do.
+#[derive(Clone, Copy, Debug)]
+pub struct Milliseconds(pub i64);
+
+impl fmt::Display for Milliseconds {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ms = self.0.div_euclid(1_000_000);
+        let whole = Utc(ms.div_euclid(1_000) * 1_000_000_000).to_string();
+        write!(f, "{}.{:03}Z", whole.trim_end_matches('Z'), ms.rem_euclid(1_000))
+    }
+}
+
 /// Nanoseconds of a day.
 const DAY_NS: i64 = 86_400_000_000_000;
 
@@ -167,6 +180,11 @@ impl<T: Row, W: Write> RowWriter<T, W> {
     /// If it fails.
     pub fn flush(&mut self) -> io::Result<()> {
         self.writer.flush()
+    }
+
+    /// Returns the writer.
+    pub fn get_ref(&self) -> &W {
+        &self.writer
     }
 
     /// The writer, not flushed.

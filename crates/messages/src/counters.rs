@@ -334,9 +334,9 @@ counters! {
     RecordedSamples = "recorded_samples", Process by [Recorder, Adapter],
         "Samples taken for the recording of all topics; in adapters, datagrams and lines written to captures.";
     RecordedLost = "recorded_lost", Process by [Recorder, Adapter],
-        "Samples missing in the recording of all topics, or datagrams and lines missing in captures: dropped, or not written.";
+        "Samples missing in the recording of all topics, rows missing in tables, or datagrams and lines missing in captures.";
     RecordingFailures = "recording_failures", Process by [Recorder, Adapter],
-        "Failures to write the recording of all topics or a capture; writing is retried every second.";
+        "Failures to write the recording of all topics, a table or a capture; writing is retried every second.";
     RecordingsDeleted = "recordings_deleted", Process by [Recorder, Adapter],
         "Files of the recording of all topics, or captures, deleted to make room for later files.";
     DecisionsDropped = "decisions_dropped", Process by [Fusion],

@@ -16,9 +16,13 @@ use mcap::records::op;
 
 use crate::record::{HEAD, head_of};
 
-/// Bytes from the beginning of a chunk to its records, which are not compressed: head, two times, size, checksum, name
-/// of the compression, stored size.
-const CHUNK_HEAD: usize = HEAD + 8 + 8 + 8 + 4 + 4 + 8;
+/// Bytes from the beginning of a chunk to its records: head, two times, size, checksum, name of the compression, stored
+/// size. The name is empty or `zstd`; a chunk without compression is longer than this by a message.
+const CHUNK_HEAD: usize = NAME + ZSTD.len() + 8;
+/// Place of the name.
+const NAME: usize = HEAD + 8 + 8 + 8 + 4 + 4;
+/// Name of the compression.
+const ZSTD: &[u8] = b"zstd";
 /// Bytes searched at once.
 const BLOCK: usize = 1 << 16;
 /// Bytes from the beginning of the last record to the end of a complete file.
@@ -69,18 +73,21 @@ pub(crate) fn hides_chunk<R: Read + Seek>(file: &mut R, place: u64, end: u64, le
     Ok(is_chunk(&head, length - place) || next_chunk(file, place + 1..end, length)?.is_some())
 }
 
-/// Whether a chunk without compression begins with these bytes and ends within `left` bytes.
+/// Whether a chunk begins with these bytes and ends within `left` bytes.
 fn is_chunk(head: &[u8; CHUNK_HEAD], left: u64) -> bool {
     if head[0] != op::CHUNK {
         return false;
     }
     let (_, length) = head_of(head.first_chunk().expect("a longer array"));
     let number = |at: usize| u64::from_le_bytes(head[at..at + 8].try_into().expect("eight bytes"));
-    let (size, stored) = (number(HEAD + 16), number(CHUNK_HEAD - 8));
-    let compression = &head[HEAD + 28..HEAD + 32];
-    compression == [0; 4]
-        && size == stored
-        && stored.checked_add((CHUNK_HEAD - HEAD) as u64) == Some(length)
+    let name = match head[NAME - 4..NAME] {
+        [0, 0, 0, 0] => 0,
+        [4, 0, 0, 0] if head[NAME..].starts_with(ZSTD) => ZSTD.len(),
+        _ => return false,
+    };
+    let (size, stored) = (number(HEAD + 16), number(NAME + name));
+    (size == stored || name > 0)
+        && stored.checked_add((NAME + name + 8 - HEAD) as u64) == Some(length)
         && length.checked_add(HEAD as u64).is_some_and(|bytes| bytes <= left)
 }
 

@@ -12,11 +12,12 @@
 //!
 //! Messages are collected in memory into a *chunk*, which is written in one piece at the end of a slice. A killed
 //! recorder loses its unwritten chunk and may leave a torn chunk. [`whole`] returns the length of the readable part
-//! of a file, and the bytes of [`closing`] in place of the rest make a complete file. Container bytes depend on the
-//! version of the library: compare contents of files, not files.
+//! of a file, and the bytes of [`closing`] in place of the rest make a complete file. Chunks may be compressed
+//! ([`Compression`]); a reader reads both kinds. Compare contents of files, not files.
 
 #![forbid(unsafe_code)]
 
+mod contents;
 mod damage;
 mod part;
 mod reader;
@@ -26,12 +27,13 @@ mod tally;
 mod whole;
 mod writer;
 
+pub use contents::{Contents, bag};
 pub use part::{Copied, RecordingPart, copy};
 pub use reader::{Chunks, Item, facts, read};
 pub use survey::{Survey, TopicSurvey};
 pub use tally::Tally;
 pub use whole::{ReadablePart, closing, whole};
-pub use writer::{Channel, Writer};
+pub use writer::{Channel, Compression, Writer};
 
 /// Name of the metadata with the origin of a file.
 pub const FACTS: &str = "koseki";
@@ -48,6 +50,9 @@ pub enum RecordingError {
     /// Invalid contents.
     #[error(transparent)]
     Contents(mcap::McapError),
+    /// Chunk with a compression that no recorder uses.
+    #[error("has chunks with the compression {0}; those with zstd, and without compression, can be read")]
+    UnknownCompression(String),
     /// File of another kind.
     #[error("is no recording of all topics: it does not begin as MCAP does")]
     OtherKind,

@@ -9,7 +9,7 @@ use crate::RecordingError;
 use crate::reader::{Item, read_as_recorded};
 use crate::survey::Survey;
 use crate::tally::Tally;
-use crate::writer::{Channel, Writer};
+use crate::writer::{Channel, Compression, Writer};
 
 /// Part of a recording.
 #[derive(Clone, Debug, Default)]
@@ -20,6 +20,8 @@ pub struct RecordingPart {
     pub to_ns: Option<u64>,
     /// Names of topics, or beginnings of names up to a `/`; empty for all topics.
     pub topics: Vec<String>,
+    /// Compression of the copy.
+    pub compression: Compression,
 }
 
 /// Whether `wanted` is a topic's name, or its beginning up to a `/`.
@@ -274,7 +276,7 @@ impl<W: Write + Seek> PartCopier<'_, W> {
         if self.part.from_ns.is_some() {
             Tally::forget_losses(&mut facts);
         }
-        self.writer = Some(Writer::begin(out, &facts)?);
+        self.writer = Some(Writer::compressed(out, &facts, self.part.compression)?);
         Ok(())
     }
 }

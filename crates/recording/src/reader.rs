@@ -103,6 +103,8 @@ pub struct Chunks<R> {
     at: Option<u64>,
     names: ChannelNames,
     record: Vec<u8>,
+    /// Records of the latest compressed chunk.
+    unpacked: Vec<u8>,
 }
 
 impl<R: Read + Seek> Chunks<R> {
@@ -126,6 +128,7 @@ impl<R: Read + Seek> Chunks<R> {
             at: None,
             names: ChannelNames::default(),
             record: Vec::new(),
+            unpacked: Vec::new(),
         })
     }
 
@@ -179,7 +182,7 @@ impl<R: Read + Seek> Chunks<R> {
         let fields = Fields::of(&self.record, place);
         self.names.undescribed = 0;
         if code == op::CHUNK {
-            let mut records = fields.records()?;
+            let mut records = fields.records(&mut self.unpacked)?;
             while let Some((code, fields)) = records.record()? {
                 if let Err(refused) = self.names.show(code, fields, visit)? {
                     return Ok(Err(refused));
@@ -511,14 +514,14 @@ mod tests {
     use messages::PlatformState;
 
     use super::*;
-    use crate::Writer;
+    use crate::{Compression, Writer};
 
     /// Layout of a former build: without standard deviations, velocity before position.
     const FORMER: &str = "int64 time_ns # Time.\nfloat64[3] velocity_mps # Velocity.\nfloat64[3] position_m # Place.\n";
 
     fn former_file() -> Vec<u8> {
         let mut file = Cursor::new(Vec::new());
-        let mut writer = Writer::begin(&mut file, &Facts::new()).unwrap();
+        let mut writer = Writer::compressed(&mut file, &Facts::new(), Compression::Zstd).unwrap();
         let schema = format!("{SCHEMA_PREFIX}PlatformState");
         let channel = writer
             .channel_of(

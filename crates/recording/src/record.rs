@@ -5,10 +5,16 @@
 //! the size of the file.
 
 use std::collections::BTreeMap;
+use std::io::Read as _;
 
 use mcap::records::op;
 
 use crate::{CDR, RecordingError};
+
+/// Largest chunk, bytes: a damaged size makes a reader take no more memory.
+const UNPACKED_MAX: u64 = 1 << 30;
+/// Logarithm of the largest window of a compressed chunk, bytes: what the usual levels of compression need.
+const WINDOW_LOG_MAX: u32 = 24;
 
 /// Bytes before the data of a record: code and length.
 pub(crate) const HEAD: usize = 9;
@@ -163,25 +169,51 @@ impl<'a> Fields<'a> {
         Ok(Some((code, Self::of(data, self.place))))
     }
 
-    /// Returns the records of a chunk, after checks of its stated size and checksum.
-    pub(crate) fn records(mut self) -> Result<Self, RecordingError> {
+    /// Returns the records of a chunk, after checks of its stated size and checksum; those of a compressed chunk are
+    /// in `unpacked`.
+    pub(crate) fn records(mut self, unpacked: &'a mut Vec<u8>) -> Result<Self, RecordingError> {
         let _times_ns = (self.u64()?, self.u64()?);
         let (size, checksum) = (self.u64()?, self.u32()?);
         let compression = self.text()?;
         if !matches!(compression, "" | "lz4" | "zstd") {
             return Err(self.damaged("the compression of the chunk has no known name"));
         }
-        if !compression.is_empty() {
-            return Err(mcap::McapError::UnsupportedCompression(compression.to_owned()).into());
+        if compression == "lz4" {
+            return Err(RecordingError::UnknownCompression(compression.to_owned()));
         }
         let stored = self.u64()?;
-        let records = self.take(stored)?;
-        if size != stored || !self.left.is_empty() {
+        let stored = self.take(stored)?;
+        let is_packed = !compression.is_empty();
+        if size != stored.len() as u64 && !is_packed || !self.left.is_empty() {
             return Err(self.damaged("the sizes of the chunk contradict each other"));
         }
+        let records = match is_packed {
+            true => unpack(stored, size, unpacked).map_err(|reason| self.damaged(reason))?,
+            false => stored,
+        };
         if checksum != 0 && checksum != crc32fast::hash(records) {
             return Err(self.damaged("the checksum of the chunk is wrong"));
         }
         Ok(Self::of(records, self.place))
+    }
+}
+
+/// Returns the `size` bytes that `packed` contains, by way of `unpacked`; or the kind of damage.
+///
+/// Memory follows what is unpacked, not what a damaged chunk states.
+fn unpack<'u>(packed: &[u8], size: u64, unpacked: &'u mut Vec<u8>) -> Result<&'u [u8], &'static str> {
+    if size > UNPACKED_MAX {
+        return Err("the chunk states more than 1 GiB");
+    }
+    unpacked.clear();
+    let mut decoder =
+        zstd::Decoder::with_buffer(packed).map_err(|_| "no memory for the compressed data of the chunk")?;
+    let window = decoder.window_log_max(WINDOW_LOG_MAX);
+    window
+        .and_then(|()| decoder.take(size + 1).read_to_end(unpacked))
+        .map_err(|_| "the compressed data of the chunk contradict themselves")?;
+    match unpacked.len() as u64 == size {
+        true => Ok(unpacked),
+        false => Err("the sizes of the chunk contradict each other"),
     }
 }

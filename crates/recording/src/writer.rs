@@ -1,5 +1,6 @@
 //! Writer of one file.
 
+use std::collections::BTreeMap;
 use std::io::{Seek, Write};
 
 use mcap::WriteOptions;
@@ -7,10 +8,21 @@ use mcap::records::{MessageHeader, Metadata};
 use messages::BatchHeader;
 use messages::layout::{Layout, Sample};
 
+use crate::contents::Contents;
 use crate::{CDR, FACTS, FINGERPRINT, Facts, RecordingError, SCHEMA_PREFIX, SLICES, fingerprint_of};
 
 /// Bytes of messages after which a chunk is written.
 const CHUNK_BYTES: usize = 1 << 20;
+
+/// Compression of chunks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Compression {
+    /// As the messages are.
+    #[default]
+    None,
+    /// Zstandard.
+    Zstd,
+}
 
 /// Writer of one file.
 pub struct Writer<W: Write + Seek> {
@@ -19,6 +31,10 @@ pub struct Writer<W: Write + Seek> {
     message: Vec<u8>,
     /// Bytes of messages in the chunk.
     gathered: usize,
+    /// Name, type and number of messages of each channel, by its number.
+    channels: BTreeMap<u16, (String, String, u64)>,
+    /// First and last time of the messages, UTC, nanoseconds.
+    times_ns: Option<(u64, u64)>,
 }
 
 /// Topic of a file.
@@ -36,15 +52,30 @@ impl<W: Write + Seek> std::fmt::Debug for Writer<W> {
 }
 
 impl<W: Write + Seek> Writer<W> {
-    /// Begins a file with `facts`.
+    /// Begins a file with `facts`, without compression.
     ///
     /// # Errors
     /// If the file cannot be written.
     pub fn begin(out: W, facts: &Facts) -> Result<Self, RecordingError> {
+        Self::compressed(out, facts, Compression::None)
+    }
+
+    /// Begins a file with `facts`, whose chunks are compressed so.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn compressed(out: W, facts: &Facts, compression: Compression) -> Result<Self, RecordingError> {
         let options = WriteOptions::new()
             .profile("ros2")
             .library("koseki")
-            .compression(None)
+            .compression(match compression {
+                Compression::None => None,
+                Compression::Zstd => Some(mcap::Compression::Zstd),
+            })
+            // Higher levels take more time and save little: messages repeat each other.
+            .compression_level(1)
+            // Threads of the compressor would have no place in the plan of the cores.
+            .compression_threads(0)
             .disable_seeking(true)
             // A chunk ends at the end of a slice, so that no slice is torn.
             .chunk_size(None);
@@ -57,6 +88,8 @@ impl<W: Write + Seek> Writer<W> {
             file,
             message: Vec::new(),
             gathered: 0,
+            channels: BTreeMap::new(),
+            times_ns: None,
         })
     }
 
@@ -98,11 +131,14 @@ impl<W: Write + Seek> Writer<W> {
     }
 
     fn add(&mut self, name: &str, schema: &str, definition: &[u8], fingerprint: &str) -> Result<u16, RecordingError> {
+        let kind = schema.to_owned();
         let schema = self.file.add_schema(schema, "ros2msg", definition)?;
         let fingerprint = (FINGERPRINT.to_owned(), fingerprint.to_owned());
-        Ok(self
+        let channel = self
             .file
-            .add_channel(schema, name, "cdr", &Facts::from([fingerprint]))?)
+            .add_channel(schema, name, "cdr", &Facts::from([fingerprint]))?;
+        self.channels.insert(channel, (name.to_owned(), kind, 0));
+        Ok(channel)
     }
 
     /// Adds a slice with the samples `octets`, taken and sent at these times (UTC, nanoseconds). Returns whether a
@@ -142,7 +178,14 @@ impl<W: Write + Seek> Writer<W> {
         self.message.extend_from_slice(&CDR);
         self.message.extend_from_slice(octets);
         self.gathered += self.message.len();
-        Ok(self.file.write_to_known_channel(header, &self.message)?)
+        self.file.write_to_known_channel(header, &self.message)?;
+        if let Some((.., count)) = self.channels.get_mut(&header.channel_id) {
+            *count += 1;
+        }
+        let time_ns = header.log_time;
+        let (first_ns, last_ns) = self.times_ns.unwrap_or((time_ns, time_ns));
+        self.times_ns = Some((first_ns.min(time_ns), last_ns.max(time_ns)));
+        Ok(())
     }
 
     /// Hands all contents so far to the system.
@@ -152,6 +195,15 @@ impl<W: Write + Seek> Writer<W> {
     pub fn flush(&mut self) -> Result<(), RecordingError> {
         self.gathered = 0;
         Ok(self.file.flush()?)
+    }
+
+    /// Returns the contents so far; right after [`Writer::flush`], those of the file.
+    pub fn contents(&self) -> Contents {
+        let channels = self.channels.values().cloned();
+        Contents {
+            times_ns: self.times_ns,
+            channels: channels.map(|(name, kind, count)| (name, (kind, count))).collect(),
+        }
     }
 
     /// Writes the remaining contents and the index.

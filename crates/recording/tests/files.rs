@@ -176,6 +176,7 @@ fn a_part_has_the_same_messages_and_counts_what_it_lacks_but_not_what_was_left_o
         from_ns: Some(1_002),
         to_ns: Some(1_003),
         topics: vec!["sensor/a".to_owned()],
+        ..RecordingPart::default()
     };
     let cut = copied(&[&whole], &part);
     // Before them are two headers with two samples; after them one with four.

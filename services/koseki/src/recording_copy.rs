@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use offline::{OutputFile, Usage, check_outputs};
-use recording::{Copied, RecordingError, RecordingPart};
+use recording::{Compression, Copied, RecordingError, RecordingPart};
 
 use crate::args::{RecordingCut, RecordingMerge, RecordingRepair};
 use crate::recording_info::files;
@@ -25,8 +25,17 @@ pub(crate) fn cut(cut: RecordingCut) -> anyhow::Result<()> {
         from_ns: cut.from.map(since_1970),
         to_ns: cut.to.map(since_1970),
         topics: cut.topics,
+        ..whole()
     };
     copy(&files(&cut.path)?, &part, &cut.out)
+}
+
+/// All of a recording; a copy is compressed, whatever the original is.
+fn whole() -> RecordingPart {
+    RecordingPart {
+        compression: Compression::Zstd,
+        ..RecordingPart::default()
+    }
 }
 
 /// Copies what can be read of a damaged recording.
@@ -35,7 +44,7 @@ pub(crate) fn cut(cut: RecordingCut) -> anyhow::Result<()> {
 /// If the recording cannot be read or nothing in it is readable, or the copy cannot be written.
 pub(crate) fn repair(repair: &RecordingRepair) -> anyhow::Result<()> {
     let files = files(&repair.path)?;
-    let copied = copy_to(&files, &RecordingPart::default(), &repair.out, |copied| {
+    let copied = copy_to(&files, &whole(), &repair.out, |copied| {
         let (path, parts, bytes) = (repair.path.display(), copied.damaged, copied.damaged_bytes);
         let what = "no sample can be read, so that there is nothing to copy";
         anyhow::ensure!(
@@ -56,7 +65,7 @@ pub(crate) fn merge(merge: &RecordingMerge) -> anyhow::Result<()> {
     for path in &merge.paths {
         paths.extend(files(path)?);
     }
-    copy(&paths, &RecordingPart::default(), &merge.out)
+    copy(&paths, &whole(), &merge.out)
 }
 
 fn copy(paths: &[PathBuf], part: &RecordingPart, out: &Path) -> anyhow::Result<()> {

@@ -5,6 +5,8 @@
 //! over all publishers of the topic. These [`SampleNumbers`] show samples that a restarted adapter publishes again, and
 //! samples lost with an adapter or a recorder.
 
+use std::collections::BTreeSet;
+
 use messages::layout::Layout;
 use messages::{BatchHeader, Streamed};
 use recording::{Facts, Tally};
@@ -17,9 +19,33 @@ pub(crate) struct Account {
     tally: Tally,
     /// Samples lost before the start of this recorder.
     lost_before: u64,
+    /// Publishers of which this recorder has had a slice.
+    met: BTreeSet<u64>,
+    losses: Losses,
     samples: u64,
     numbers: Option<SampleNumbers>,
     progress_ns: i64,
+}
+
+/// Samples lost since the start, by cause.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Losses {
+    /// With an earlier recorder.
+    pub(crate) ended: u64,
+    /// Recorder too slow.
+    pub(crate) behind: u64,
+    /// Files that could not be written.
+    pub(crate) unwritten: u64,
+}
+
+impl Losses {
+    pub(crate) fn and(self, other: Self) -> Self {
+        Self {
+            ended: self.ended + other.ended,
+            behind: self.behind + other.behind,
+            unwritten: self.unwritten + other.unwritten,
+        }
+    }
 }
 
 /// Sample numbers of a replayed input.
@@ -73,6 +99,8 @@ impl Account {
             name,
             layout,
             lost_before: tally.lost,
+            met: BTreeSet::new(),
+            losses: Losses::default(),
             tally,
             samples: 0,
             numbers: None,
@@ -100,7 +128,14 @@ impl Account {
 
     /// Notes a slice of `count` samples.
     pub(crate) fn add_slice(&mut self, header: &BatchHeader, count: usize) {
+        let before = self.tally.lost;
         self.tally.slice(header, count);
+        let lost = self.tally.lost - before;
+        // What is missing before the first slice of a publisher went with an earlier recorder.
+        match self.met.insert(header.incarnation) {
+            true => self.losses.ended += lost,
+            false => self.losses.behind += lost,
+        }
         self.samples += count as u64;
     }
 
@@ -118,12 +153,20 @@ impl Account {
 
     /// Notes that a publisher had sent all samples below this number.
     pub(crate) fn catch_up(&mut self, incarnation: u64, next_sequence: u64) {
+        let before = self.tally.lost;
         self.tally.catch_up(incarnation, next_sequence);
+        self.losses.ended += self.tally.lost - before;
     }
 
     /// Notes that samples of added slices could not be written.
     pub(crate) fn add_lost(&mut self, count: u64) {
         self.tally.lost += count;
+        self.losses.unwritten += count;
+    }
+
+    /// Returns the losses since the start by their causes.
+    pub(crate) fn losses(&self) -> Losses {
+        self.losses
     }
 
     /// Returns the next sequence number of a publisher, by its epoch; 0 for an unknown publisher.

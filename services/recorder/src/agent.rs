@@ -86,9 +86,9 @@ impl<S: Transport> RecorderAgent<S> {
             streams[place].1 |= header.flags & BatchHeader::END != 0;
         };
         let worked = intake.take(journal, now, &mut done)?;
-        journal.tend(now)?;
+        journal.tend(now);
         if let Some(images) = images {
-            images.tend(journal.lost(), now)?;
+            images.tend(journal.lost(), journal.is_writing(), now)?;
         }
         Ok(worked)
     }
@@ -128,6 +128,11 @@ impl<S: Transport> Agent for RecorderAgent<S> {
     fn health(&self, entries: &mut Vec<HealthEntry>) {
         let first = entries.len();
         entries.push(HealthEntry::default());
+        let (failures, lost_rows) = self.journal.table_counts();
+        let of_process = &mut entries[first];
+        of_process.note = self.journal.cause().to_owned();
+        of_process.counters.add(Counter::RecordingFailures, failures);
+        of_process.counters.add(Counter::RecordedLost, lost_rows);
         if let Some(counts) = self.journal.segment_counts() {
             for (counter, count) in [
                 (Counter::RecordedSamples, self.journal.samples()),
@@ -135,7 +140,7 @@ impl<S: Transport> Agent for RecorderAgent<S> {
                 (Counter::RecordingFailures, counts.failures),
                 (Counter::RecordingsDeleted, counts.deleted),
             ] {
-                entries[first].counters.add(counter, count);
+                of_process.counters.add(counter, count);
             }
         }
         for (place, (id, _)) in self.streams.iter().enumerate() {

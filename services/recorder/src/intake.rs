@@ -50,14 +50,11 @@ struct OfStream<S: Transport, T: Payload>(Subscriber<S, T>);
 
 impl<S: Transport, T: Payload + Streamed> Arriving<S> for OfStream<S, T> {
     fn take(&mut self, place: usize, journal: &mut Journal, now: Now, done: &mut Done<'_>) -> anyhow::Result<bool> {
-        let mut written = Ok(());
         let taken = self.0.take(SLICES_PER_TOPIC, |header, samples| {
-            if written.is_ok() {
-                written = journal.add_numbered(place, header, samples, now);
-                done(place, header, journal.account(place).next_sequence());
-            }
+            journal.add_numbered(place, header, samples, now);
+            done(place, header, journal.account(place).next_sequence());
         })?;
-        written.map(|()| taken > 0)
+        Ok(taken > 0)
     }
 
     fn has_slices(&self) -> bool {
@@ -260,7 +257,7 @@ impl<S: Transport> TopicIntake<S> {
     /// stream.
     ///
     /// # Errors
-    /// If shared memory fails, or a row cannot be written.
+    /// If shared memory fails.
     pub(crate) fn take(&mut self, journal: &mut Journal, now: Now, done: &mut Done<'_>) -> anyhow::Result<bool> {
         let mut worked = false;
         for (place, topic) in self.topics.iter_mut().enumerate() {

@@ -3,8 +3,10 @@
 //! Files of all topics ([`SegmentSink`]) hold every slice bit by bit; [`Tables`] hold a row for each new sample of a
 //! data stream. The [`Account`] of each topic holds its position and losses, whichever sinks are configured.
 //!
-//! On a full disk the sinks differ: [`SegmentSink`] counts the samples as lost and tries again in a new file, while a
-//! failure of [`Tables`] ends the recorder, whose successor continues after the last complete row.
+//! On a full disk, each file stands for itself: [`SegmentSink`] counts the samples as lost and tries again in a new
+//! file, and each of the [`Tables`] counts its lost rows and tries again after its last complete row.
+
+use std::io::ErrorKind;
 
 use anyhow::Context as _;
 use deployment::Deployment;
@@ -13,7 +15,8 @@ use messages::{BatchHeader, Streamed};
 use recording::Facts;
 use runtime::{Now, NumberedFiles};
 
-use crate::account::{Account, SampleNumbers};
+use crate::account::{Account, Losses, SampleNumbers};
+use crate::bag::Bag;
 use crate::recovery::{self, Earlier};
 use crate::segments::{SegmentCounts, SegmentSink};
 use crate::settings::{Format, Settings};
@@ -30,6 +33,9 @@ pub(crate) struct Journal {
     accounts: Vec<Account>,
     tables: Option<Tables>,
     segments: Option<SegmentSink>,
+    /// Losses by cause, up to the latest loss, and its cause in words; empty without a loss.
+    losses: Losses,
+    cause: &'static str,
 }
 
 impl Journal {
@@ -75,25 +81,22 @@ impl Journal {
             ])
         };
         let topics = accounts.len();
-        let segments = |limits| SegmentSink::new(files, earlier.number, limits, facts(), topics);
+        let segments = |limits| {
+            let bag = Bag::new(folder, &files);
+            let how = (limits, settings.compression.of_chunks());
+            SegmentSink::new((files, earlier.number, bag), how, facts(), topics)
+        };
         Ok(Self {
             segments: containers.map(segments),
             accounts,
             tables,
+            losses: Losses::default(),
+            cause: "",
         })
     }
 
     /// Adds a slice of a data stream.
-    ///
-    /// # Errors
-    /// If a row cannot be written.
-    pub(crate) fn add_numbered<T: Streamed>(
-        &mut self,
-        place: usize,
-        header: &BatchHeader,
-        samples: &[T],
-        now: Now,
-    ) -> anyhow::Result<()> {
+    pub(crate) fn add_numbered<T: Streamed>(&mut self, place: usize, header: &BatchHeader, samples: &[T], now: Now) {
         let from_sequence = self.accounts[place].add_samples(samples);
         let slice = StreamSlice {
             place,
@@ -103,7 +106,9 @@ impl Journal {
             now,
         };
         self.add_to_segments(&slice);
-        self.tables.as_mut().map_or(Ok(()), |tables| tables.slice(&slice))
+        if let Some(tables) = &mut self.tables {
+            tables.slice(&slice);
+        }
     }
 
     /// Adds a slice of another topic.
@@ -135,15 +140,48 @@ impl Journal {
     }
 
     /// Passes the rows to the operating system, and performs the periodic work of the files of all topics.
-    ///
-    /// # Errors
-    /// If a row cannot be written.
-    pub(crate) fn tend(&mut self, now: Now) -> anyhow::Result<()> {
-        self.tables.as_mut().map_or(Ok(()), Tables::flush)?;
+    pub(crate) fn tend(&mut self, now: Now) {
+        if let Some(tables) = &mut self.tables {
+            tables.tend(now);
+        }
         if let Some(segments) = &mut self.segments {
             segments.tend(&mut self.accounts, now);
         }
-        Ok(())
+        self.find_cause();
+    }
+
+    /// Finds the cause of the latest loss.
+    fn find_cause(&mut self) {
+        let losses = self.accounts.iter().map(Account::losses);
+        let losses = losses.fold(Losses::default(), Losses::and);
+        let failing = self.segments.as_ref().and_then(SegmentSink::failing);
+        let failing = failing.or_else(|| self.tables.as_ref().and_then(Tables::failing));
+        self.cause = match failing {
+            Some(ErrorKind::StorageFull | ErrorKind::QuotaExceeded) => "the disk is full",
+            Some(ErrorKind::NotFound) => "its folder is gone",
+            Some(_) => "its files cannot be written",
+            None if losses.ended > self.losses.ended => "a recorder ended or was killed before it had written",
+            None if losses.behind > self.losses.behind => "the recorder is too slow",
+            None => self.cause,
+        };
+        self.losses = losses;
+    }
+
+    /// Returns the cause of the latest loss in words; empty without a loss.
+    pub(crate) fn cause(&self) -> &'static str {
+        self.cause
+    }
+
+    /// Whether the files of all topics take what arrives.
+    pub(crate) fn is_writing(&self) -> bool {
+        self.segments.as_ref().is_some_and(SegmentSink::is_writing)
+    }
+
+    /// Returns the failures to write tables, and the rows that they lack.
+    pub(crate) fn table_counts(&self) -> (u64, u64) {
+        self.tables
+            .as_ref()
+            .map_or((0, 0), |tables| (tables.failures(), tables.lost()))
     }
 
     /// Ends the files of all topics.
@@ -151,11 +189,18 @@ impl Journal {
     /// # Errors
     /// If the files, or anything before, could not be written.
     pub(crate) fn close(&mut self, now: Now) -> anyhow::Result<()> {
-        let Some(segments) = &mut self.segments else {
-            return Ok(());
-        };
-        segments.finish(&mut self.accounts, now);
-        let (failures, lost) = (segments.counts().failures, self.lost());
+        if let Some(tables) = &mut self.tables {
+            tables.tend(now);
+        }
+        if let Some(segments) = &mut self.segments {
+            segments.finish(&mut self.accounts, now);
+        }
+        let (failures, rows) = self.table_counts();
+        anyhow::ensure!(
+            failures == 0,
+            "tables could not be written {failures} times; they lack {rows} rows"
+        );
+        let (failures, lost) = (self.segment_counts().unwrap_or_default().failures, self.lost());
         anyhow::ensure!(
             failures == 0,
             "the recording of all topics could not be written {failures} times; it lacks {lost} samples"

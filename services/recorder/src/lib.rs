@@ -21,14 +21,14 @@
 //! `all_topics_<number>.mcap` (see the crate `recording`), with the times of reception and sending, configuration
 //! and version.
 //!
-//! A full disk stops the recording of all topics until there is room, with one message and a count. The process
-//! then ends with an error when it is stopped. Rows cannot be omitted: a recorder that fails to write rows ends,
-//! and its successor continues after the last complete row.
+//! A full disk stops a file until there is room, with one message and a count; other files go on. The process then ends
+//! with an error when it is stopped. The note in the recorder's health names the cause of the latest loss.
 
 #![forbid(unsafe_code)]
 
 mod account;
 mod agent;
+mod bag;
 mod gaps;
 mod images;
 mod intake;
@@ -39,11 +39,12 @@ mod segments;
 mod settings;
 mod slice;
 mod start;
+mod table_file;
 mod tables;
 
 pub use agent::RecorderAgent;
 pub use recorded::table;
-pub use settings::{Format, Keys, Settings};
+pub use settings::{Format, Keys, Packing, Settings};
 pub use start::Start;
 pub use tables::Tables;
 

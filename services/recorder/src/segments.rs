@@ -4,25 +4,29 @@
 //! samples, but neither files nor the deployment.
 
 use std::fs::File;
-use std::io::BufWriter;
+use std::io::{BufWriter, ErrorKind};
 use std::path::{Path, PathBuf};
 
 use deployment::Segments as Settings;
-use recording::{Channel, Facts, RecordingError, Writer};
+use recording::{Channel, Compression, Facts, RecordingError, Writer};
 use runtime::{Now, NumberedFiles};
 
 use crate::account::Account;
+use crate::bag::Bag;
 use crate::recovery;
 use crate::slice::StreamSlice;
 
 /// Time between two attempts to write after a failure, nanoseconds.
 const RETRY_NS: i64 = 1_000_000_000;
+/// Time after which the first samples after a failure are written, nanoseconds: only then it is known that it is over.
+const TRIAL_NS: i64 = 100_000_000;
 
 /// Successive files of the recording.
 #[derive(Debug)]
 pub(crate) struct SegmentSink {
     files: NumberedFiles,
     settings: Settings,
+    compression: Compression,
     facts: Facts,
     /// Samples of each topic not yet on disk.
     gathered: Vec<u64>,
@@ -31,6 +35,9 @@ pub(crate) struct SegmentSink {
     open: Option<OpenSegment>,
     /// Time of the next attempt to write, monotonic, nanoseconds.
     retry_ns: i64,
+    /// Kind of the failure since which nothing has been written.
+    failing: Option<ErrorKind>,
+    bag: Bag,
     counts: SegmentCounts,
 }
 
@@ -54,21 +61,39 @@ pub(crate) struct SegmentCounts {
 
 impl SegmentSink {
     /// Continues the recording of `topics` topics in `files` after the file `number`. Each file begins with `facts`.
-    pub(crate) fn new(files: NumberedFiles, number: u32, settings: Settings, facts: Facts, topics: usize) -> Self {
+    pub(crate) fn new(
+        (files, number, bag): (NumberedFiles, u32, Bag),
+        (settings, compression): (Settings, Compression),
+        facts: Facts,
+        topics: usize,
+    ) -> Self {
         Self {
             files,
             settings,
+            compression,
             facts,
             gathered: vec![0; topics],
             number,
             open: None,
             retry_ns: i64::MIN,
+            failing: None,
+            bag,
             counts: SegmentCounts::default(),
         }
     }
 
     pub(crate) fn counts(&self) -> SegmentCounts {
         self.counts
+    }
+
+    /// Whether what arrives is written, as far as is known.
+    pub(crate) fn is_writing(&self) -> bool {
+        self.open.is_some() && self.failing.is_none()
+    }
+
+    /// Returns the kind of the failure since which nothing has been written.
+    pub(crate) fn failing(&self) -> Option<ErrorKind> {
+        self.failing
     }
 
     /// Adds a slice, already noted in its account.
@@ -97,7 +122,12 @@ impl SegmentSink {
     pub(crate) fn tend(&mut self, accounts: &mut [Account], now: Now) {
         self.open_if_due(accounts, now);
         let Some(open) = &mut self.open else { return };
-        if now.mono_ns - open.flushed_ns < self.settings.flush_ns {
+        let has_samples = self.gathered.iter().any(|count| *count > 0);
+        let flush_ns = match self.failing {
+            Some(_) if has_samples => self.settings.flush_ns.min(TRIAL_NS),
+            _ => self.settings.flush_ns,
+        };
+        if now.mono_ns - open.flushed_ns < flush_ns {
             return;
         }
         match open.writer.flush() {
@@ -115,19 +145,30 @@ impl SegmentSink {
 
     /// Ends the current file.
     pub(crate) fn finish(&mut self, accounts: &mut [Account], now: Now) {
-        if let Some(open) = self.open.take() {
-            match open.writer.finish() {
-                Ok(()) => self.gathered.fill(0),
+        if let Some(mut open) = self.open.take() {
+            // At the end, the chunk in progress belongs to the file as well.
+            let flushed = open.writer.flush();
+            let contents = open.writer.contents();
+            match flushed.and_then(|()| open.writer.finish()) {
+                Ok(()) => {
+                    self.gathered.fill(0);
+                    self.bag.note(&open.path, contents, now);
+                    self.bag.write();
+                }
                 Err(error) => self.give_up(&open.path, &error, accounts, now),
             }
         }
     }
 
     fn flushed(&mut self, now: Now) {
+        if self.gathered.iter().any(|count| *count > 0) {
+            self.failing = None;
+        }
         self.gathered.fill(0);
         if let Some(open) = &mut self.open {
             open.flushed_ns = now.mono_ns;
             open.bytes = std::fs::metadata(&open.path).map_or(0, |file| file.len());
+            self.bag.note(&open.path, open.writer.contents(), now);
         }
     }
 
@@ -148,6 +189,10 @@ impl SegmentSink {
             ));
         }
         self.counts.failures += 1;
+        self.failing = Some(match error {
+            RecordingError::System(error) => error.kind(),
+            _ => ErrorKind::Other,
+        });
         self.retry_ns = now.mono_ns + RETRY_NS;
         self.give_up_gathered(accounts);
         // If this fails as well, the next recorder ends the file.
@@ -169,7 +214,10 @@ impl SegmentSink {
         self.number += 1;
         let path = self.files.path(self.number);
         match self.begin(&path, accounts, now) {
-            Ok(open) => self.open = Some(open),
+            Ok(open) => {
+                self.bag.note(&path, open.writer.contents(), now);
+                self.open = Some(open);
+            }
             Err(error) => {
                 self.give_up(&path, &error, accounts, now);
                 // The file is empty.
@@ -182,7 +230,8 @@ impl SegmentSink {
     fn begin(&self, path: &Path, accounts: &[Account], now: Now) -> Result<OpenSegment, RecordingError> {
         let mut facts = self.facts.clone();
         accounts.iter().for_each(|account| account.state(&mut facts));
-        let mut writer = Writer::begin(BufWriter::new(File::create_new(path)?), &facts)?;
+        let file = BufWriter::new(File::create_new(path)?);
+        let mut writer = Writer::compressed(file, &facts, self.compression)?;
         let channels = accounts.iter();
         let channels = channels.map(|account| writer.channel(account.name(), account.layout()));
         let channels = channels.collect::<Result<_, _>>()?;
@@ -207,6 +256,7 @@ impl SegmentSink {
                 self.failed(&error.into(), accounts, now);
                 return;
             }
+            self.bag.forget(&path);
             self.counts.deleted += 1;
         }
     }

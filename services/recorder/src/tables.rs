@@ -7,11 +7,14 @@
 //!
 //! The recorder passes rows to the operating system before it acknowledges them. A killed recorder has therefore
 //! not acknowledged any row that was lost with it.
+//!
+//! A table that cannot be written disturbs no other file: its rows are counted as lost, and each second the table is
+//! tried again after its last complete row. A table that somebody has removed begins anew.
 
 use std::collections::BTreeMap;
 use std::fmt::Debug;
-use std::fs::File;
-use std::io::{self, BufWriter};
+use std::fs::OpenOptions;
+use std::io::{self, BufWriter, ErrorKind, Seek as _, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
@@ -20,12 +23,18 @@ use formats::rows::RowWriter;
 use frames::SystemFrame;
 use messages::StreamId;
 use recording::Item;
+use runtime::Now;
 
 use crate::account::SampleNumbers;
 use crate::gaps::Gaps;
 use crate::recorded::{ForSamples, RecordedSample, for_samples};
 use crate::recovery::{self, Opened};
 use crate::slice::StreamSlice;
+use crate::table_file::TableFile;
+
+/// Time between two attempts to write a table after a failure, and between two looks whether it is still there,
+/// nanoseconds.
+const RETRY_NS: i64 = 1_000_000_000;
 
 /// Tables of a deployment, one per data stream, in the order of [`deployment::Deployment::streams`].
 #[derive(Debug)]
@@ -33,6 +42,11 @@ pub struct Tables {
     tables: Vec<TableEntry>,
     /// Places of the tables by the name of the topic.
     places: BTreeMap<String, usize>,
+    /// Time of the latest look whether the files are there, monotonic, nanoseconds.
+    looked_ns: i64,
+    failures: u64,
+    /// Rows that could not be written.
+    lost: u64,
 }
 
 #[derive(Debug)]
@@ -44,6 +58,18 @@ struct TableEntry {
     is_gathering: bool,
     /// Number of the next sample of a recording's replayed input: a restarted adapter publishes samples again.
     next_sequence: Option<u64>,
+    /// Failure since which nothing has been written.
+    failing: Option<Failure>,
+}
+
+/// Failure to write a table.
+#[derive(Clone, Copy, Debug)]
+struct Failure {
+    kind: ErrorKind,
+    /// Time of the next attempt, monotonic, nanoseconds.
+    retry_ns: i64,
+    /// Whether rows have been added since the last attempt that wait for the system to take them.
+    is_tried: bool,
 }
 
 /// Table of any sample type.
@@ -60,16 +86,30 @@ trait TableSink: Debug {
 
     /// Returns the number of rows written since the start.
     fn rows(&self) -> u64;
+
+    /// Returns the number of rows that [`TableSink::add`] would write.
+    fn rows_of(&self, octets: &[u8], from_sequence: u64) -> u64;
+
+    /// Gives up the rows that wait in memory; returns their number.
+    fn give_up(&mut self) -> u64;
+
+    /// Continues the file after the last row that the system has taken; begins the file anew if it is gone.
+    fn reopen(&mut self, path: &Path) -> io::Result<()>;
 }
 
 #[derive(Debug)]
 struct TableOf<T: RecordedSample> {
-    writer: RowWriter<T::Row, BufWriter<File>>,
+    writer: RowWriter<T::Row, BufWriter<TableFile>>,
     number: u16,
     frame: SystemFrame,
+    first_day_ns: i64,
     /// Gaps of a numbered table.
     gaps: Option<Gaps>,
     rows: u64,
+    /// Rows in the file, and the file's bytes up to the end of the last one.
+    whole: (u64, u64),
+    /// Rows in memory.
+    waiting: u64,
 }
 
 impl Tables {
@@ -113,6 +153,9 @@ impl Tables {
         Ok(Self {
             places: places.map(|(place, entry)| (entry.topic.clone(), place)).collect(),
             tables,
+            looked_ns: i64::MIN,
+            failures: 0,
+            lost: 0,
         })
     }
 
@@ -141,29 +184,88 @@ impl Tables {
         self.tables.iter_mut().try_for_each(|entry| entry.table.flush())
     }
 
-    /// Writes the rows of a slice.
-    ///
-    /// # Errors
-    /// If a file cannot be written.
-    pub(crate) fn slice(&mut self, slice: &StreamSlice<'_>) -> anyhow::Result<()> {
+    /// Writes the rows of a slice, or counts them as lost.
+    pub(crate) fn slice(&mut self, slice: &StreamSlice<'_>) {
         let entry = &mut self.tables[slice.place];
+        if let Some(failure) = &mut entry.failing
+            && !failure.is_tried
+        {
+            if slice.now.mono_ns < failure.retry_ns {
+                self.lost += entry.table.rows_of(slice.octets, slice.from_sequence);
+                return;
+            }
+            failure.is_tried = true;
+            if let Err(error) = entry.table.reopen(&entry.path) {
+                self.lost += entry.table.rows_of(slice.octets, slice.from_sequence);
+                self.failed(slice.place, &error, slice.now);
+                return;
+            }
+        }
         entry.is_gathering = true;
-        let written = entry.table.add(slice.octets, slice.from_sequence);
-        written.with_context(|| format!("writing {}", entry.path.display()))?;
-        Ok(())
+        if let Err(error) = entry.table.add(slice.octets, slice.from_sequence) {
+            self.failed(slice.place, &error, slice.now);
+        }
     }
 
-    /// Passes the rows of slices to the operating system.
-    ///
-    /// # Errors
-    /// If a file cannot be written.
-    pub(crate) fn flush(&mut self) -> anyhow::Result<()> {
-        for entry in self.tables.iter_mut().filter(|entry| entry.is_gathering) {
-            let flushed = entry.table.flush();
-            flushed.with_context(|| format!("writing {}", entry.path.display()))?;
-            entry.is_gathering = false;
+    /// Passes the rows of slices to the operating system, and looks whether the files are there.
+    pub(crate) fn tend(&mut self, now: Now) {
+        let looks = now.mono_ns.saturating_sub(self.looked_ns) >= RETRY_NS;
+        if looks {
+            self.looked_ns = now.mono_ns;
         }
-        Ok(())
+        for place in 0..self.tables.len() {
+            let entry = &mut self.tables[place];
+            if std::mem::take(&mut entry.is_gathering) {
+                match entry.table.flush() {
+                    Ok(()) => entry.failing = None,
+                    Err(error) => {
+                        self.failed(place, &error, now);
+                        continue;
+                    }
+                }
+            }
+            if looks && entry.failing.is_none() && matches!(entry.path.try_exists(), Ok(false)) {
+                self.failed(place, &ErrorKind::NotFound.into(), now);
+            }
+        }
+    }
+
+    /// Notes a failure: what waits in memory is lost.
+    #[cold]
+    fn failed(&mut self, place: usize, error: &io::Error, now: Now) {
+        let entry = &mut self.tables[place];
+        if self.failures == 0 {
+            let path = entry.path.display();
+            runtime::notice(format_args!(
+                "koseki: a table cannot be written ({path}: {error}); its rows are lost and counted until it can"
+            ));
+        }
+        self.failures += 1;
+        self.lost += entry.table.give_up();
+        entry.is_gathering = false;
+        entry.failing = Some(Failure {
+            kind: error.kind(),
+            retry_ns: now.mono_ns + RETRY_NS,
+            is_tried: false,
+        });
+    }
+
+    /// Returns the kind of a failure since which a table has not been written.
+    pub(crate) fn failing(&self) -> Option<ErrorKind> {
+        self.tables
+            .iter()
+            .find_map(|entry| entry.failing)
+            .map(|failure| failure.kind)
+    }
+
+    /// Returns the number of failures to write a table.
+    pub(crate) fn failures(&self) -> u64 {
+        self.failures
+    }
+
+    /// Returns the number of rows that could not be written.
+    pub(crate) fn lost(&self) -> u64 {
+        self.lost
     }
 
     /// Returns the sample numbers after the last row of the table at this place.
@@ -203,7 +305,8 @@ impl ForSamples for TableBuilder<'_> {
     fn of<T: RecordedSample>(self, stem: &str) -> Self::Done {
         let path = self.folder.join(file_name(stem, self.name));
         let Opened { file, rows } = recovery::open(&path, self.resume)?;
-        let file = BufWriter::new(file);
+        let whole = (rows, file.metadata().map_or(0, |file| file.len()));
+        let file = BufWriter::new(TableFile::new(file, whole.1));
         let gaps = || Gaps::of(&path, rows).with_context(|| format!("reading the gaps of {}", path.display()));
         let gaps = self.is_numbered.then(gaps).transpose()?;
         let writer = match rows {
@@ -215,8 +318,11 @@ impl ForSamples for TableBuilder<'_> {
             writer,
             number: self.number,
             frame: self.frame,
+            first_day_ns: self.first_day_ns,
             gaps,
             rows: 0,
+            whole,
+            waiting: 0,
         };
         Ok(TableEntry {
             topic: T::topic(self.name).name.as_str().to_owned(),
@@ -224,6 +330,7 @@ impl ForSamples for TableBuilder<'_> {
             table: Box::new(table),
             is_gathering: false,
             next_sequence: None,
+            failing: None,
         })
     }
 }
@@ -231,6 +338,8 @@ impl ForSamples for TableBuilder<'_> {
 impl<T: RecordedSample> TableSink for TableOf<T> {
     fn add(&mut self, octets: &[u8], from_sequence: u64) -> io::Result<u64> {
         let mut next_sequence = 0;
+        // All rows wait, whether or not an earlier one is refused: what waits is lost with a refused row.
+        let mut refused = Ok(());
         for sample in octets.chunks_exact(size_of::<T>()).filter_map(T::of_octets) {
             let sequence = sample.sequence();
             if sequence < from_sequence {
@@ -240,15 +349,25 @@ impl<T: RecordedSample> TableSink for TableOf<T> {
             let Some(row) = sample.row(self.number, &self.frame) else {
                 continue;
             };
-            self.gaps.as_mut().map_or(Ok(()), |gaps| gaps.add_row(sequence))?;
-            self.writer.write(&row)?;
+            self.waiting += 1;
             self.rows += 1;
+            if refused.is_ok() {
+                refused = match &mut self.gaps {
+                    Some(gaps) => gaps.add_row(sequence).and_then(|()| self.writer.write(&row)),
+                    None => self.writer.write(&row),
+                };
+            }
         }
-        Ok(next_sequence)
+        refused.map(|()| next_sequence)
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.writer.flush()
+        self.writer.flush()?;
+        self.whole = (
+            self.whole.0 + std::mem::take(&mut self.waiting),
+            self.writer.get_ref().get_ref().bytes(),
+        );
+        Ok(())
     }
 
     fn numbers(&self) -> SampleNumbers {
@@ -257,5 +376,43 @@ impl<T: RecordedSample> TableSink for TableOf<T> {
 
     fn rows(&self) -> u64 {
         self.rows
+    }
+
+    fn rows_of(&self, octets: &[u8], from_sequence: u64) -> u64 {
+        let samples = octets.chunks_exact(size_of::<T>()).filter_map(T::of_octets);
+        let is_row = |sample: &T| sample.sequence() >= from_sequence && sample.row(self.number, &self.frame).is_some();
+        samples.filter(is_row).count() as u64
+    }
+
+    fn give_up(&mut self) -> u64 {
+        let lost = std::mem::take(&mut self.waiting);
+        self.rows -= lost;
+        lost
+    }
+
+    fn reopen(&mut self, path: &Path) -> io::Result<()> {
+        let mut options = OpenOptions::new();
+        let mut file = options.write(true).create(true).truncate(false).open(path)?;
+        if file.metadata()?.len() < self.whole.1 {
+            self.whole = (0, 0);
+        }
+        // Without a row, the file begins with its header again.
+        if self.whole.0 == 0 {
+            self.whole.1 = 0;
+        }
+        let at = self.whole.1;
+        let other = BufWriter::new(TableFile::new(file.try_clone()?, at));
+        let writer = RowWriter::resume(other, self.first_day_ns);
+        // Rows in memory are lost already: they must not go into the file late.
+        drop(std::mem::replace(&mut self.writer, writer).into_inner().into_parts());
+        file.set_len(at)?;
+        file.seek(SeekFrom::End(0))?;
+        if at == 0 {
+            self.writer = RowWriter::begin(BufWriter::new(TableFile::new(file, 0)), self.first_day_ns)?;
+        }
+        if self.gaps.is_some() {
+            self.gaps = Some(Gaps::of(path, self.whole.0)?);
+        }
+        Ok(())
     }
 }

@@ -338,10 +338,16 @@ mod all_topics {
 
     #[test]
     fn a_killed_recorder_costs_what_was_not_flushed_and_the_next_one_counts_it() {
+        for compression in ["zstd", "none"] {
+            kill(&[&format!("recorder.compression={compression}")]);
+        }
+    }
+
+    fn kill(settings: &[&str]) {
         let mut bench = bench();
         let (out, after) = (bench.folder.path().join("out"), bench.folder.path().join("after"));
         std::fs::create_dir(&after).unwrap();
-        let mut first = recorder_of(&bench, &out, &[]);
+        let mut first = recorder_of(&bench, &out, settings);
         bench.send(0..4, false);
         first.turn(at(10.0)).unwrap();
         bench.send(4..6, false);
@@ -354,10 +360,13 @@ mod all_topics {
         std::fs::write(after.join("all_topics_000001.mcap"), left).unwrap();
         drop(first);
         std::fs::write(after.join("all_topics_000002.mcap"), [0x89, b'M']).unwrap();
-        let mut second = recorder_of(&bench, &after, &[]);
+        let mut second = recorder_of(&bench, &after, settings);
         bench.send(9..11, false);
         second.turn(at(13.0)).unwrap();
         assert_eq!(counted(&second, Counter::RecordedLost), 6, "3 of each topic");
+        let mut entries: Vec<HealthEntry> = Vec::new();
+        second.health(&mut entries);
+        assert_eq!(entries[0].note, "a recorder ended or was killed before it had written");
         second.close(at(14.0)).unwrap();
         let found = survey(&after);
         assert_eq!(
@@ -371,7 +380,15 @@ mod all_topics {
     fn files_follow_each_other_and_the_oldest_make_room() {
         let mut bench = bench();
         let out = bench.folder.path().join("out");
-        let mut recorder = recorder_of(&bench, &out, &["recorder.segment_s=1", "recorder.keep_gb=0.001"]);
+        let mut recorder = recorder_of(
+            &bench,
+            &out,
+            &[
+                "recorder.segment_s=1",
+                "recorder.keep_gb=0.001",
+                "recorder.compression=none",
+            ],
+        );
         for turn in 0..40 {
             let first = 60 * turn;
             bench.send(first..first + 60, false);
@@ -410,5 +427,176 @@ mod all_topics {
         assert!(error.to_string().contains(&format!("lacks {lost} samples")), "{error}");
         let topic = &survey(&out).topics[TOPIC];
         assert_eq!((topic.samples, topic.tally.lost), (5, 5));
+    }
+
+    #[test]
+    fn a_table_that_fails_disturbs_no_other_file() {
+        let mut bench = bench();
+        let out = bench.folder.path().join("out");
+        let table = out.join("sensor_tracks_a.csv");
+        let mut recorder = recorder_of(&bench, &out, &[]);
+        bench.send(0..4, false);
+        recorder.turn(at(1.0)).unwrap();
+        std::fs::remove_file(&table).unwrap();
+        recorder.turn(at(2.1)).unwrap();
+        bench.send(4..7, false);
+        recorder.turn(at(2.2)).unwrap();
+        let note = |recorder: &RecorderAgent<InProcess>| {
+            let mut entries: Vec<HealthEntry> = Vec::new();
+            recorder.health(&mut entries);
+            entries[0].note.clone()
+        };
+        assert_eq!(note(&recorder), "its folder is gone");
+        // A device that takes nothing.
+        std::os::unix::fs::symlink("/dev/full", &table).unwrap();
+        bench.send(7..9, false);
+        recorder.turn(at(3.3)).unwrap();
+        assert_eq!(note(&recorder), "its files cannot be written");
+        std::fs::remove_file(&table).unwrap();
+        bench.send(9..12, false);
+        recorder.turn(at(4.5)).unwrap();
+        assert_eq!(counted(&recorder, Counter::RecordedLost), 5);
+        assert_eq!(counted(&recorder, Counter::RecordingFailures), 2);
+        let error = recorder.close(at(4.6)).unwrap_err().to_string();
+        assert_eq!(error, "tables could not be written 2 times; they lack 5 rows");
+        assert_eq!(
+            (bench.rows("sensor_tracks_a.csv"), bench.rows("system_tracks.csv")),
+            (3, 12)
+        );
+        let topic = &survey(&out).topics[TOPIC];
+        assert_eq!((topic.samples, topic.tally.lost), (12, 0));
+    }
+
+    #[test]
+    fn every_gap_ends_with_a_request_for_a_snapshot_once_files_can_be_written() {
+        let mut bench = bench();
+        let (out, away) = (bench.folder.path().join("out"), bench.folder.path().join("away"));
+        let mut orders = bench.bus.subscriber(&messages::orders(), || 1).unwrap();
+        let mut recorder = recorder_of(&bench, &out, &["recorder.segment_s=1", "recorder.format=[\"mcap\"]"]);
+        let begin_s = Now::read().mono_ns as f64 / 1e9 + 1.0;
+        let mut asked = || {
+            let mut count = 0;
+            orders.take(100, |_, orders| count += orders.len()).unwrap();
+            count
+        };
+        let mut number = 0;
+        let mut turn = |recorder: &mut RecorderAgent<InProcess>, second: f64| {
+            bench.send(number..number + 1, false);
+            number += 1;
+            recorder.turn(at(begin_s + second)).unwrap();
+        };
+        turn(&mut recorder, 0.0);
+        turn(&mut recorder, 1.1);
+        assert_eq!(asked(), 0, "nothing is missing");
+        for gap in 0..3 {
+            let second = 5.0 + 100.0 * f64::from(gap);
+            std::fs::rename(&out, &away).unwrap();
+            for later in 0..4 {
+                turn(&mut recorder, second + f64::from(later));
+            }
+            assert_eq!(asked(), 0, "what is asked for now cannot be written");
+            std::fs::rename(&away, &out).unwrap();
+            turn(&mut recorder, second + 4.1);
+            turn(&mut recorder, second + 4.3);
+            turn(&mut recorder, second + 4.4);
+            assert_eq!(asked(), 1, "gap {gap}");
+        }
+        recorder.close(at(begin_s + 400.0)).unwrap_err();
+    }
+
+    #[test]
+    fn a_queue_that_overran_ends_with_a_request_for_a_snapshot() {
+        let mut bench = bench();
+        let out = bench.folder.path().join("out");
+        let mut orders = bench.bus.subscriber(&messages::orders(), || 1).unwrap();
+        let mut recorder = recorder_of(&bench, &out, &["recorder.format=[\"mcap\"]"]);
+        let begin_s = Now::read().mono_ns as f64 / 1e9 + 1.0;
+        bench.send(0..1, false);
+        recorder.turn(at(begin_s)).unwrap();
+        (1..301).for_each(|number| bench.send(number..number + 1, false));
+        while recorder.turn(at(begin_s + 0.1)).unwrap() == Turn::Worked {}
+        let mut count = 0;
+        orders.take(100, |_, orders| count += orders.len()).unwrap();
+        assert_eq!(count, 1);
+        let mut entries: Vec<HealthEntry> = Vec::new();
+        recorder.health(&mut entries);
+        assert_eq!(entries[0].note, "the recorder is too slow");
+    }
+
+    #[test]
+    fn a_folder_is_a_bag_of_ros_2_also_without_an_end() {
+        let mut bench = bench();
+        let out = bench.folder.path().join("out");
+        let bag = || -> serde_yaml::Value {
+            let text = std::fs::read_to_string(out.join("metadata.yaml")).unwrap();
+            serde_yaml::from_str::<serde_yaml::Value>(&text).unwrap()["rosbag2_bagfile_information"].clone()
+        };
+        let count = |bag: &serde_yaml::Value, topic: &str| {
+            let topics = bag["topics_with_message_count"].as_sequence().unwrap();
+            let found = topics
+                .iter()
+                .find(|each| each["topic_metadata"]["name"] == topic)
+                .unwrap();
+            assert_eq!(found["topic_metadata"]["serialization_format"], "cdr");
+            assert_eq!(found["topic_metadata"]["offered_qos_profiles"], "");
+            let schema = found["topic_metadata"]["type"].as_str().unwrap().to_owned();
+            (schema, found["message_count"].as_u64().unwrap())
+        };
+        let mut first = recorder_of(&bench, &out, &[]);
+        bench.send(0..4, false);
+        first.turn(at(1.0)).unwrap();
+        let begun = bag();
+        assert_eq!(
+            (&begun["version"], &begun["storage_identifier"]),
+            (&5.into(), &"mcap".into())
+        );
+        assert_eq!(begun["relative_file_paths"][0], "all_topics_000001.mcap");
+        assert_eq!(count(&begun, TOPIC), ("koseki/msg/SensorTrack".to_owned(), 0));
+        first.turn(at(2.5)).unwrap();
+        // Killed: the file has no summary, and its description is old.
+        let left = std::fs::read(&files(&out)[0]).unwrap();
+        drop(first);
+        std::fs::write(&files(&out)[0], left).unwrap();
+        let mut second = recorder_of(&bench, &out, &[]);
+        assert_eq!(count(&bag(), TOPIC).1, 4);
+        bench.send(4..9, false);
+        second
+            .turn(Now {
+                utc_ns: 7_000,
+                ..at(3.0)
+            })
+            .unwrap();
+        second
+            .close(Now {
+                utc_ns: 9_000,
+                ..at(4.0)
+            })
+            .unwrap();
+        let ended = bag();
+        assert_eq!(count(&ended, TOPIC).1, 9);
+        assert_eq!(
+            count(&ended, "sensor/a/tracks/slices"),
+            ("koseki/msg/BatchHeader".to_owned(), 2)
+        );
+        let of_files = ended["files"].as_sequence().unwrap();
+        let names: Vec<_> = of_files.iter().map(|file| file["path"].clone()).collect();
+        assert_eq!(names, *ended["relative_file_paths"].as_sequence().unwrap());
+        assert_eq!(names.len(), 2);
+        let messages: u64 = of_files
+            .iter()
+            .map(|file| file["message_count"].as_u64().unwrap())
+            .sum();
+        assert_eq!(ended["message_count"].as_u64(), Some(messages));
+        assert_eq!(
+            of_files[1]["starting_time"]["nanoseconds_since_epoch"].as_u64(),
+            Some(7_000)
+        );
+        assert_eq!(ended["duration"]["nanoseconds"].as_u64(), Some(9_000));
+        assert!(!out.join(".metadata.yaml").exists());
+        // A third recorder reads the counts of ended files in their summaries.
+        drop(second);
+        std::fs::remove_file(out.join("metadata.yaml")).unwrap();
+        drop(recorder_of(&bench, &out, &[]));
+        assert_eq!(bag()["message_count"].as_u64(), Some(messages));
     }
 }

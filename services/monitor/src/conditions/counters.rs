@@ -16,7 +16,13 @@ const GROWING: &[Growing] = {
             AlarmKind::SamplesLost,
             &[Counter::Lost, Counter::RecordedLost],
             "sample",
-            &[Fusion, Recorder, Gateway, Adapter, Link],
+            &[Fusion, Gateway, Adapter, Link],
+        ),
+        (
+            AlarmKind::RecordingIncomplete,
+            &[Counter::Lost, Counter::RecordedLost],
+            "sample",
+            &[Recorder],
         ),
         (
             AlarmKind::LostOnTheWay,
@@ -92,10 +98,17 @@ impl Conditions {
                         Some(source) => format!(" of {}", source.facts.name),
                         None => String::new(),
                     };
+                    // Notes of other processes are about their inputs and peers.
+                    let cause = match (kind, *alarm, latest.note()) {
+                        (ProcessKind::Recorder, _, note) if !note.is_empty() => note,
+                        (_, AlarmKind::RecordingFailed, _) => "standard error has the cause",
+                        _ => "it fell behind",
+                    };
                     let values = [
                         ("process", title(kind, latest.name())),
                         ("count", several(count, thing)),
                         ("of", of),
+                        ("cause", cause.to_owned()),
                     ];
                     round.find(*alarm, subject, Finding::Bad, &values);
                 }

@@ -123,6 +123,15 @@ fn what_is_lost_dropped_or_does_not_fit_is_told() {
         growing(AlarmKind::SamplesLost, fusion, Counter::Lost),
         "fusion has lost 1,234 samples of ads-b: fusion fell behind, or a connection between hosts was interrupted."
     );
+    let recorder = (ProcessKind::Recorder, "recorder", NO_SOURCE);
+    assert_eq!(
+        growing(AlarmKind::RecordingIncomplete, recorder, Counter::RecordedLost),
+        "The recording of recorder lacks 1,234 samples: it fell behind."
+    );
+    assert_eq!(
+        growing(AlarmKind::RecordingFailed, recorder, Counter::RecordingFailures),
+        "recorder cannot write its recording: 1,234 attempts failed (standard error has the cause)."
+    );
     let link = (ProcessKind::Link, "in", NO_SOURCE);
     assert_eq!(
         growing(AlarmKind::LostOnTheWay, link, Counter::LostOnTheWay),
