@@ -3,8 +3,9 @@
 //! Detections wait until their scan is complete and, with several sensors, until no earlier scan can come
 //! ([`crate::joining`]), which depends on times of the data alone. They are then published with the scan's number,
 //! followed by every confirmed track after the scan, in the order of times. Missing scan numbers are scans without
-//! detections; the tracker receives them as soon as the next scan is complete. `koseki track` repeats all of this with
-//! the recorded detections and produces the same tracks.
+//! detections; the tracker receives them as soon as the next scan is complete. Where the sensor's marks of time, or the
+//! clock ([`crate::silence`]), show a scan without detections before, the scan is published as a mark. `koseki track`
+//! repeats all of this with the recorded detections and marks, and produces the same tracks.
 //!
 //! A tracker of several sensors instead publishes each event of a sensor as it comes, before anything is decided about
 //! it: detections, late ones included, and marks of time. `koseki track` takes the recorded events in the same order,
@@ -40,7 +41,7 @@ use kept::{Memory, MemoryRefusal};
 use messages::{Counter, Counters, SensorBearing, StageTimes, TrackState};
 use observations::{Bearing, Detection, Sampled, SensorEvent, WideAreaReport};
 use settings::SettingsError;
-use tracking::cutting::DetectionTreatment;
+use tracking::cutting::{CutterSettings, DetectionTreatment};
 use tracking::turn_time::TurnEstimate;
 use tracking::wide_area::Emission;
 use tracking::wide_area::arrivals::Arrivals;
@@ -51,6 +52,7 @@ use crate::joining::{JoiningSettings, ScanJoiner};
 use crate::last_kept::LastKept;
 use crate::samples::Samples;
 use crate::scan_tracker::{Outputs, ScanTracker, SensorScan, TrackSink};
+use crate::silence::{SilenceRules, SilentSensor};
 
 /// Settings for making tracks of a source's detections.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,6 +82,10 @@ pub struct DetectionTracker {
     /// See [`TrackerSettings::events`].
     events: bool,
     joiner: ScanJoiner,
+    /// Scans of the first sensor.
+    cutter: CutterSettings,
+    /// Silence of the only sensor.
+    silent: SilentSensor,
     tracker: ScanTracker,
     /// Number and time of the latest scan.
     latest: Option<(u32, i64)>,
@@ -122,6 +128,8 @@ impl DetectionTracker {
         Ok(Self {
             source,
             events: settings.events,
+            cutter: settings.joining.cutters[0],
+            silent: SilentSensor::default(),
             joiner: ScanJoiner::new(&settings.sensor_ids(), &settings.joining, epoch_ns)?,
             tracker: ScanTracker::new(settings.settings.clone(), settings.outputs, reports, Vec::new())?,
             latest: None,
@@ -150,6 +158,13 @@ impl DetectionTracker {
 
     /// Takes an event of the sensor in this place of the settings, received at `ingested_ns`.
     pub fn event(&mut self, sensor: usize, event: &SensorEvent, ingested_ns: i64, samples: &mut Samples) {
+        if !self.events {
+            self.silent.came(event.time_ns(), ingested_ns);
+        }
+        self.pass_on(sensor, event, ingested_ns, samples);
+    }
+
+    fn pass_on(&mut self, sensor: usize, event: &SensorEvent, ingested_ns: i64, samples: &mut Samples) {
         self.ingested_ns = ingested_ns;
         if let SensorEvent::Detection(detection) = event
             && self.is_too_old(detection.time_of_measurement_ns)
@@ -238,7 +253,21 @@ impl DetectionTracker {
         let due_ns = time_ns.saturating_sub(patience_ns);
         // Only with a picture to make: a scan is not to be cut short for nothing.
         if self.tracker.scans() > 0 && self.tracker.has_picture_due(due_ns) {
-            self.passed(due_ns, false, self.ingested_ns, samples);
+            self.joiner.passed_by_clock(due_ns);
+            self.come_to(samples);
+        }
+    }
+
+    /// The clock has come to `mono_ns` (monotonic, nanoseconds), and no received data wait: the scans that a silent
+    /// sensor has made meanwhile had no detections, until its silence raises the alarm after `silent_after_ns`.
+    pub fn silent(&mut self, mono_ns: i64, silent_after_ns: Option<i64>, samples: &mut Samples) {
+        // Of several sensors, the process states the time of each.
+        let Some(period_ns) = self.joiner.period_ns().filter(|_| !self.events) else {
+            return;
+        };
+        let rules = SilenceRules::new(&self.cutter, period_ns, silent_after_ns);
+        if let Some((event, came_ns)) = self.silent.statement(mono_ns, &rules) {
+            self.pass_on(0, &event, came_ns, samples);
         }
     }
 
@@ -382,6 +411,11 @@ impl DetectionTracker {
                 let published = scan.detections.iter().zip(receipts);
                 let published = published.map(|(detection, at_ns)| detection.sample(self.source, ingested(*at_ns)));
                 samples.detections.extend(published);
+                if self.joiner.is_by_time() {
+                    let (number, time_ns) = (scan.number, scan.time_ns);
+                    let empty = SensorEvent::EmptyScan { number, time_ns };
+                    samples.detections.push(empty.sample(self.source, ingested(self.ingested_ns)));
+                }
             }
             let mut sink = Publishing {
                 source: self.source,

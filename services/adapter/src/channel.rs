@@ -36,6 +36,8 @@ pub(crate) struct SourceChannel {
     outlets: Outlets,
     /// Clock for the estimate of the source's clock offset.
     steady: Option<SteadyClock>,
+    /// Silence of the source that raises the alarm, nanoseconds.
+    silent_after_ns: Option<i64>,
 }
 
 /// Topics of a source.
@@ -98,6 +100,7 @@ impl SourceChannel {
             },
             outlets: Outlets::open(process, source)?,
             steady: None,
+            silent_after_ns: source.silent_after_ns,
         })
     }
 
@@ -151,10 +154,13 @@ impl SourceChannel {
         self.publish_many()
     }
 
-    /// Lets the pictures that no longer wait for data go out by the clock. Must be called only when no received data
+    /// Lets a silent sensor's scans without detections, and the pictures that no longer wait for data, go out by the
+    /// clock. Must be called only when no received data
     /// wait: data that have arrived are not late, however long the process has stood still.
     pub(crate) fn elapsed(&mut self, now: Now) -> anyhow::Result<()> {
         let Some(steady) = self.steady else { return Ok(()) };
+        self.pipeline
+            .silent(now.mono_ns, self.silent_after_ns, &mut self.gathered);
         self.pipeline.elapsed(steady.utc_ns(now.mono_ns), &mut self.gathered);
         self.publish_many()
     }
