@@ -38,7 +38,7 @@
 use std::sync::atomic::AtomicU64;
 
 use kept::{Memory, MemoryRefusal};
-use messages::{Counter, Counters, SensorBearing, StageTimes, TrackState};
+use messages::{Counter, Counters, SensorBearing, StageTimes, TrackState, sensor_track_bits};
 use observations::{Bearing, Detection, Sampled, SensorEvent, WideAreaReport};
 use settings::SettingsError;
 use tracking::cutting::{CutterSettings, DetectionTreatment};
@@ -66,6 +66,17 @@ pub struct TrackerSettings {
     pub outputs: Outputs,
     /// Whether the events of the sensors are published as they come, instead of the detections of complete scans.
     pub events: bool,
+    /// Axes of the platform that carries all sensors, if one does. Its tracks then state the platform's place.
+    pub platform: Option<PlatformAxes>,
+}
+
+/// Axes in which a platform's sensors look around.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PlatformAxes {
+    /// Those of the system frame, at the platform's place.
+    North,
+    /// Those of the hull.
+    Hull,
 }
 
 impl TrackerSettings {
@@ -111,6 +122,9 @@ pub struct DetectionTracker {
     emissions_rejected: u64,
     memory: Option<TrackerMemory>,
     kept: LastKept,
+    axes: Option<PlatformAxes>,
+    /// Place of the platform, east and north, metres, and the heading of the axes, radians.
+    platform: Option<[f64; 3]>,
 }
 
 impl DetectionTracker {
@@ -148,6 +162,8 @@ impl DetectionTracker {
             emissions_rejected: 0,
             memory: None,
             kept: LastKept::default(),
+            axes: settings.platform,
+            platform: None,
         })
     }
 
@@ -395,6 +411,7 @@ impl DetectionTracker {
             ingested_ns: self.ingested_ns,
             has_pictures: self.tracker.shown_ns().is_some(),
             cues: &mut self.cues,
+            platform: self.platform,
             late: None,
             samples,
         };
@@ -417,21 +434,41 @@ impl DetectionTracker {
                     samples.detections.push(empty.sample(self.source, ingested(self.ingested_ns)));
                 }
             }
+            let latest_ns = self.latest.map_or(i64::MIN, |(_, time_ns)| time_ns);
+            if let Some(axes) = self.axes
+                && scan.time_ns >= latest_ns
+            {
+                self.platform = platform_of(scan.detections, axes, self.platform);
+            }
             let mut sink = Publishing {
                 source: self.source,
                 ingested_ns: self.ingested_ns,
                 has_pictures: self.tracker.shown_ns().is_some(),
                 cues: &mut self.cues,
+                platform: self.platform,
                 late: self.events.then_some(&mut self.late),
                 samples,
             };
             self.tracker.scan(&scan, None, &mut sink);
-            let latest_ns = self.latest.map_or(i64::MIN, |(_, time_ns)| time_ns);
             if !self.events || scan.time_ns >= latest_ns {
                 self.latest = Some((scan.number, scan.time_ns));
             }
         }
     }
+}
+
+/// Place of the platform, and heading of the `axes`, at the latest of a scan's detections. What they do not state stays.
+fn platform_of(detections: &[Detection], axes: PlatformAxes, before: Option<[f64; 3]>) -> Option<[f64; 3]> {
+    let Some(latest) = detections.last() else {
+        return before;
+    };
+    let [east, north, _] = latest.platform_m;
+    let heading_rad = match (axes, latest.platform.attitude_rad) {
+        (PlatformAxes::North, _) => 0.0,
+        (PlatformAxes::Hull, Some([heading_rad, ..])) => f64::from(heading_rad),
+        (PlatformAxes::Hull, None) => before.map_or(0.0, |[.., heading_rad]| heading_rad),
+    };
+    Some([east, north, heading_rad])
 }
 
 /// The way of a tracker's tracks and cues into samples.
@@ -441,6 +478,8 @@ struct Publishing<'a> {
     /// Whether tracks come as pictures at even times.
     has_pictures: bool,
     cues: &'a mut u64,
+    /// See [`DetectionTracker::platform`].
+    platform: Option<[f64; 3]>,
     /// Count of the detections in scans that are too late for the tracker.
     late: Option<&'a mut u64>,
     samples: &'a mut Samples,
@@ -459,6 +498,9 @@ impl TrackSink for Publishing<'_> {
             track.stages.ingested_ns = self.ingested_ns;
             if extrapolated {
                 track.state = TrackState::Coasted as u8;
+            } else if let Some(platform) = self.platform {
+                track.measured_m = platform;
+                track.valid |= sensor_track_bits::PLATFORM;
             }
             self.samples.tracks.push(track);
         }

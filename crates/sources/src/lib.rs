@@ -29,7 +29,7 @@ mod scan_tracker;
 pub mod silence;
 
 pub use bearing_locator::BearingLocator;
-pub use detection_tracker::{DetectionTracker, TrackerSettings};
+pub use detection_tracker::{DetectionTracker, PlatformAxes, TrackerSettings};
 pub use pipeline::{Pipeline, Processing};
 pub use samples::Samples;
 pub use scan_tracker::{Outputs, ScanTracker, SensorScan, TrackSink};

@@ -4,12 +4,12 @@ use std::path::Path;
 
 use configuration::Config;
 use messages::{
-    Counter, Counters, SensorBearing, SensorTrack, StageTimes, TrackState, sensor_bearing_bits,
+    Counter, Counters, SensorBearing, SensorTrack, StageTimes, TrackState, sensor_bearing_bits, sensor_track_bits,
 };
 use observations::{Detection, DetectionKind, DetectionPlatform, Sampled as _, SensorEvent, TransponderReply};
 use proptest::prelude::*;
 
-use sources::{DetectionTracker, Samples, ScanTracker, SensorScan, TrackSink, TrackerSettings};
+use sources::{DetectionTracker, PlatformAxes, Samples, ScanTracker, SensorScan, TrackSink, TrackerSettings};
 use test_support::S;
 use tracking::TrackReport;
 use tracking::scans::{scans_of, silent_scans};
@@ -479,5 +479,35 @@ proptest! {
         }
         tracking.end(&mut made);
         prop_assert_eq!(plain(&made.tracks), plain(&tracks_of_the_table(&made)));
+    }
+}
+
+#[test]
+fn the_tracks_of_a_tracker_on_board_state_where_its_platform_is() {
+    for (axes, heading_rad) in [(None, 0.0), (Some(PlatformAxes::North), 0.0), (Some(PlatformAxes::Hull), 0.5)] {
+        let settings = TrackerSettings {
+            platform: axes,
+            ..settings("")
+        };
+        let mut tracking = DetectionTracker::new(0, &settings, 0, Arrivals::new()).unwrap();
+        let mut made = Samples::default();
+        for scan in 0..10 {
+            let time_s = 4.0 * f64::from(scan) + 1.2;
+            let mut detection = seen(time_s);
+            detection.platform_m = [10.0 * time_s, 700.0, 15.0];
+            // A camera among the sensors may state no attitude.
+            detection.platform.attitude_rad = (scan % 2 == 0).then_some([0.5, 0.1, 0.0]);
+            tracking.take(detection, 0, &mut made);
+        }
+        assert!(made.tracks.len() > 3);
+        for track in &made.tracks {
+            assert_eq!(track.has(sensor_track_bits::PLATFORM), axes.is_some());
+            if axes.is_some() {
+                let time_s = track.time_of_measurement_ns as f64 / 1e9;
+                let [east, north, heading] = track.measured_m;
+                assert!((east - 10.0 * time_s).abs() < 1e-6 && north == 700.0, "{east} {north}");
+                assert_eq!(heading, heading_rad);
+            }
+        }
     }
 }
