@@ -349,7 +349,11 @@ fn axes(sensors: &[Source]) -> Option<PlatformAxes> {
     let first = mounted.first()?.platform;
     let is_fixed = mounted.iter().any(|on_board| on_board.mount.bearings == Bearings::Nose);
     let is_one = mounted.iter().all(|on_board| on_board.platform == first);
-    is_one.then_some(if is_fixed { PlatformAxes::Hull } else { PlatformAxes::North })
+    is_one.then_some(if is_fixed {
+        PlatformAxes::Hull
+    } else {
+        PlatformAxes::North
+    })
 }
 
 /// Finds the wide-area sensors and direction finders that the tracker names.

@@ -140,9 +140,15 @@ mod tests {
         let mut writer = crate::rows::RowWriter::begin(Vec::new(), 1_000).unwrap();
         writer.write(&RepliedScanRow(empty)).unwrap();
         let text = writer.into_inner();
-        let widths = text.split(|octet| *octet == b'\n').take(2).map(|line| line.split(|octet| *octet == b',').count());
+        let widths = text
+            .split(|octet| *octet == b'\n')
+            .take(2)
+            .map(|line| line.split(|octet| *octet == b',').count());
         assert_eq!(widths.clone().min(), widths.max());
-        let found: Vec<_> = ScanRowReader::new(&text[..], 1_000).unwrap().map(Result::unwrap).collect();
+        let found: Vec<_> = ScanRowReader::new(&text[..], 1_000)
+            .unwrap()
+            .map(Result::unwrap)
+            .collect();
         assert_eq!(found, [empty]);
     }
 

@@ -146,7 +146,11 @@ mod tests {
         // To the east, what lies north is on the left.
         sources.note(&stated(11, [1000.0, 400.0, FRAC_PI_2]));
         assert_eq!(seen(&sources, 11), Some([-100, 1000]));
-        for wrong in [stated(9, [0.0; 3]), stated(12, [f64::NAN, 0.0, 0.0]), stated(12, [2e7, 0.0, 0.0])] {
+        for wrong in [
+            stated(9, [0.0; 3]),
+            stated(12, [f64::NAN, 0.0, 0.0]),
+            stated(12, [2e7, 0.0, 0.0]),
+        ] {
             sources.note(&wrong);
             assert_eq!(seen(&sources, 12), Some([-100, 1000]));
         }

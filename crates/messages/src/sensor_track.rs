@@ -33,8 +33,7 @@ bits! {
         TURN_RATE = 1 << 11;
         /// `pressure_offset_m` is known: the report states its height in both ways.
         PRESSURE_OFFSET = 1 << 12;
-        /// The source's sensors are on a platform that moves, and `measured_m` holds its place instead of a measurement:
-        /// east and north, metres, and the heading in which the sensors are fixed, radians (0: to north).
+        /// The sensors move: `measured_m` is the platform's place (east, north) and heading, no measurement.
         PLATFORM = 1 << 13;
     }
 }
@@ -84,7 +83,7 @@ sample! {
         velocity_mps: [f64; 3],
         /// Covariance of position and velocity; all 0 where the source gives its `trace_m2` instead.
         covariance: Covariance,
-        /// Measured position, before the source's own filter, metres; with the bit `PLATFORM`, the platform's place.
+        /// Measured position, before the source's own filter, metres. See the bit `PLATFORM`.
         measured_m: [f64; 3],
         /// Trace of the source's position covariance over east and north, square metres.
         trace_m2: f64,

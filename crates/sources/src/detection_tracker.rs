@@ -431,7 +431,9 @@ impl DetectionTracker {
                 if self.joiner.is_by_time() {
                     let (number, time_ns) = (scan.number, scan.time_ns);
                     let empty = SensorEvent::EmptyScan { number, time_ns };
-                    samples.detections.push(empty.sample(self.source, ingested(self.ingested_ns)));
+                    samples
+                        .detections
+                        .push(empty.sample(self.source, ingested(self.ingested_ns)));
                 }
             }
             let latest_ns = self.latest.map_or(i64::MIN, |(_, time_ns)| time_ns);

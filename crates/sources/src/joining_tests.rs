@@ -188,7 +188,10 @@ fn numbered_scans_are_known_to_be_empty_by_the_sensors_time() {
         joiner.take(0, &SensorEvent::Passed(5 * S - 1), 0);
         assert_eq!(released(&mut joiner), [(1, 7, S)]);
         joiner.take(0, &SensorEvent::Passed(7 * S), 0);
-        let times = released(&mut joiner).iter().map(|(.., time_ns)| time_ns / S).collect::<Vec<_>>();
+        let times = released(&mut joiner)
+            .iter()
+            .map(|(.., time_ns)| time_ns / S)
+            .collect::<Vec<_>>();
         assert_eq!(times, empty);
         let late = joiner.take(0, &detection(1, 8, 4 * S), 0) == DetectionTreatment::TooLate;
         assert_eq!(late, period_ns.is_some());

@@ -422,11 +422,15 @@ fn a_silent_radars_tracks_coast_and_end_by_its_marks_of_time() {
     let mut times = Vec::new();
     for turn in 20..60 {
         tracking.passed(i64::from(turn) * 4 * S, true, 0, &mut made);
-        let new = made.tracks[by_data + times.len()..].iter().map(|track| track.time_of_measurement_ns);
+        let new = made.tracks[by_data + times.len()..]
+            .iter()
+            .map(|track| track.time_of_measurement_ns);
         times.extend(new.collect::<Vec<_>>());
     }
     // A turn is over at its end and the wait: 4.4 s after its time. The track lives for some turns, and ends.
-    let expected: Vec<i64> = (1..=times.len() as i64).map(|turn| LAST_NS - 4 * S + 4 * S * turn).collect();
+    let expected: Vec<i64> = (1..=times.len() as i64)
+        .map(|turn| LAST_NS - 4 * S + 4 * S * turn)
+        .collect();
     assert_eq!(times, expected);
     assert!((3..20).contains(&times.len()), "{}", times.len());
     // It comes back, as late as its first turn that is not known to be empty.
@@ -484,7 +488,11 @@ proptest! {
 
 #[test]
 fn the_tracks_of_a_tracker_on_board_state_where_its_platform_is() {
-    for (axes, heading_rad) in [(None, 0.0), (Some(PlatformAxes::North), 0.0), (Some(PlatformAxes::Hull), 0.5)] {
+    for (axes, heading_rad) in [
+        (None, 0.0),
+        (Some(PlatformAxes::North), 0.0),
+        (Some(PlatformAxes::Hull), 0.5),
+    ] {
         let settings = TrackerSettings {
             platform: axes,
             ..settings("")

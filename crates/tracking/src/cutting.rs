@@ -20,6 +20,8 @@
 //! is that of the sixteenth of a second, counted from an epoch, in which the scan began. No sensor makes as many scans,
 //! so that a cutter that takes another one's place begins with a number beyond all of the other's.
 
+mod empty_scans;
+
 use std::collections::VecDeque;
 
 use observations::Detection;
@@ -215,22 +217,6 @@ impl<T: Copy> Cutter<T> {
     /// The sensor's time has come to `time_ns`.
     pub fn passed(&mut self, time_ns: i64) {
         self.running_ns = self.running_ns.max(time_ns);
-    }
-
-    /// Takes note of a complete scan without detections. Later scans have greater numbers, and what is earlier than the
-    /// scan that follows is too late.
-    pub fn empty_scan(&mut self, scan: CutScan) {
-        let Some(rhythm) = self.rhythm else { return };
-        let by_period = self.settings.boundaries == Boundaries::Period;
-        let next_ns = scan.time_ns.saturating_add(rhythm.period_ns);
-        self.scan = Some(OpenScan {
-            number: scan.number.saturating_add(1),
-            begin_ns: match by_period {
-                true => next_ns.div_euclid(rhythm.period_ns).saturating_mul(rhythm.period_ns),
-                false => next_ns,
-            },
-            at_boundary: by_period,
-        });
     }
 
     /// The next scan that is complete and has detections: they are in [`Self::detections`] until the next call.

@@ -243,7 +243,10 @@ mod tests {
             valid: sensor_detection_bits::MARK,
             ..SensorDetection::default()
         };
-        assert!(DetectionKind::from_code(mark.kind).is_some(), "the codes are those of detections, too");
+        assert!(
+            DetectionKind::from_code(mark.kind).is_some(),
+            "the codes are those of detections, too"
+        );
         assert!(detection(&mark, None).is_none());
     }
 

@@ -17,7 +17,10 @@ const ASTERN: [f64; 2] = [-3e3, -3e3];
 const NEAR: [f64; 2] = [22e3, -3e3];
 
 fn ship_m(time_s: f64) -> [f64; 2] {
-    [SHIP_MPS * (time_s - f64::from(LOOKS_S)).clamp(0.0, f64::from(ARRIVES_S - LOOKS_S)), 0.0]
+    [
+        SHIP_MPS * (time_s - f64::from(LOOKS_S)).clamp(0.0, f64::from(ARRIVES_S - LOOKS_S)),
+        0.0,
+    ]
 }
 
 /// A report of a target at this place. The ship's radar, source 1, states where it is, unless it keeps this `secret`.

@@ -179,11 +179,7 @@ fn checks(process: &Process, sensor: &Source) -> anyhow::Result<Option<Box<Pipel
 }
 
 /// The silence of a sensor with a stated period.
-fn silence(
-    settings: Option<&TrackerSettings>,
-    place: usize,
-    sensor: &Source,
-) -> Option<(SilentSensor, SilenceRules)> {
+fn silence(settings: Option<&TrackerSettings>, place: usize, sensor: &Source) -> Option<(SilentSensor, SilenceRules)> {
     let cutter = settings?.joining.cutters.get(place)?;
     let rules = SilenceRules::new(cutter, cutter.period_ns?, sensor.silent_after_ns);
     Some((SilentSensor::default(), rules))
