@@ -154,13 +154,17 @@ impl SourceChannel {
         self.publish_many()
     }
 
-    /// Lets a silent sensor's scans without detections, and the pictures that no longer wait for data, go out by the
-    /// clock. Must be called only when no received data
+    /// Lets a silent sensor's scans without detections go out by the clock. All data that had come at `mono_ns` must
+    /// have been taken: the process may have stood still since then.
+    pub(crate) fn silent(&mut self, mono_ns: i64) -> anyhow::Result<()> {
+        self.pipeline.silent(mono_ns, self.silent_after_ns, &mut self.gathered);
+        self.publish_many()
+    }
+
+    /// Lets the pictures that no longer wait for data go out by the clock. Must be called only when no received data
     /// wait: data that have arrived are not late, however long the process has stood still.
     pub(crate) fn elapsed(&mut self, now: Now) -> anyhow::Result<()> {
         let Some(steady) = self.steady else { return Ok(()) };
-        self.pipeline
-            .silent(now.mono_ns, self.silent_after_ns, &mut self.gathered);
         self.pipeline.elapsed(steady.utc_ns(now.mono_ns), &mut self.gathered);
         self.publish_many()
     }
