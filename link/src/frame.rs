@@ -23,9 +23,15 @@ pub(crate) trait Placed {
 impl Placed for SensorTrack {
     fn change_frame(&mut self, change: &FrameChange) {
         let has_height = self.has(sensor_track_bits::HEIGHT);
-        for place in [&mut self.position_m, &mut self.measured_m] {
-            *place = at_height(change.position(*place), has_height);
-        }
+        self.position_m = at_height(change.position(self.position_m), has_height);
+        self.measured_m = match (self.has(sensor_track_bits::PLATFORM), self.measured_m) {
+            // The norths of two frames differ by less than a cell of a coverage is wide.
+            (true, [east, north, heading_rad]) => {
+                let [east, north, _] = change.position([east, north, 0.0]);
+                [east, north, heading_rad]
+            }
+            (false, measured_m) => at_height(change.position(measured_m), has_height),
+        };
         self.velocity_mps = at_height(change.direction(self.velocity_mps), has_height);
         self.covariance = turned(&self.covariance, change, has_height);
         let acceleration = self.movement.acceleration_mps2.map(f64::from);

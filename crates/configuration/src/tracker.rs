@@ -118,6 +118,7 @@ pub(crate) fn source_tracker(
             wait_ns: 0,
         },
         events: false,
+        platform: None,
         settings,
         outputs: Outputs {
             period_ns: table.output_period_s.map(Seconds::ns),

@@ -27,9 +27,10 @@ use deployment::{
     Input, OnBoard, PlotFormat, RecordedFormat, SampleDelivery, Source, TrackerInput, Truncated, check_name,
 };
 use frames::SystemFrame;
+use platform::Bearings;
 use settings::{Seconds, SettingsError};
 use sources::joining::JoiningSettings;
-use sources::{Outputs, Processing, TrackerSettings};
+use sources::{Outputs, PlatformAxes, Processing, TrackerSettings};
 use tracking::cutting::{Boundaries, CutterSettings};
 use tracking::settings::SensorFacts;
 
@@ -337,8 +338,22 @@ fn check_tracker(
             cues: raw.cues,
         },
         events: true,
+        platform: axes(sensors),
     };
     Ok((source, Processing::Detections(Box::new(tracker)), weighed))
+}
+
+/// Axes of the platform that carries all of these sensors, if one does.
+fn axes(sensors: &[Source]) -> Option<PlatformAxes> {
+    let mounted: Vec<OnBoard> = sensors.iter().map(|sensor| sensor.on_board).collect::<Option<_>>()?;
+    let first = mounted.first()?.platform;
+    let is_fixed = mounted.iter().any(|on_board| on_board.mount.bearings == Bearings::Nose);
+    let is_one = mounted.iter().all(|on_board| on_board.platform == first);
+    is_one.then_some(if is_fixed {
+        PlatformAxes::Hull
+    } else {
+        PlatformAxes::North
+    })
 }
 
 /// Finds the wide-area sensors and direction finders that the tracker names.

@@ -5,12 +5,13 @@
 //! nothing. A row of the kind `none` states such a scan: its time, its sensor and its number. `detection_id` and the
 //! position of the sensor may be empty; measured values and standard deviations must be.
 
-use std::io::Read;
+use std::io::{self, Read, Write};
 
 use csv_table::{Cells, Column, CsvError, Table};
 
-use crate::detections_csv::DetectionColumns;
-use crate::rows::{Columns, RowReader};
+use crate::cells::{Cell as _, Time};
+use crate::detections_csv::{DetectionColumns, RepliedDetection};
+use crate::rows::{Columns, Reference, Row, RowReader};
 use observations::Detection;
 
 /// The kind of a row that states a scan without detections.
@@ -38,6 +39,30 @@ pub struct EmptyScan {
     pub scan: u32,
     /// Time of the scan, UTC, nanoseconds.
     pub time_ns: i64,
+}
+
+/// Columns that a row of the kind `none` fills, the first ones of the table.
+const NONE_COLUMNS: usize = 5;
+
+/// Row of a table of detections with the values of transponders.
+#[derive(Clone, Copy, Debug)]
+pub struct RepliedScanRow(pub ScanRow);
+
+impl Row for RepliedScanRow {
+    fn columns() -> String {
+        RepliedDetection::columns()
+    }
+
+    fn write(&self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
+        let empty = match &self.0 {
+            ScanRow::Detection(detection) => return RepliedDetection(*detection).write(out, reference),
+            ScanRow::Empty(empty) => empty,
+        };
+        Time(empty.time_ns).write(out, reference)?;
+        write!(out, ",{},{},,{NONE}", empty.sensor_id, empty.scan)?;
+        let rest = Self::columns().split(',').skip(NONE_COLUMNS).count();
+        (0..rest).try_for_each(|_| out.write_all(b","))
+    }
 }
 
 /// Columns of detections, and those that a scan without detections needs.
@@ -103,6 +128,28 @@ mod tests {
         let text = format!("{header}\n{rows}");
         let reader = ScanRowReader::new(text.as_bytes(), 1_000).unwrap();
         reader.map(|row| row.map_err(|error| error.to_string())).collect()
+    }
+
+    #[test]
+    fn a_written_row_of_a_scan_without_detections_is_read_again() {
+        let empty = ScanRow::Empty(EmptyScan {
+            sensor_id: 3,
+            scan: 70,
+            time_ns: 1_000_002_500,
+        });
+        let mut writer = crate::rows::RowWriter::begin(Vec::new(), 1_000).unwrap();
+        writer.write(&RepliedScanRow(empty)).unwrap();
+        let text = writer.into_inner();
+        let widths = text
+            .split(|octet| *octet == b'\n')
+            .take(2)
+            .map(|line| line.split(|octet| *octet == b',').count());
+        assert_eq!(widths.clone().min(), widths.max());
+        let found: Vec<_> = ScanRowReader::new(&text[..], 1_000)
+            .unwrap()
+            .map(Result::unwrap)
+            .collect();
+        assert_eq!(found, [empty]);
     }
 
     #[test]

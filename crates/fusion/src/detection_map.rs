@@ -149,6 +149,11 @@ impl DetectionMap {
         &mut self.general[source]
     }
 
+    /// Configured coverage of a source.
+    pub(crate) fn area(&self, source: usize) -> Option<&CoverageArea> {
+        self.areas[source].as_ref()
+    }
+
     /// Forgets where a source detects targets.
     pub(crate) fn forget(&mut self, source: usize) {
         self.general[source] = HitCount::default();

@@ -229,6 +229,7 @@ impl Engine {
             self.outbox.counts.add(report.source, counter);
             return;
         }
+        self.life.moving.note(report);
         let corrected = inlet::corrected(report, &self.settings.sources, now_ns);
         let report = corrected.as_ref().unwrap_or(report);
         self.pass_time(now_ns, sink);

@@ -15,6 +15,7 @@ mod keys;
 mod large_targets;
 mod late;
 mod levels;
+mod moving_coverage;
 mod names;
 mod orders;
 mod partial_coverage;

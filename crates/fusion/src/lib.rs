@@ -62,6 +62,7 @@ mod manoeuvres;
 mod measurement;
 mod merger;
 mod motion;
+mod moving_sources;
 mod namesakes;
 mod number_hasher;
 pub mod numbering;

@@ -22,6 +22,7 @@ use crate::association_step::{SEARCH_CELLS_MAX, Search};
 use crate::detection_map::DetectionMap;
 use crate::existence::{SingleSourceClaim, probability};
 use crate::explanation::Sink;
+use crate::moving_sources::MovingSources;
 use crate::outlet::Outlet;
 use crate::purity::LASTING_REPORTS;
 use crate::settings::{Settings, SourceSettings};
@@ -58,6 +59,8 @@ const DETECTION_SELDOM: f64 = 0.1;
 pub(crate) struct Life {
     /// Where each source follows targets.
     pub(crate) coverage: DetectionMap,
+    /// From where the sources that move see.
+    pub(crate) moving: MovingSources,
     /// No system track is left unlooked-at for longer than this, so that its deadline can be put off but never missed,
     /// nanoseconds.
     shortest_fresh_ns: i64,
@@ -105,6 +108,7 @@ impl Life {
         let areas = sources.iter().map(|source| source.coverage.clone()).collect();
         Self {
             coverage: DetectionMap::new(areas, COVERAGE_CELLS, COVERAGE_CELL_M),
+            moving: MovingSources::new(sources.len()),
             shortest_fresh_ns: sources.iter().map(|source| source.fresh_ns).min().unwrap_or(1),
         }
     }
@@ -243,7 +247,12 @@ impl Life {
             let is_silent =
                 groups(0, index as u16) & heard == 0 && tracks.dependence.is_witness_beside(index as u16, sources);
             if is_silent && may_see && !source.is_centre {
-                let detection = self.coverage.probability(index as u16, filter.estimate.position_m());
+                let place_m = filter.estimate.position_m();
+                let area = self.coverage.area(index);
+                let Some(place_m) = self.moving.seen_from(index as u16, place_m, now_ns, area) else {
+                    continue;
+                };
+                let detection = self.coverage.probability(index as u16, place_m);
                 // The reports of the last seconds may not have come yet.
                 let looks = match tracks.lifetimes.late_ns(index as u16) {
                     0 => age_ns,
@@ -268,18 +277,28 @@ impl Life {
         let entry = tracks.systems.get_mut(system);
         entry.coverage_due_ns = now_ns.saturating_add(COVERAGE_EVERY_NS);
         let age_ns = now_ns - entry.first_seen_ns;
-        let [x, y, _] = entry.filter.estimate.position_m();
+        let place_m = entry.filter.estimate.position_m();
+        let [x, y, _] = place_m;
         // A source with another track near by may follow the target there: it is not asked.
         let mut near = 0;
         tracks.systems.grid.near(x, y, NEAR_M, SEARCH_CELLS_MAX, |other| {
             near |= tracks.sources_of(other, now_ns);
         });
-        self.coverage.learn([x, y], existence, |source| {
+        let detects = |source: u16| {
             let settings = &settings[usize::from(source)];
             let follows = sources & (1 << source) != 0;
             let is_asked = near & (1 << source) == 0 && age_ns >= settings.period_ns;
             (!settings.is_out && (follows || is_asked)).then_some(follows)
+        };
+        let Self { coverage, moving, .. } = self;
+        coverage.learn([x, y], existence, |source| {
+            detects(source).filter(|_| !moving.moves(source))
         });
+        for source in (0..settings.len() as u16).filter(|source| moving.moves(*source)) {
+            if let Some([x, y, _]) = moving.seen_from(source, place_m, now_ns, coverage.area(source.into())) {
+                coverage.learn([x, y], existence, |asked| detects(asked).filter(|_| asked == source));
+            }
+        }
     }
 
     /// Works off the earliest deadline before `time_ns`, up to which nothing else happens; `false` if there is none.

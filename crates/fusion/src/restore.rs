@@ -15,6 +15,7 @@ use crate::engine::Engine;
 use crate::explanation::Sink;
 use crate::life;
 use crate::manoeuvres::{CLASSES, Class};
+use crate::moving_sources::SourcePose;
 use crate::numbering;
 use crate::order_table::{OrderRecord, PLACES};
 use crate::registration::{KeptErrors, SourcePair};
@@ -39,6 +40,7 @@ kept! {
         model: SourceModel,
         errors: KeptErrors,
         detection: HitCount,
+        pose: Option<SourcePose>,
         purity: HitCount,
         mean_square: Option<f64>,
         /// Accepted gross bias, and the removed bias.
@@ -162,6 +164,7 @@ impl Engine {
             self.sources.models[source] = learned.model;
             self.sources.registration.resume(source, &learned.errors);
             *self.life.coverage.general_mut(source) = learned.detection;
+            *self.life.moving.pose_mut(source) = learned.pose;
             *self.tracks.purity.tally_mut(source) = learned.purity;
             *self.publisher.accuracies.mean_square_mut(source) = learned.mean_square;
             self.sources.alignment.resume(source, learned.gross);
@@ -235,6 +238,7 @@ impl Engine {
                     model: self.sources.models[place],
                     errors: self.sources.registration.kept(place),
                     detection: *self.life.coverage.general_mut(place),
+                    pose: *self.life.moving.pose_mut(place),
                     purity: *self.tracks.purity.tally_mut(place),
                     mean_square: *self.publisher.accuracies.mean_square_mut(place),
                     gross: self.sources.alignment.bias_of(place),

@@ -41,6 +41,7 @@
 #define KOSEKI_SENSOR_TRACK_LEVEL UINT64_C(0x400) /* `level` holds the level of the target's transponder. */
 #define KOSEKI_SENSOR_TRACK_TURN_RATE UINT64_C(0x800) /* `turn_rate_radps` is known. */
 #define KOSEKI_SENSOR_TRACK_PRESSURE_OFFSET UINT64_C(0x1000) /* `pressure_offset_m` is known: the report states its height in both ways. */
+#define KOSEKI_SENSOR_TRACK_PLATFORM UINT64_C(0x2000) /* The sensors move: `measured_m` is the platform's place (east, north) and heading, no measurement. */
 #define KOSEKI_SENSOR_DETECTION_RANGE_RATE UINT64_C(0x1) /* `range_rate_mps` was measured. */
 #define KOSEKI_SENSOR_DETECTION_SIGMAS UINT64_C(0x2) /* `sigmas` hold standard deviations. */
 #define KOSEKI_SENSOR_DETECTION_LEVEL UINT64_C(0x4) /* `level` holds the level of the target's transponder. */
@@ -357,7 +358,7 @@ typedef struct KosekiSensorTrack {
     double position_m[3]; /* Position east, north, up, metres. */
     double velocity_mps[3]; /* Velocity east, north, up, metres per second. */
     KosekiCovariance covariance; /* Covariance of position and velocity; all 0 where the source gives its `trace_m2` instead. */
-    double measured_m[3]; /* Measured position, before the source's own filter, metres. */
+    double measured_m[3]; /* Measured position, before the source's own filter, metres. See the bit `PLATFORM`. */
     double trace_m2; /* Trace of the source's position covariance over east and north, square metres. */
     uint8_t state; /* State of the track at its source: a `TrackState` code. */
     uint8_t method; /* Observation method at the source, as numbered by its format; 0 for a single method. */

@@ -43,6 +43,7 @@ SENSOR_TRACK_CONTRIBUTORS = 0x200  # `shared_sources` is known: the track is a s
 SENSOR_TRACK_LEVEL = 0x400  # `level` holds the level of the target's transponder.
 SENSOR_TRACK_TURN_RATE = 0x800  # `turn_rate_radps` is known.
 SENSOR_TRACK_PRESSURE_OFFSET = 0x1000  # `pressure_offset_m` is known: the report states its height in both ways.
+SENSOR_TRACK_PLATFORM = 0x2000  # The sensors move: `measured_m` is the platform's place (east, north) and heading, no measurement.
 SENSOR_DETECTION_RANGE_RATE = 0x1  # `range_rate_mps` was measured.
 SENSOR_DETECTION_SIGMAS = 0x2  # `sigmas` hold standard deviations.
 SENSOR_DETECTION_LEVEL = 0x4  # `level` holds the level of the target's transponder.
@@ -425,7 +426,7 @@ class SensorTrack(ctypes.Structure):
         ("position_m", ctypes.c_double * 3),  # Position east, north, up, metres.
         ("velocity_mps", ctypes.c_double * 3),  # Velocity east, north, up, metres per second.
         ("covariance", Covariance),  # Covariance of position and velocity; all 0 where the source gives its `trace_m2` instead.
-        ("measured_m", ctypes.c_double * 3),  # Measured position, before the source's own filter, metres.
+        ("measured_m", ctypes.c_double * 3),  # Measured position, before the source's own filter, metres. See the bit `PLATFORM`.
         ("trace_m2", ctypes.c_double),  # Trace of the source's position covariance over east and north, square metres.
         ("state", ctypes.c_uint8),  # State of the track at its source: a `TrackState` code.
         ("method", ctypes.c_uint8),  # Observation method at the source, as numbered by its format; 0 for a single method.

@@ -33,6 +33,8 @@ bits! {
         TURN_RATE = 1 << 11;
         /// `pressure_offset_m` is known: the report states its height in both ways.
         PRESSURE_OFFSET = 1 << 12;
+        /// The sensors move: `measured_m` is the platform's place (east, north) and heading, no measurement.
+        PLATFORM = 1 << 13;
     }
 }
 
@@ -81,7 +83,7 @@ sample! {
         velocity_mps: [f64; 3],
         /// Covariance of position and velocity; all 0 where the source gives its `trace_m2` instead.
         covariance: Covariance,
-        /// Measured position, before the source's own filter, metres.
+        /// Measured position, before the source's own filter, metres. See the bit `PLATFORM`.
         measured_m: [f64; 3],
         /// Trace of the source's position covariance over east and north, square metres.
         trace_m2: f64,

@@ -16,7 +16,7 @@
 use std::f64::consts::TAU;
 
 use frames::{FrameChange, SystemFrame};
-use observations::{Detection, DetectionKind, QUANTITIES_MAX};
+use observations::{Detection, DetectionKind, DetectionPlatform, QUANTITIES_MAX};
 
 use crate::mount::{Bearings, Mount};
 use crate::pose::{NoState, Pose};
@@ -132,7 +132,13 @@ impl Mount {
         });
         let covariance = errors.covariance();
         let carried = Carried {
-            detection: self.detection(detection, &polar, &direction, place.position_m, range_rate, &covariance),
+            detection: Detection {
+                platform: DetectionPlatform {
+                    attitude_rad: self.fixed_attitude(detection, attitude.as_ref()),
+                    ..detection.platform
+                },
+                ..self.detection(detection, &polar, &direction, place.position_m, range_rate, &covariance)
+            },
             covariance,
         };
         let finite = covariance
@@ -171,6 +177,15 @@ impl Mount {
         pose.heading.map_err(Refusal::Heading)?;
         pose.tilt.map_err(Refusal::Tilt)?;
         Ok(pose.attitude().ok())
+    }
+
+    /// Attitude of the platform in which the sensor is fixed, stated with the detection: where a sensor sees moves with
+    /// the hull. Otherwise what the measured detection states.
+    fn fixed_attitude(&self, measured: &Detection, attitude: Option<&Attitude>) -> Option<[f32; 3]> {
+        let fixed = attitude.filter(|_| self.bearings == Bearings::Nose);
+        let angles = fixed.map(|attitude| [attitude.heading_rad, attitude.pitch_rad, attitude.roll_rad]);
+        let angles = angles.map(|angles| angles.map(|angle| angle as f32));
+        angles.or(measured.platform.attitude_rad)
     }
 
     /// Place of the sensor in the system frame.

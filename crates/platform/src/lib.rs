@@ -20,7 +20,8 @@
 //!
 //! An error of the heading is common to all detections of a scan, and nearly common to successive scans. Here the error
 //! enters each detection as if it were that detection's own. A single track's covariance is right for errors that
-//! change from scan to scan, and too small for a constant heading error, as for any bias of a sensor. Two tracks are
+//! change from scan to scan, also slowly if `attitude_correlation_s` states how slowly, and too small for a constant
+//! heading error, as for any bias of a sensor. Two tracks are
 //! in truth displaced alike; their relative position is better than their covariances state. A constant error belongs
 //! to the registration of sources in fusion, which estimates an azimuth offset of each source.
 //!
@@ -38,6 +39,7 @@ mod jumps;
 mod mount;
 mod navigation;
 mod on_board;
+mod persistence;
 mod pose;
 mod rotation;
 mod settings;

@@ -74,6 +74,19 @@ impl Pose {
         })
     }
 
+    /// The pose with the standard deviations of its angles multiplied.
+    pub(crate) fn with_angle_sigmas(self, factor: f64) -> Self {
+        let scaled = |angle: AngleAt| AngleAt {
+            sigma_rad: angle.sigma_rad * factor,
+            ..angle
+        };
+        Self {
+            heading: self.heading.map(scaled),
+            tilt: self.tilt.map(|angles| angles.map(scaled)),
+            ..self
+        }
+    }
+
     /// Attitude of the platform.
     ///
     /// # Errors

@@ -16,6 +16,8 @@ settings::settings! {
         heading_sigma_deg: Degrees = Degrees::of(1.0), in [1e-3, 90];
         /// Standard deviation of pitch and roll that state none.
         attitude_sigma_deg: Degrees = Degrees::of(0.5), in [1e-3, 45];
+        /// Time in which the errors of heading, pitch and roll change; 0: they are new at each look of a sensor.
+        attitude_correlation_s: Seconds = Seconds::of(0.0), in [0, 600];
         /// Standard deviation of pitch and roll of a platform without sensors of attitude, which is assumed level.
         level_sigma_deg: Degrees = Degrees::of(3.0), in [1e-3, 45];
         /// Acceleration between two states that the interpolation does not follow.

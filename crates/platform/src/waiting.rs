@@ -18,7 +18,8 @@ use observations::{Detection, DetectionKind};
 use crate::carried::{Carried, Refusal};
 use crate::history::History;
 use crate::mount::Mount;
-use crate::pose::NoState;
+use crate::persistence::{LookInterval, variance_factor};
+use crate::pose::{NoState, Pose};
 
 /// Change of its height up to which the height of a sensor without elevation is held, metres.
 pub const HELD_WITHIN_M: f64 = 50.0;
@@ -95,6 +96,7 @@ pub struct WaitingRoom<T> {
     reached_ns: i64,
     /// Height in which a sensor without elevation is held, metres.
     held_m: Option<f64>,
+    looks: LookInterval,
     counts: WaitingCounts,
 }
 
@@ -110,13 +112,29 @@ impl<T> WaitingRoom<T> {
             waiting_max,
             reached_ns: i64::MIN,
             held_m: None,
+            looks: LookInterval::default(),
             counts: WaitingCounts::default(),
         }
+    }
+
+    /// With the interval between two looks of the sensor as configured, nanoseconds; otherwise the data show it.
+    #[must_use]
+    pub fn with_looks(self, interval_ns: Option<i64>) -> Self {
+        Self {
+            looks: LookInterval::new(interval_ns),
+            ..self
+        }
+    }
+
+    /// A turn of the sensor begins at this time, nanoseconds.
+    pub fn turned(&mut self, time_ns: i64) {
+        self.looks.turned(time_ns);
     }
 
     /// Takes a detection. A detection without room comes back as a departure.
     pub fn take(&mut self, detection: Detection, with_it: T) -> Option<Departure<T>> {
         self.passed(detection.time_of_measurement_ns);
+        self.looks.detected(detection.scan, detection.time_of_measurement_ns);
         if self.waiting.len() == self.waiting_max {
             self.counts.count(Refusal::Full);
             return Some(Departure {
@@ -146,6 +164,7 @@ impl<T> WaitingRoom<T> {
         let outcome = history
             .at(time_ns)
             .map_err(Refusal::Position)
+            .map(|pose| self.persisting(pose, history))
             .and_then(|pose| self.mount.carry(detection, &pose, self.default_sigmas, frame));
         let may_come = matches!(
             outcome,
@@ -166,6 +185,15 @@ impl<T> WaitingRoom<T> {
             measured,
             with_it,
         })
+    }
+
+    /// The pose with standard deviations for errors that persist from look to look.
+    fn persisting(&self, pose: Pose, history: &History) -> Pose {
+        let correlation_s = history.assumed().attitude_correlation_s.s();
+        match variance_factor(self.looks.s(), correlation_s) {
+            1.0 => pose,
+            factor => pose.with_angle_sigmas(factor.sqrt()),
+        }
     }
 
     /// A detection without elevation, from the height in which its sensor is held.

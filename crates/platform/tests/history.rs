@@ -267,3 +267,46 @@ fn the_height_of_a_sensor_without_elevation_is_held() {
     );
     assert_eq!([0, 1, 2].map(|time_s| height(time_s, space)), [15.0, 12.0, 18.5]);
 }
+
+/// The same error at each look is like a greater one that is new at each look.
+#[test]
+fn errors_of_the_attitude_that_persist_weigh_more_from_the_second_look_on() {
+    let variance = |correlation_s: f64, stated_ns: Option<i64>| {
+        let assumed = Assumed {
+            attitude_correlation_s: Seconds::of(correlation_s),
+            position_sigma_m: 1e-3,
+            heading_sigma_deg: Degrees::of(0.5),
+            ..assumed()
+        };
+        let mut history = History::new(assumed, 64);
+        (0..8).for_each(|time_s| {
+            history.add(&State {
+                heading_rad: Some(0.0),
+                tilt_rad: Some([0.0; 2]),
+                ..place(time_s * S, 0.0)
+            });
+        });
+        let mut room = WaitingRoom::new(Mount::default(), None, S, 4).with_looks(stated_ns);
+        [0, 2, 4].map(|time_s| {
+            let measured = Detection {
+                scan: 7 + time_s as u32 / 2,
+                kind: DetectionKind::RangeBearing,
+                values: [10e3, 0.0, 0.0],
+                sigmas: Some([10.0, 1e-4, 0.0, 0.0]),
+                ..detection(time_s * S, 1)
+            };
+            assert!(room.take(measured, ()).is_none());
+            let carried = room.next(&history, None).unwrap().outcome.unwrap().detection;
+            carried.sigmas.unwrap()[1].powi(2)
+        })
+    };
+    let plain = variance(0.0, None);
+    assert_eq!([plain[1], plain[2]], [plain[0]; 2]);
+    let lasting = variance(10.0, None);
+    assert_eq!(lasting[0], plain[0], "the interval between two looks is not known yet");
+    for variance in [lasting[1], lasting[2], variance(10.0, Some(2 * S))[0]] {
+        let factor = variance / plain[0];
+        // (1 + ρ)/(1 − ρ) with ρ = exp(−0.2).
+        assert!((factor - 10.03).abs() < 0.05, "{factor}");
+    }
+}

@@ -40,6 +40,8 @@ pub struct CarriedSensor {
     pub mount: Mount,
     /// Standard deviations of detections that state none.
     pub default_sigmas: Option<[f64; 4]>,
+    /// Interval between two looks as configured, nanoseconds; `None`: as the data show it.
+    pub looks_ns: Option<i64>,
 }
 
 /// Carries the detections of a tracker's sensors into the system frame.
@@ -76,7 +78,8 @@ impl<T> Carrying<T> {
             let wait_ns = sensor.carrier.map_or(0, |carrier| carriers[carrier].wait_ns);
             Boarded {
                 sensor: *sensor,
-                room: WaitingRoom::new(sensor.mount, sensor.default_sigmas, wait_ns, WAITING_MAX),
+                room: WaitingRoom::new(sensor.mount, sensor.default_sigmas, wait_ns, WAITING_MAX)
+                    .with_looks(sensor.looks_ns),
                 order: VecDeque::new(),
                 own_counts: WaitingCounts::default(),
             }
@@ -150,6 +153,9 @@ impl<T> Carrying<T> {
 impl<T> Boarded<T> {
     fn mark(&mut self, event: SensorEvent, with_it: T) {
         self.room.passed(event.time_ns());
+        if let SensorEvent::TurnBegins(time_ns) = event {
+            self.room.turned(time_ns);
+        }
         // A sensor whose clock stands still sends marks without end, and its detections wait for ever.
         if self.order.len() >= 2 * WAITING_MAX && matches!(self.order.back(), Some(Some(_))) {
             self.order.pop_back();

@@ -3,8 +3,9 @@
 //! Detections wait until their scan is complete and, with several sensors, until no earlier scan can come
 //! ([`crate::joining`]), which depends on times of the data alone. They are then published with the scan's number,
 //! followed by every confirmed track after the scan, in the order of times. Missing scan numbers are scans without
-//! detections; the tracker receives them as soon as the next scan is complete. `koseki track` repeats all of this with
-//! the recorded detections and produces the same tracks.
+//! detections; the tracker receives them as soon as the next scan is complete. Where the sensor's marks of time, or the
+//! clock ([`crate::silence`]), show a scan without detections before, the scan is published as a mark. `koseki track`
+//! repeats all of this with the recorded detections and marks, and produces the same tracks.
 //!
 //! A tracker of several sensors instead publishes each event of a sensor as it comes, before anything is decided about
 //! it: detections, late ones included, and marks of time. `koseki track` takes the recorded events in the same order,
@@ -37,10 +38,10 @@
 use std::sync::atomic::AtomicU64;
 
 use kept::{Memory, MemoryRefusal};
-use messages::{Counter, Counters, SensorBearing, StageTimes, TrackState};
+use messages::{Counter, Counters, SensorBearing, StageTimes, TrackState, sensor_track_bits};
 use observations::{Bearing, Detection, Sampled, SensorEvent, WideAreaReport};
 use settings::SettingsError;
-use tracking::cutting::DetectionTreatment;
+use tracking::cutting::{CutterSettings, DetectionTreatment};
 use tracking::turn_time::TurnEstimate;
 use tracking::wide_area::Emission;
 use tracking::wide_area::arrivals::Arrivals;
@@ -51,6 +52,7 @@ use crate::joining::{JoiningSettings, ScanJoiner};
 use crate::last_kept::LastKept;
 use crate::samples::Samples;
 use crate::scan_tracker::{Outputs, ScanTracker, SensorScan, TrackSink};
+use crate::silence::{SilenceRules, SilentSensor};
 
 /// Settings for making tracks of a source's detections.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,6 +66,17 @@ pub struct TrackerSettings {
     pub outputs: Outputs,
     /// Whether the events of the sensors are published as they come, instead of the detections of complete scans.
     pub events: bool,
+    /// Axes of the platform that carries all sensors, if one does. Its tracks then state the platform's place.
+    pub platform: Option<PlatformAxes>,
+}
+
+/// Axes in which a platform's sensors look around.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PlatformAxes {
+    /// Those of the system frame, at the platform's place.
+    North,
+    /// Those of the hull.
+    Hull,
 }
 
 impl TrackerSettings {
@@ -80,6 +93,10 @@ pub struct DetectionTracker {
     /// See [`TrackerSettings::events`].
     events: bool,
     joiner: ScanJoiner,
+    /// Scans of the first sensor.
+    cutter: CutterSettings,
+    /// Silence of the only sensor.
+    silent: SilentSensor,
     tracker: ScanTracker,
     /// Number and time of the latest scan.
     latest: Option<(u32, i64)>,
@@ -105,6 +122,9 @@ pub struct DetectionTracker {
     emissions_rejected: u64,
     memory: Option<TrackerMemory>,
     kept: LastKept,
+    axes: Option<PlatformAxes>,
+    /// Place of the platform, east and north, metres, and the heading of the axes, radians.
+    platform: Option<[f64; 3]>,
 }
 
 impl DetectionTracker {
@@ -122,6 +142,8 @@ impl DetectionTracker {
         Ok(Self {
             source,
             events: settings.events,
+            cutter: settings.joining.cutters[0],
+            silent: SilentSensor::default(),
             joiner: ScanJoiner::new(&settings.sensor_ids(), &settings.joining, epoch_ns)?,
             tracker: ScanTracker::new(settings.settings.clone(), settings.outputs, reports, Vec::new())?,
             latest: None,
@@ -140,6 +162,8 @@ impl DetectionTracker {
             emissions_rejected: 0,
             memory: None,
             kept: LastKept::default(),
+            axes: settings.platform,
+            platform: None,
         })
     }
 
@@ -150,6 +174,13 @@ impl DetectionTracker {
 
     /// Takes an event of the sensor in this place of the settings, received at `ingested_ns`.
     pub fn event(&mut self, sensor: usize, event: &SensorEvent, ingested_ns: i64, samples: &mut Samples) {
+        if !self.events {
+            self.silent.came(event.time_ns(), ingested_ns);
+        }
+        self.pass_on(sensor, event, ingested_ns, samples);
+    }
+
+    fn pass_on(&mut self, sensor: usize, event: &SensorEvent, ingested_ns: i64, samples: &mut Samples) {
         self.ingested_ns = ingested_ns;
         if let SensorEvent::Detection(detection) = event
             && self.is_too_old(detection.time_of_measurement_ns)
@@ -238,7 +269,21 @@ impl DetectionTracker {
         let due_ns = time_ns.saturating_sub(patience_ns);
         // Only with a picture to make: a scan is not to be cut short for nothing.
         if self.tracker.scans() > 0 && self.tracker.has_picture_due(due_ns) {
-            self.passed(due_ns, false, self.ingested_ns, samples);
+            self.joiner.passed_by_clock(due_ns);
+            self.come_to(samples);
+        }
+    }
+
+    /// The clock has come to `mono_ns` (monotonic, nanoseconds), and no received data wait: the scans that a silent
+    /// sensor has made meanwhile had no detections, until its silence raises the alarm after `silent_after_ns`.
+    pub fn silent(&mut self, mono_ns: i64, silent_after_ns: Option<i64>, samples: &mut Samples) {
+        // Of several sensors, the process states the time of each.
+        let Some(period_ns) = self.joiner.period_ns().filter(|_| !self.events) else {
+            return;
+        };
+        let rules = SilenceRules::new(&self.cutter, period_ns, silent_after_ns);
+        if let Some((event, came_ns)) = self.silent.statement(mono_ns, &rules) {
+            self.pass_on(0, &event, came_ns, samples);
         }
     }
 
@@ -366,6 +411,7 @@ impl DetectionTracker {
             ingested_ns: self.ingested_ns,
             has_pictures: self.tracker.shown_ns().is_some(),
             cues: &mut self.cues,
+            platform: self.platform,
             late: None,
             samples,
         };
@@ -382,22 +428,49 @@ impl DetectionTracker {
                 let published = scan.detections.iter().zip(receipts);
                 let published = published.map(|(detection, at_ns)| detection.sample(self.source, ingested(*at_ns)));
                 samples.detections.extend(published);
+                if self.joiner.is_by_time() {
+                    let (number, time_ns) = (scan.number, scan.time_ns);
+                    let empty = SensorEvent::EmptyScan { number, time_ns };
+                    samples
+                        .detections
+                        .push(empty.sample(self.source, ingested(self.ingested_ns)));
+                }
+            }
+            let latest_ns = self.latest.map_or(i64::MIN, |(_, time_ns)| time_ns);
+            if let Some(axes) = self.axes
+                && scan.time_ns >= latest_ns
+            {
+                self.platform = platform_of(scan.detections, axes, self.platform);
             }
             let mut sink = Publishing {
                 source: self.source,
                 ingested_ns: self.ingested_ns,
                 has_pictures: self.tracker.shown_ns().is_some(),
                 cues: &mut self.cues,
+                platform: self.platform,
                 late: self.events.then_some(&mut self.late),
                 samples,
             };
             self.tracker.scan(&scan, None, &mut sink);
-            let latest_ns = self.latest.map_or(i64::MIN, |(_, time_ns)| time_ns);
             if !self.events || scan.time_ns >= latest_ns {
                 self.latest = Some((scan.number, scan.time_ns));
             }
         }
     }
+}
+
+/// Place of the platform, and heading of the `axes`, at the latest of a scan's detections. What they do not state stays.
+fn platform_of(detections: &[Detection], axes: PlatformAxes, before: Option<[f64; 3]>) -> Option<[f64; 3]> {
+    let Some(latest) = detections.last() else {
+        return before;
+    };
+    let [east, north, _] = latest.platform_m;
+    let heading_rad = match (axes, latest.platform.attitude_rad) {
+        (PlatformAxes::North, _) => 0.0,
+        (PlatformAxes::Hull, Some([heading_rad, ..])) => f64::from(heading_rad),
+        (PlatformAxes::Hull, None) => before.map_or(0.0, |[.., heading_rad]| heading_rad),
+    };
+    Some([east, north, heading_rad])
 }
 
 /// The way of a tracker's tracks and cues into samples.
@@ -407,6 +480,8 @@ struct Publishing<'a> {
     /// Whether tracks come as pictures at even times.
     has_pictures: bool,
     cues: &'a mut u64,
+    /// See [`DetectionTracker::platform`].
+    platform: Option<[f64; 3]>,
     /// Count of the detections in scans that are too late for the tracker.
     late: Option<&'a mut u64>,
     samples: &'a mut Samples,
@@ -425,6 +500,9 @@ impl TrackSink for Publishing<'_> {
             track.stages.ingested_ns = self.ingested_ns;
             if extrapolated {
                 track.state = TrackState::Coasted as u8;
+            } else if let Some(platform) = self.platform {
+                track.measured_m = platform;
+                track.valid |= sensor_track_bits::PLATFORM;
             }
             self.samples.tracks.push(track);
         }

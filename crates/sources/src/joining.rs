@@ -38,6 +38,8 @@ struct WaitingScan {
     sensor: usize,
     number: u32,
     time_ns: i64,
+    /// Whether the sensor's time alone shows the scan, which has no detections.
+    by_time: bool,
     detections: Vec<Detection>,
     with_them: Vec<i64>,
 }
@@ -61,10 +63,22 @@ pub struct ScanJoiner {
 struct JoinedSensor {
     sensor_id: u32,
     scans: SensorScans,
+    /// Period as configured, nanoseconds.
+    period_ns: Option<i64>,
     /// Number and time of the latest complete scan.
     latest: Option<(u32, i64)>,
     /// Latest time of the sensor's own events.
     own_ns: i64,
+}
+
+/// Content of a scan that is complete.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum ScanContent {
+    Detections,
+    /// A gap in the numbers is a scan without detections.
+    None,
+    /// The sensor's time alone shows the scan.
+    NoneByTime,
 }
 
 /// Method for the scans of a sensor.
@@ -89,6 +103,7 @@ impl ScanJoiner {
                 .map(|(sensor_id, cutter)| JoinedSensor {
                     sensor_id: *sensor_id,
                     scans: SensorScans::new(CutterSettings { epoch_ns, ..*cutter }),
+                    period_ns: cutter.period_ns,
                     latest: None,
                     own_ns: i64::MIN,
                 })
@@ -111,8 +126,7 @@ impl ScanJoiner {
     pub fn take(&mut self, sensor: usize, event: &SensorEvent, with_it: i64) -> DetectionTreatment {
         let treatment = self.sensors[sensor].scans.take(event, with_it);
         if treatment == DetectionTreatment::Waits {
-            let own_ns = &mut self.sensors[sensor].own_ns;
-            *own_ns = event.time_ns().max(*own_ns);
+            self.sensors[sensor].reach(event.time_ns());
             self.come_to(event.time_ns(), sensor);
         }
         treatment
@@ -121,6 +135,13 @@ impl ScanJoiner {
     /// The clock has come to `time_ns`, in the time of the data (nanoseconds): as if a sensor beside the others had
     /// sent data of this time.
     pub fn clock(&mut self, time_ns: i64) {
+        self.come_to(time_ns, 0);
+    }
+
+    /// The time of the only sensor has come to `time_ns` by the clock, nanoseconds: its scan at hand may be complete, but
+    /// a scan without detections is none that the sensor has made.
+    pub fn passed_by_clock(&mut self, time_ns: i64) {
+        self.sensors[0].scans.passed(time_ns);
         self.come_to(time_ns, 0);
     }
 
@@ -196,6 +217,11 @@ impl ScanJoiner {
         }
     }
 
+    /// Whether the sensor's time alone shows the latest released scan, which has no detections.
+    pub fn is_by_time(&self) -> bool {
+        self.released.by_time
+    }
+
     /// Place of the sensor of the latest released scan, and the data attached to its detections, in their order.
     pub fn receipts(&self) -> (usize, &[i64]) {
         (self.released.sensor, &self.released.with_them)
@@ -238,21 +264,20 @@ impl ScanJoiner {
             while let Some(scan) = self.sensors[place].scans.next() {
                 self.put(place, scan);
             }
-            if !is_alone {
-                self.put_silent(place);
-            }
+            self.put_silent(place);
         }
     }
 
     /// Puts the scans without detections that the sensor's own marks of time show: those that it has passed since its
-    /// latest scan. Without marks they are known when the next detection comes.
+    /// latest scan. Without marks they are known when the next detection comes. The marks may be those of the clock
+    /// ([`crate::silence`]).
     fn put_silent(&mut self, place: usize) {
         let sensor = &self.sensors[place];
-        let (Some((mut number, mut time_ns)), Some(period_ns)) = (sensor.latest, sensor.scans.silent_period_ns())
-        else {
+        let rhythm = sensor.rhythm().filter(|_| sensor.scans.is_idle());
+        let (Some((mut number, mut time_ns)), Some((period_ns, span_ns))) = (sensor.latest, rhythm) else {
             return;
         };
-        let (own_ns, span_ns) = (sensor.own_ns, sensor.scans.span_ns());
+        let own_ns = sensor.own_ns;
         // A longer gap is a pause of the sensor, or a time that means something else.
         let longest_ns = i64::from(SILENT_SCANS_MAX).saturating_mul(period_ns);
         if own_ns.saturating_sub(time_ns) > longest_ns {
@@ -260,8 +285,10 @@ impl ScanJoiner {
         }
         while own_ns.saturating_sub(time_ns) >= period_ns + span_ns {
             (number, time_ns) = (number.saturating_add(1), time_ns + period_ns);
-            self.insert(place, CutScan { number, time_ns }, false);
-            self.sensors[place].latest = Some((number, time_ns));
+            self.insert(place, CutScan { number, time_ns }, ScanContent::NoneByTime);
+            let sensor = &mut self.sensors[place];
+            sensor.latest = Some((number, time_ns));
+            sensor.scans.empty_by_time(CutScan { number, time_ns });
         }
     }
 
@@ -270,15 +297,16 @@ impl ScanJoiner {
         let now = (scan.number, scan.time_ns);
         let before = self.sensors[place].latest.replace(now);
         for (number, time_ns) in before.into_iter().flat_map(|before| silent_scans(before, now)) {
-            self.insert(place, CutScan { number, time_ns }, false);
+            self.insert(place, CutScan { number, time_ns }, ScanContent::None);
         }
-        self.insert(place, scan, true);
+        self.insert(place, scan, ScanContent::Detections);
     }
 
-    fn insert(&mut self, sensor: usize, scan: CutScan, has_detections: bool) {
+    fn insert(&mut self, sensor: usize, scan: CutScan, content: ScanContent) {
         let mut waiting = self.spare.pop().unwrap_or_default();
         (waiting.sensor, waiting.number, waiting.time_ns) = (sensor, scan.number, scan.time_ns);
-        if has_detections {
+        waiting.by_time = content == ScanContent::NoneByTime;
+        if content == ScanContent::Detections {
             let (detections, with_them) = self.sensors[sensor].scans.complete();
             waiting.detections.extend_from_slice(detections);
             waiting.with_them.extend_from_slice(with_them);
@@ -299,6 +327,34 @@ impl ScanJoiner {
         let order = (first.time_ns, first.sensor);
         let mut others = (0..self.sensors.len()).filter(|place| *place != first.sensor);
         is_due || others.all(|place| (self.sensors[place].scans.earliest_ns(), place) > order)
+    }
+}
+
+impl JoinedSensor {
+    /// Period of the scans, and time from a scan to its completion: a period and the wait, nanoseconds; `None` if the
+    /// period is not known.
+    fn rhythm(&self) -> Option<(i64, i64)> {
+        match &self.scans {
+            SensorScans::Cut(cutter) => Some((cutter.period_ns()?, cutter.span_ns())),
+            SensorScans::Stated(scans) => {
+                let period_ns = self.period_ns?;
+                Some((period_ns, period_ns.saturating_add(scans.wait_ns())))
+            }
+        }
+    }
+
+    /// The sensor's own events have come to `time_ns`. A single event does not make more than a scan or two empty: its
+    /// time may be wrong.
+    fn reach(&mut self, time_ns: i64) {
+        let ahead_ns = time_ns.saturating_sub(self.own_ns);
+        let is_pause = |period_ns: i64| ahead_ns > period_ns.saturating_mul(i64::from(SILENT_SCANS_MAX));
+        let reached_ns = match self.rhythm() {
+            Some((period_ns, span_ns)) if !is_pause(period_ns) => {
+                time_ns.min(self.own_ns.saturating_add(span_ns.saturating_mul(2)))
+            }
+            _ => time_ns,
+        };
+        self.own_ns = self.own_ns.max(reached_ns);
     }
 }
 
@@ -354,11 +410,19 @@ impl SensorScans {
         }
     }
 
-    /// Period by which scans without detections follow each other; `None` if detections wait, or it is not known.
-    fn silent_period_ns(&self) -> Option<i64> {
+    /// Whether nothing waits for its scan to be complete.
+    fn is_idle(&self) -> bool {
         match self {
-            Self::Cut(cutter) => cutter.period_ns().filter(|_| cutter.is_idle()),
-            Self::Stated(_) => None,
+            Self::Cut(cutter) => cutter.is_idle(),
+            Self::Stated(scans) => scans.is_idle(),
+        }
+    }
+
+    /// A scan without detections is complete.
+    fn empty_by_time(&mut self, scan: CutScan) {
+        match self {
+            Self::Cut(cutter) => cutter.empty_scan(scan),
+            Self::Stated(scans) => scans.unnumbered_scan(scan.time_ns),
         }
     }
 

@@ -121,6 +121,88 @@ fn turns_without_detections_are_known_by_north_marks() {
     assert_eq!(times, [9, 13, 17]);
 }
 
+/// Of a radar alone, too, and detections of the turns that are known to be empty are late.
+#[test]
+fn turns_without_detections_of_a_radar_alone_are_known_by_north_marks() {
+    let turn = CutterSettings {
+        wait_ns: Some(S),
+        ..cutter(Boundaries::Turn, 4 * S)
+    };
+    let mut joiner = ScanJoiner::new(&[1], &settings(vec![turn], 0), 0).unwrap();
+    joiner.take(0, &SensorEvent::TurnBegins(0), 0);
+    joiner.take(0, &detection(1, 0, 2 * S), 0);
+    let mut found = Vec::new();
+    for turn in 1..5 {
+        joiner.take(0, &SensorEvent::TurnBegins(4 * S * turn), 0);
+        while let Some(scan) = joiner.next_scan() {
+            found.push((scan.number, scan.time_ns / S));
+            assert_eq!(joiner.is_by_time(), joiner.receipts().1.is_empty());
+        }
+    }
+    // The turns of 6 and 10 s were over, with the wait, at 11 and 15 s.
+    let first = found[0].0;
+    assert_eq!(found, [(first, 2), (first + 1, 6), (first + 2, 10)]);
+    let late = joiner.take(0, &detection(1, 0, 13 * S), 0);
+    assert_eq!(late, DetectionTreatment::TooLate);
+    joiner.take(0, &detection(1, 0, 15 * S), 0);
+    joiner.take(0, &detection(1, 0, 17 * S), 0);
+    joiner.end();
+    let numbers: Vec<(u32, i64)> = released(&mut joiner)
+        .iter()
+        .map(|(_, number, time_ns)| (*number, time_ns / S))
+        .collect();
+    assert_eq!(numbers, [(first + 3, 15), (first + 4, 17)]);
+}
+
+/// The clock that only shows pictures states no scan of the sensor.
+#[test]
+fn the_clock_of_pictures_completes_a_scan_and_states_none() {
+    let rules = settings(vec![cutter(Boundaries::Turn, 4 * S)], 0);
+    let mut joiner = ScanJoiner::new(&[1], &rules, 0).unwrap();
+    joiner.take(0, &detection(1, 0, S), 0);
+    joiner.passed_by_clock(60 * S);
+    assert_eq!(released(&mut joiner).len(), 1);
+    assert_eq!(joiner.shown_ns(), 60 * S);
+    // A single mark with a wrong time makes one scan empty, and not all until then.
+    joiner.take(0, &SensorEvent::Passed(60 * S), 0);
+    assert_eq!(released(&mut joiner).len(), 1);
+    for _ in 0..3 {
+        joiner.take(0, &SensorEvent::Passed(60 * S), 0);
+    }
+    assert_eq!(released(&mut joiner).len(), 6);
+}
+
+/// A camera that numbers its images and has a stated period: its time shows the images that it has not sent.
+#[test]
+fn numbered_scans_are_known_to_be_empty_by_the_sensors_time() {
+    let rules = |period_ns| {
+        let stated = CutterSettings {
+            period_ns,
+            ..cutter(Boundaries::Stated, S)
+        };
+        ScanJoiner::new(&[1, 2], &settings(vec![stated, cutter(Boundaries::Turn, 9 * S)], 0), 0).unwrap()
+    };
+    for (period_ns, empty) in [(None, vec![]), (Some(2 * S), vec![3, 5])] {
+        let mut joiner = rules(period_ns);
+        joiner.take(0, &detection(1, 7, S), 0);
+        joiner.take(0, &SensorEvent::Passed(5 * S - 1), 0);
+        assert_eq!(released(&mut joiner), [(1, 7, S)]);
+        joiner.take(0, &SensorEvent::Passed(7 * S), 0);
+        let times = released(&mut joiner)
+            .iter()
+            .map(|(.., time_ns)| time_ns / S)
+            .collect::<Vec<_>>();
+        assert_eq!(times, empty);
+        let late = joiner.take(0, &detection(1, 8, 4 * S), 0) == DetectionTreatment::TooLate;
+        assert_eq!(late, period_ns.is_some());
+        // Its own numbers go on, whether or not they count the images without detections.
+        joiner.take(0, &detection(1, 9, 8 * S), 0);
+        joiner.end();
+        let own = released(&mut joiner).last().copied();
+        assert_eq!(own, Some((1, 9, 8 * S)));
+    }
+}
+
 #[test]
 fn missing_numbers_are_scans_in_their_places() {
     let mut joiner = two(0);

@@ -10,7 +10,7 @@
 //! tracks.
 //!
 //! [`carrying`] turns detections of sensors on a moving platform into detections in the system frame; [`joining`] joins
-//! the detections of several sensors into one order of scans.
+//! the detections of several sensors into one order of scans; [`silence`] states the time of a sensor that sends nothing.
 //!
 //! This crate performs no I/O and reads no clock. The output depends on the data and their order, never on the time
 //! of reading.
@@ -26,9 +26,10 @@ mod pipeline;
 mod plot_relay;
 mod samples;
 mod scan_tracker;
+pub mod silence;
 
 pub use bearing_locator::BearingLocator;
-pub use detection_tracker::{DetectionTracker, TrackerSettings};
+pub use detection_tracker::{DetectionTracker, PlatformAxes, TrackerSettings};
 pub use pipeline::{Pipeline, Processing};
 pub use samples::Samples;
 pub use scan_tracker::{Outputs, ScanTracker, SensorScan, TrackSink};

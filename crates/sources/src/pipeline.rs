@@ -211,6 +211,14 @@ impl Pipeline {
         self.follow();
     }
 
+    /// The clock has come to `mono_ns`, and no received data wait: see [`DetectionTracker::silent`].
+    pub fn silent(&mut self, mono_ns: i64, silent_after_ns: Option<i64>, samples: &mut Samples) {
+        if let Maker::Tracker(tracker) = &mut self.maker {
+            tracker.silent(mono_ns, silent_after_ns, samples);
+        }
+        self.follow();
+    }
+
     /// The clock has come to `mono_ns`, and no received data wait: see [`DetectionTracker::clock`].
     pub fn clock(&mut self, mono_ns: i64, samples: &mut Samples) {
         if let Maker::Tracker(tracker) = &mut self.maker {

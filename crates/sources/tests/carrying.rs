@@ -46,6 +46,7 @@ fn carrying(carrier: Option<usize>) -> Carrying<u32> {
         carrier,
         mount: Mount::default(),
         default_sigmas: Some([10.0, 0.01, f64::NAN, f64::NAN]),
+        looks_ns: None,
     };
     Carrying::new(&carriers, &[Some(sensor), None], Assumed::default(), None)
 }
@@ -97,6 +98,8 @@ fn marks_do_not_overtake_detections_that_wait_and_other_sensors_do() {
     };
     assert_eq!(carried.platform_m, [500.0, 0.0, 0.0]);
     assert!((carried.values[1] - FRAC_PI_2).abs() < 1e-9, "{carried:?}");
+    let heading = carried.platform.attitude_rad.map(|[heading_rad, ..]| heading_rad);
+    assert_eq!(heading, Some(std::f32::consts::FRAC_PI_2), "fixed to the hull");
     // The heading's error is added to the bearing's.
     let sigma = carried.sigmas.unwrap()[1];
     assert!(sigma > 0.01_f64.hypot(1_f64.to_radians()) - 1e-9, "{sigma}");

@@ -3,14 +3,16 @@
 use std::path::Path;
 
 use configuration::Config;
-use messages::{Counter, Counters, SensorBearing, SensorTrack, StageTimes, TrackState, sensor_bearing_bits};
-use observations::{Detection, DetectionKind, DetectionPlatform, Sampled as _, TransponderReply};
+use messages::{
+    Counter, Counters, SensorBearing, SensorTrack, StageTimes, TrackState, sensor_bearing_bits, sensor_track_bits,
+};
+use observations::{Detection, DetectionKind, DetectionPlatform, Sampled as _, SensorEvent, TransponderReply};
 use proptest::prelude::*;
 
-use sources::{DetectionTracker, Samples, ScanTracker, SensorScan, TrackSink, TrackerSettings};
+use sources::{DetectionTracker, PlatformAxes, Samples, ScanTracker, SensorScan, TrackSink, TrackerSettings};
 use test_support::S;
 use tracking::TrackReport;
-use tracking::scans::silent_scans;
+use tracking::scans::{scans_of, silent_scans};
 use tracking::wide_area::arrivals::Arrivals;
 use tracking::wide_area::cue::Cue;
 
@@ -283,9 +285,9 @@ impl TrackSink for Repeated {
     fn cues(&mut self, _scan_ns: i64, _cues: &[Cue]) {}
 }
 
-/// What was published, in its order: the detections of a scan, or the time of the latest picture.
+/// What was published, in its order: number, time and detections of a scan, or the time of the latest picture.
 enum Published {
-    Scan(Vec<Detection>),
+    Scan(u32, i64, Vec<Detection>),
     Picture(i64),
 }
 
@@ -306,9 +308,11 @@ proptest! {
                 1 => tracking.passed((time_s * 1e9) as i64, false, 0, &mut made),
                 _ => tracking.take(seen(time_s), 0, &mut made),
             }
-            let detections: Vec<Detection> = made.detections.iter().filter_map(Detection::of_sample).collect();
-            let scans = detections.chunk_by(|one, other| one.scan == other.scan);
-            log.extend(scans.map(|scan| Published::Scan(scan.to_vec())));
+            for scan in made.detections.chunk_by(|one, other| one.scan == other.scan) {
+                let detections: Vec<Detection> = scan.iter().filter_map(Detection::of_sample).collect();
+                let last = scan.last().unwrap();
+                log.push(Published::Scan(last.scan, last.time_of_measurement_ns, detections));
+            }
             // Pictures without tracks count, too.
             log.push(Published::Picture(tracking.progress_ns()));
             live.extend(made.tracks);
@@ -317,13 +321,12 @@ proptest! {
         let mut again = ScanTracker::new(settings.settings, settings.outputs, Arrivals::new(), Vec::new()).unwrap();
         let (mut repeated, mut latest) = (Repeated::default(), None);
         for each in &log {
-            let Published::Scan(detections) = each else {
+            let Published::Scan(scan, scan_ns, detections) = each else {
                 let Published::Picture(time_ns) = each else { continue };
                 again.show(*time_ns, &mut repeated);
                 continue;
             };
-            let last = detections.last().unwrap();
-            let now = (last.scan, last.time_of_measurement_ns);
+            let now = (*scan, *scan_ns);
             let of_sensor = |(number, time_ns), detections| SensorScan { sensor_id: 1, number, time_ns, detections };
             for silent in latest.into_iter().flat_map(|before| silent_scans(before, now)) {
                 again.scan(&of_sensor(silent, &[]), None, &mut repeated);
@@ -373,4 +376,146 @@ fn a_detection_that_comes_too_long_after_newer_ones_is_not_selected() {
         (vec![202, 222, 232], 0, 8),
         "used with less weight, so not refused"
     );
+}
+
+/// What was published as one table: `koseki track` reads the detections, and the scans without any.
+fn tracks_of_the_table(made: &Samples) -> Vec<SensorTrack> {
+    let settings = settings("");
+    let events = made.detections.iter().filter_map(SensorEvent::of_sample);
+    let (mut detections, mut silent) = (Vec::new(), Vec::new());
+    for event in events {
+        match event {
+            SensorEvent::Detection(detection) => detections.push(detection),
+            SensorEvent::EmptyScan { number, time_ns } => silent.push((1, number, time_ns)),
+            mark => panic!("{mark:?}"),
+        }
+    }
+    let mut again = ScanTracker::new(settings.settings, settings.outputs, Arrivals::new(), Vec::new()).unwrap();
+    let mut repeated = Repeated::default();
+    for scan in scans_of(&mut detections, &silent) {
+        let detections = &detections[scan.detections.clone()];
+        let scan = SensorScan {
+            sensor_id: 1,
+            number: scan.number,
+            time_ns: scan.time_ns,
+            detections,
+        };
+        again.scan(&scan, None, &mut repeated);
+    }
+    repeated.0
+}
+
+fn plain(tracks: &[SensorTrack]) -> Vec<SensorTrack> {
+    let plain = |track: &SensorTrack| SensorTrack {
+        stages: StageTimes::default(),
+        ..*track
+    };
+    tracks.iter().map(plain).collect()
+}
+
+#[test]
+fn a_silent_radars_tracks_coast_and_end_by_its_marks_of_time() {
+    let mut tracking = tracker("");
+    let mut made = Samples::default();
+    fly(&mut tracking, 0..20, &mut made);
+    let by_data = made.tracks.len();
+    let mut times = Vec::new();
+    for turn in 20..60 {
+        tracking.passed(i64::from(turn) * 4 * S, true, 0, &mut made);
+        let new = made.tracks[by_data + times.len()..]
+            .iter()
+            .map(|track| track.time_of_measurement_ns);
+        times.extend(new.collect::<Vec<_>>());
+    }
+    // A turn is over at its end and the wait: 4.4 s after its time. The track lives for some turns, and ends.
+    let expected: Vec<i64> = (1..=times.len() as i64)
+        .map(|turn| LAST_NS - 4 * S + 4 * S * turn)
+        .collect();
+    assert_eq!(times, expected);
+    assert!((3..20).contains(&times.len()), "{}", times.len());
+    // It comes back, as late as its first turn that is not known to be empty.
+    fly(&mut tracking, 59..70, &mut made);
+    tracking.end(&mut made);
+    assert!(made.tracks.last().unwrap().time_of_measurement_ns > 270 * S);
+    assert_eq!(plain(&made.tracks), plain(&tracks_of_the_table(&made)));
+}
+
+#[test]
+fn a_silent_sensors_scans_go_on_by_the_clock() {
+    let mut tracking = tracker("");
+    let mut made = Samples::default();
+    for scan in 0..20 {
+        let time_s = 4.0 * f64::from(scan) + 1.2;
+        tracking.take(seen(time_s), (time_s * 1e9) as i64, &mut made);
+    }
+    let by_data = made.tracks.len();
+    let mut clock = |tracking: &mut DetectionTracker, until_s: i64| {
+        (78..until_s).for_each(|mono_s| tracking.silent(mono_s * S, Some(50 * S), &mut made));
+        (made.tracks.len() - by_data, made.detections.len())
+    };
+    // The last scan is complete when the clock has come two periods and two waits beyond it; each period is one more.
+    assert_eq!(clock(&mut tracking, 88), (0, 19));
+    let (tracks, events) = clock(&mut tracking, 140);
+    assert!((3..12).contains(&tracks), "{tracks}");
+    assert!((26..34).contains(&events), "{events}");
+    assert_eq!(clock(&mut tracking, 900), (tracks, events), "the sensor counts as dead");
+    assert_eq!(plain(&made.tracks), plain(&tracks_of_the_table(&made)));
+}
+
+proptest! {
+    /// Whenever marks and detections come, and whenever the clock is read, the table gives the same tracks.
+    #[test]
+    fn the_table_of_a_silent_sensor_gives_the_same_tracks_again(
+        steps in prop::collection::vec((0u32..6, 0.0..6.0f64, -3.0..0.5f64), 40..120),
+    ) {
+        let mut tracking = tracker("");
+        let (mut time_s, mut made) = (0.0, Samples::default());
+        for (what, step_s, late_s) in steps {
+            time_s += step_s;
+            let now_ns = (time_s * 1e9) as i64;
+            match what {
+                0 => tracking.silent(now_ns, None, &mut made),
+                1 => tracking.passed(now_ns, true, now_ns, &mut made),
+                2 => tracking.passed(now_ns, false, now_ns, &mut made),
+                3 => tracking.take(seen(time_s + late_s.min(0.0)), now_ns, &mut made),
+                _ => tracking.take(seen(time_s), now_ns, &mut made),
+            }
+        }
+        tracking.end(&mut made);
+        prop_assert_eq!(plain(&made.tracks), plain(&tracks_of_the_table(&made)));
+    }
+}
+
+#[test]
+fn the_tracks_of_a_tracker_on_board_state_where_its_platform_is() {
+    for (axes, heading_rad) in [
+        (None, 0.0),
+        (Some(PlatformAxes::North), 0.0),
+        (Some(PlatformAxes::Hull), 0.5),
+    ] {
+        let settings = TrackerSettings {
+            platform: axes,
+            ..settings("")
+        };
+        let mut tracking = DetectionTracker::new(0, &settings, 0, Arrivals::new()).unwrap();
+        let mut made = Samples::default();
+        for scan in 0..10 {
+            let time_s = 4.0 * f64::from(scan) + 1.2;
+            let mut detection = seen(time_s);
+            detection.platform_m = [10.0 * time_s, 700.0, 15.0];
+            // A camera among the sensors may state no attitude.
+            detection.platform.attitude_rad = (scan % 2 == 0).then_some([0.5, 0.1, 0.0]);
+            tracking.take(detection, 0, &mut made);
+        }
+        assert!(made.tracks.len() > 3);
+        for track in &made.tracks {
+            assert_eq!(track.has(sensor_track_bits::PLATFORM), axes.is_some());
+            if axes.is_some() {
+                let time_s = track.time_of_measurement_ns as f64 / 1e9;
+                let [east, north, heading] = track.measured_m;
+                assert!((east - 10.0 * time_s).abs() < 1e-6 && north == 700.0, "{east} {north}");
+                assert_eq!(heading, heading_rad);
+            }
+        }
+    }
 }

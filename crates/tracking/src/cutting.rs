@@ -20,6 +20,8 @@
 //! is that of the sixteenth of a second, counted from an epoch, in which the scan began. No sensor makes as many scans,
 //! so that a cutter that takes another one's place begins with a number beyond all of the other's.
 
+mod empty_scans;
+
 use std::collections::VecDeque;
 
 use observations::Detection;

@@ -71,6 +71,18 @@ impl<T: Copy> StatedScans<T> {
         self.passed(scan.time_ns);
     }
 
+    /// Takes note of a complete scan without detections that the sensor has not numbered: what is earlier is too late.
+    pub fn unnumbered_scan(&mut self, time_ns: i64) {
+        if let Some(closed) = &mut self.closed {
+            closed.time_ns = closed.time_ns.max(time_ns);
+        }
+    }
+
+    /// Whether no scan is open.
+    pub fn is_idle(&self) -> bool {
+        self.open.is_empty()
+    }
+
     /// The sensor's time has come to `time_ns`.
     pub fn passed(&mut self, time_ns: i64) {
         self.running_ns = self.running_ns.max(time_ns);

@@ -129,12 +129,16 @@ impl DatagramReader for BlockSources {
         Ok(())
     }
 
-    fn publish(&mut self, count: usize, _now: Now) -> anyhow::Result<()> {
+    fn publish(&mut self, count: usize, now: Now) -> anyhow::Result<()> {
         // A full batch leaves further datagrams in the socket.
         let elapsed = (count < BATCH_MAX).then(Now::read);
         for channel in &mut self.channels {
             channel.publish()?;
-            elapsed.map_or(Ok(()), |now| channel.elapsed(now))?;
+            if let Some(elapsed) = elapsed {
+                // What had come at the beginning of the turn has been taken, whatever has come meanwhile.
+                channel.silent(now.mono_ns)?;
+                channel.elapsed(elapsed)?;
+            }
         }
         Ok(())
     }

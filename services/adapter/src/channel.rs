@@ -36,6 +36,8 @@ pub(crate) struct SourceChannel {
     outlets: Outlets,
     /// Clock for the estimate of the source's clock offset.
     steady: Option<SteadyClock>,
+    /// Silence of the source that raises the alarm, nanoseconds.
+    silent_after_ns: Option<i64>,
 }
 
 /// Topics of a source.
@@ -98,6 +100,7 @@ impl SourceChannel {
             },
             outlets: Outlets::open(process, source)?,
             steady: None,
+            silent_after_ns: source.silent_after_ns,
         })
     }
 
@@ -148,6 +151,13 @@ impl SourceChannel {
     /// Takes a record about the sensor.
     pub(crate) fn service(&mut self, service: &ServiceMessage, ingested_ns: i64) -> anyhow::Result<()> {
         self.pipeline.service(service, ingested_ns, &mut self.gathered);
+        self.publish_many()
+    }
+
+    /// Lets a silent sensor's scans without detections go out by the clock. All data that had come at `mono_ns` must
+    /// have been taken: the process may have stood still since then.
+    pub(crate) fn silent(&mut self, mono_ns: i64) -> anyhow::Result<()> {
+        self.pipeline.silent(mono_ns, self.silent_after_ns, &mut self.gathered);
         self.publish_many()
     }
 

@@ -9,7 +9,7 @@ use messages::picture::{
 };
 use messages::{
     Covariance, Cue, DetectionKind, Quantity, SensorBearing, SensorDetection, SensorTrack, SystemTrack, WideArea,
-    sensor_track_bits,
+    sensor_detection_bits, sensor_track_bits,
 };
 
 use crate::vertical;
@@ -143,8 +143,11 @@ pub(crate) enum DetectionPlace {
     Ray(PictureBearing),
 }
 
-/// Returns the record of a detection; `None` if its kind is unknown.
+/// Returns the record of a detection; `None` if its kind is unknown, or the sample is a mark of time.
 pub(crate) fn detection(detection: &SensorDetection, frame: Option<&SystemFrame>) -> Option<DetectionPlace> {
+    if detection.valid & sensor_detection_bits::MARK != 0 {
+        return None;
+    }
     let quantities = DetectionKind::from_code(detection.kind)?.quantities();
     let value = |wanted: Quantity| {
         let place = quantities.iter().position(|quantity| *quantity == wanted)?;
@@ -232,6 +235,20 @@ pub(crate) fn cue(cue: &Cue) -> PictureArea {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_mark_of_time_is_no_detection() {
+        let mark = SensorDetection {
+            kind: messages::DetectionMark::EmptyScan.code(),
+            valid: sensor_detection_bits::MARK,
+            ..SensorDetection::default()
+        };
+        assert!(
+            DetectionKind::from_code(mark.kind).is_some(),
+            "the codes are those of detections, too"
+        );
+        assert!(detection(&mark, None).is_none());
+    }
 
     #[test]
     fn the_ellipse_lies_as_the_covariance_says() {

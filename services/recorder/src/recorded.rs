@@ -10,15 +10,15 @@ use alarms::AlarmKind;
 use bus::Payload;
 use formats::alarms_csv::AlarmRow;
 use formats::cues_csv::CueRow;
-use formats::detections_csv::RepliedDetection;
 use formats::rows::{Row, RowWriter};
+use formats::scan_rows_csv::{EmptyScan, RepliedScanRow, ScanRow};
 use formats::tracks_csv::PlacedTrack;
 use frames::SystemFrame;
 use messages::{
     Alarm, AlarmEvent, Cue, Decision, OrderState, PlatformState, SensorBearing, SensorDetection, SensorTrack, Stream,
     Streamed, SystemTrack, WideArea,
 };
-use observations::{Bearing, Detection, Sampled as _, WideAreaReport, sensor_id};
+use observations::{Bearing, Sampled as _, SensorEvent, WideAreaReport, sensor_id};
 
 /// Sample with a row format.
 pub(crate) trait RecordedSample: Streamed + Payload {
@@ -123,12 +123,22 @@ impl RecordedSample for SensorTrack {
 }
 
 impl RecordedSample for SensorDetection {
-    type Row = RepliedDetection;
+    type Row = RepliedScanRow;
 
-    fn row(&self, source: u16, _: &SystemFrame) -> Option<RepliedDetection> {
+    /// Of a sensor's marks, a scan without detections makes a row, so that the table gives the same tracks.
+    fn row(&self, source: u16, _: &SystemFrame) -> Option<RepliedScanRow> {
         // A tracker process publishes the events of its sensors, whose numbers follow those of all sources.
         let source = source.max(self.source);
-        Detection::of_sample(&Self { source, ..*self }).map(RepliedDetection)
+        let row = match SensorEvent::of_sample(&Self { source, ..*self })? {
+            SensorEvent::Detection(detection) => ScanRow::Detection(detection),
+            SensorEvent::EmptyScan { number, time_ns } => ScanRow::Empty(EmptyScan {
+                sensor_id: sensor_id(source),
+                scan: number,
+                time_ns,
+            }),
+            SensorEvent::Passed(_) | SensorEvent::TurnBegins(_) | SensorEvent::Unplaced(_) => return None,
+        };
+        Some(RepliedScanRow(row))
     }
 
     fn stated_number(&self) -> u16 {

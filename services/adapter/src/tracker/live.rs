@@ -14,10 +14,10 @@ use platform::State;
 use runtime::clock::SteadyClock;
 use runtime::{Agent, HealthEntry, Now, Turn};
 use sources::carrying::Carrying;
-use sources::{Pipeline, Processing, Samples};
+use sources::silence::{SilenceRules, SilentSensor};
+use sources::{Pipeline, Processing, Samples, TrackerSettings};
 use tracking::wide_area::arrivals::Arrivals;
 
-use super::silence::SilentSensors;
 use crate::Processed;
 use crate::channel::SourceChannel;
 use crate::platform::FAR_M;
@@ -34,7 +34,6 @@ const SLICES_PER_TURN: usize = 64;
 pub(super) struct TrackerAgent {
     channel: SourceChannel,
     sensors: Vec<TrackedSensor>,
-    silent: SilentSensors,
     waiter: Waiter<SharedMemory>,
     steady: SteadyClock,
     /// Events of a turn: monotonic time of receipt (nanoseconds), place of the sensor, event.
@@ -60,6 +59,8 @@ struct TrackedSensor {
     events: Subscriber<SharedMemory, SensorDetection>,
     /// Checks of an external sensor.
     checks: Option<Box<Pipeline>>,
+    /// With a stated period.
+    silent: Option<(SilentSensor, SilenceRules)>,
     /// Samples with codes of another schema.
     unknown: u64,
 }
@@ -69,7 +70,7 @@ impl TrackerAgent {
     pub(super) fn open(process: &Process, tracker: Processed<'_>) -> anyhow::Result<Self> {
         let mut waiter = process.bus.waiter(WaitMode::Event);
         let mut sensors = Vec::new();
-        for sensor in process.config.sensors_of(tracker.0) {
+        for (place, sensor) in process.config.sensors_of(tracker.0).iter().enumerate() {
             let topic = messages::sensor_detections(&sensor.name);
             waiter.watch(&process.bus, &topic)?;
             sensors.push(TrackedSensor {
@@ -78,6 +79,7 @@ impl TrackerAgent {
                 may_move: sensor.on_board.is_some() || sensor.has_rows(),
                 events: process.bus.subscriber(&topic, || process.incarnation)?,
                 checks: checks(process, sensor)?,
+                silent: silence(tracker.1.tracker(), place, sensor),
                 unknown: 0,
             });
         }
@@ -88,7 +90,6 @@ impl TrackerAgent {
             platforms.push(process.bus.subscriber(&topic, || process.incarnation)?);
         }
         Ok(Self {
-            silent: SilentSensors::new(tracker.1.tracker(), process.config.sensors_of(tracker.0)),
             channel: SourceChannel::open(process, tracker)?,
             platforms,
             carrying: on_board::carrying(process, tracker, None),
@@ -177,17 +178,26 @@ fn checks(process: &Process, sensor: &Source) -> anyhow::Result<Option<Box<Pipel
     Ok(is_external.then(pipeline).transpose()?.map(Box::new))
 }
 
+/// The silence of a sensor with a stated period.
+fn silence(settings: Option<&TrackerSettings>, place: usize, sensor: &Source) -> Option<(SilentSensor, SilenceRules)> {
+    let cutter = settings?.joining.cutters.get(place)?;
+    let rules = SilenceRules::new(cutter, cutter.period_ns?, sensor.silent_after_ns);
+    Some((SilentSensor::default(), rules))
+}
+
 impl Agent for TrackerAgent {
     fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
         self.take(now)?;
         self.channel.listen()?;
         for (came_ns, place, event) in &self.taken {
-            self.silent.came(*place, event.time_ns(), *came_ns);
+            if let Some((silent, _)) = &mut self.sensors[*place].silent {
+                silent.came(event.time_ns(), *came_ns);
+            }
         }
         // What a silent sensor would have sent passes through the same queue as its detections.
-        for (place, sensor) in self.sensors.iter().enumerate() {
-            let is_silent = !sensor.events.has_slices();
-            let due = is_silent.then(|| self.silent.statement(place, now.mono_ns)).flatten();
+        for (place, sensor) in self.sensors.iter_mut().enumerate() {
+            let silent = sensor.silent.as_mut().filter(|_| !sensor.events.has_slices());
+            let due = silent.and_then(|(silent, rules)| silent.statement(now.mono_ns, rules));
             self.taken.extend(due.map(|(event, came_ns)| (came_ns, place, event)));
         }
         self.carry()?;

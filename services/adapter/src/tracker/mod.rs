@@ -9,7 +9,6 @@
 mod live;
 mod on_board;
 mod recorded;
-mod silence;
 
 use deployment::Process;
 use runtime::Agent;

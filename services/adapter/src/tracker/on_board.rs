@@ -49,18 +49,19 @@ pub(super) fn carrying<T>(process: &Process, tracker: Processed<'_>, states_max:
             states_max: states_max.unwrap_or(STATES_MAX),
         })
         .collect();
-    let facts = processing
-        .tracker()
-        .map_or(&[][..], |tracker| &tracker.settings.sensors);
-    let sensors = process.config.sensors_of(source).iter().zip(facts);
+    let (facts, cutters) = processing.tracker().map_or((&[][..], &[][..]), |tracker| {
+        (&tracker.settings.sensors[..], &tracker.joining.cutters[..])
+    });
+    let sensors = process.config.sensors_of(source).iter().zip(facts).zip(cutters);
     let sensors: Vec<Option<CarriedSensor>> = sensors
-        .map(|(sensor, facts)| {
+        .map(|((sensor, facts), cutter)| {
             let on_board = sensor.on_board?;
             let place = |number: u16| platforms.iter().position(|platform| platform.number == number);
             Some(CarriedSensor {
                 carrier: on_board.platform.and_then(place),
                 mount: on_board.mount,
                 default_sigmas: facts.default_sigmas(),
+                looks_ns: cutter.period_ns,
             })
         })
         .collect();

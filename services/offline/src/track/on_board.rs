@@ -93,6 +93,7 @@ impl OnBoard {
                 carrier: Some(0),
                 mount: config.mount(sensor_id)?,
                 default_sigmas: config.sigmas(sensor_id),
+                looks_ns: None,
             })
         };
         let mut carrying = Passage::new(config, Some(carrier), input, sensor);
@@ -127,6 +128,7 @@ impl OnBoard {
                 carrier: None,
                 mount: config.own_mount(sensor_id)?,
                 default_sigmas: config.sigmas(sensor_id),
+                looks_ns: None,
             })
         };
         own.counts = Passage::new(config, None, input, sensor).pass(input);
