@@ -23,6 +23,7 @@ use crate::channel::SourceChannel;
 use crate::platform::FAR_M;
 
 use super::on_board;
+use super::orders::Orders;
 
 /// Longest wait for detections in one turn, bounded by health messages and stop requests.
 const PATIENCE: Duration = Duration::from_millis(50);
@@ -35,6 +36,8 @@ pub(super) struct TrackerAgent {
     channel: SourceChannel,
     sensors: Vec<TrackedSensor>,
     silent: SilentSensors,
+    /// Orders of operators, if one of the sensors takes them.
+    orders: Option<Orders>,
     waiter: Waiter<SharedMemory>,
     steady: SteadyClock,
     /// Events of a turn: monotonic time of receipt (nanoseconds), place of the sensor, event.
@@ -81,6 +84,8 @@ impl TrackerAgent {
                 unknown: 0,
             });
         }
+        let of_tracker = (tracker.0.number, process.config.sensors_of(tracker.0));
+        let orders = Orders::open(&process.bus, of_tracker, process.config.frame, process.incarnation)?;
         let mut platforms = Vec::new();
         for platform in on_board::platforms(process, tracker) {
             let topic = messages::platform_states(&platform.name);
@@ -90,6 +95,7 @@ impl TrackerAgent {
         Ok(Self {
             silent: SilentSensors::new(tracker.1.tracker(), process.config.sensors_of(tracker.0)),
             channel: SourceChannel::open(process, tracker)?,
+            orders,
             platforms,
             carrying: on_board::carrying(process, tracker, None),
             wait_ns: on_board::longest_wait_ns(process, tracker),
@@ -189,6 +195,10 @@ impl Agent for TrackerAgent {
             let is_silent = !sensor.events.has_slices();
             let due = is_silent.then(|| self.silent.statement(place, now.mono_ns)).flatten();
             self.taken.extend(due.map(|(event, came_ns)| (came_ns, place, event)));
+        }
+        if let Some(orders) = &mut self.orders {
+            self.taken.iter().for_each(|(_, _, event)| orders.came(event.time_ns()));
+            orders.turn(now.mono_ns, &mut self.taken)?;
         }
         self.carry()?;
         for (place, event, came_ns) in &self.carried {
