@@ -1,5 +1,5 @@
-//! Targets designated by order: a tracker that starts no tracks of its own follows them, and the recording gives the same
-//! tracks again (HT-12).
+//! Targets designated by order: a tracker that starts no tracks of its own follows them, and the recording gives the
+//! same tracks again (HT-12).
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -39,8 +39,7 @@ impl Site {
              [[tracker.sensor]]\nname = \"lidar\"\n\
              [tracker.sensor.live]\nreceiver = \"rows\"\nformat = \"rows\"\nsensor_id = 1\n\
              [[tracker.sensor]]\nname = \"operator\"\ndesignates = true\n[tracker.sensor.orders]\n\
-             [[tracker]]\nname = \"free\"\nperiod_s = 0.5\n\
-             [[tracker.sensor]]\nname = \"sonar\"\n[tracker.sensor.external]\n\
+             [[source]]\nname = \"free\"\n[source.external]\n\
              [recorder]\nformat = [\"csv\", \"mcap\"]\n",
             PLACE[0], PLACE[1]
         );

@@ -299,6 +299,9 @@ fn one_sensor_of_a_tracker_may_take_orders() {
         let said = with(more).unwrap_err();
         assert!(said.contains(key), "{said}");
     };
+    let only = |text: &str| parse(&text.replacen("wait_s = 0.3", "wait_s = 0.3\nsettings.starts = \"designated\"", 1));
+    assert!(only(&(site() + orders)).is_ok());
+    assert!(only(&site()).unwrap_err().contains("starts"));
     refused(&orders.replacen("true", "false", 1), "designates");
     refused(&orders.replacen("true", "true\nscans = \"turn\"", 1), "scans");
     refused(
