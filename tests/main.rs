@@ -43,6 +43,7 @@ mod live_bearings;
 mod live_centres;
 mod live_counts;
 mod live_cues;
+mod live_designations;
 mod live_on_board;
 mod live_plots;
 mod orders;

@@ -66,6 +66,7 @@ pub(super) fn check_source(
         delivers: delivery(&processing),
         links: Links::default(),
         on_board: None,
+        takes_orders: false,
         silent_after_ns: silent_after_ns(raw, &input),
         period_ns: settings::Seconds::of(raw.period_s()).ns(),
         required: raw.required,

@@ -293,7 +293,7 @@ settings::settings! {
         silent_periods: f64 = 5.0, in [0, 1e6];
     }
 
-    /// A sensor of a tracker process: exactly one of `live`, `recorded`, `external` and `simulated`.
+    /// A sensor of a tracker process: exactly one of `live`, `recorded`, `external`, `orders` and `simulated`.
     pub struct TrackerSensorTable with model: SensorModel {
         check TrackerSensorTable::check;
         /// Name: its detections are at `sensor/<tracker>.<name>/detections`.
@@ -304,6 +304,8 @@ settings::settings! {
         recorded: Option<RecordedPlotsTable> = None;
         /// A process that is no part of the deployment publishes the topic.
         external: Option<ExternalTable> = None;
+        /// Operators: targets designated by `koseki order designate`. Needs `designates`.
+        orders: Option<ExternalTable> = None;
         /// Radar of the simulated platform that `on_board` names.
         simulated: Option<ExternalTable> = None;
         /// Boundaries of scans: `turn`, as stated by the sensor; `period`, at whole multiples of the period; `stated`,
@@ -568,9 +570,11 @@ impl TrackerSensorTable {
             ("live", self.live.is_some()),
             ("recorded", self.recorded.is_some()),
             ("external", self.external.is_some()),
+            ("orders", self.orders.is_some()),
             ("simulated", self.simulated.is_some()),
         ];
         exactly_one("tracker.sensor", &self.name, &inputs)?;
+        self.check_orders()?;
         if self
             .live
             .as_ref()
@@ -585,6 +589,20 @@ impl TrackerSensorTable {
         }
         let longest_s = self.period_s.unwrap_or(60.0);
         settings::within("wait_s", self.wait_s.unwrap_or(0.0), 0.0, longest_s)
+    }
+
+    /// Orders are designations at rest, each a scan of its own.
+    fn check_orders(&self) -> Result<(), SettingsError> {
+        let refused = |key: &str, what: &str| Err(SettingsError::new(key, what.to_owned()));
+        match &self.orders {
+            None => Ok(()),
+            Some(_) if !self.model.designates => refused("designates", "must be true: orders designate targets"),
+            Some(_) if self.scans.is_some_and(|scans| scans != Boundaries::Stated) => {
+                refused("scans", "must be \"stated\": each order is a scan; leave it out")
+            }
+            Some(_) if self.on_board.is_some() => refused("on_board", "orders state places on the globe; leave it out"),
+            Some(_) => Ok(()),
+        }
     }
 
     /// Format of the data; `None` for an external sensor.

@@ -185,6 +185,7 @@ fn check_sensor(
         external: raw
             .external
             .as_ref()
+            .or(raw.orders.as_ref())
             .or(raw.simulated.as_ref())
             .map(|_| ExternalTable {}),
         ..SourceTable::default()
@@ -192,6 +193,7 @@ fn check_sensor(
     table.weighing.period_s = raw.period_s;
     let (mut source, ..) = check_source(number, &table, system, origin, network)?;
     source.delivers = SampleDelivery::Plots { format, sensor_id };
+    source.takes_orders = raw.orders.is_some();
     if !matches!(source.input, Input::Live(_)) {
         // The tracker process reads the file or the topic itself.
         source.adapter.clone_from(&tracker.name);
@@ -281,6 +283,11 @@ fn check_tracker(
         let what = "some sensors are recordings and some are not: their times are of different days; make all sensors recordings, or none";
         return Err(SettingsError::new(key("name"), what));
     }
+    let orders = sensors.iter().filter(|sensor| sensor.takes_orders).count();
+    if orders > 1 {
+        let what = "two sensors take orders; an order names the tracker alone: leave one";
+        return Err(SettingsError::new(key("name"), what));
+    }
     if recorded > 0 && raw.cues {
         let what = "the sensors of a recording look nowhere: leave it out";
         return Err(SettingsError::new(key("cues"), what));
@@ -304,6 +311,7 @@ fn check_tracker(
     if is_recorded {
         source.silent_after_ns = None;
     }
+    weighed.takes_designations = orders > 0;
     // A tracker's tracks are looked at before they are published, as an adapter's are.
     weighed.limits = Default::default();
     let mut settings = raw.settings.clone();

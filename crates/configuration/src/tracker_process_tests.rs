@@ -276,3 +276,36 @@ fn a_sensor_on_board_names_its_platform() {
         assert!(refusal.contains(expected), "{expected}: {refusal}");
     }
 }
+
+#[test]
+fn one_sensor_of_a_tracker_may_take_orders() {
+    let with = |more: &str| parse(&(site() + more));
+    let orders = "[[tracker.sensor]]\nname = \"operator\"\ndesignates = true\n[tracker.sensor.orders]\n";
+    let config = with(orders).unwrap();
+    let takes: Vec<bool> = config
+        .tracker_sensors
+        .iter()
+        .map(|sensor| sensor.takes_orders)
+        .collect();
+    assert_eq!(takes, [false, false, false, false, true]);
+    let ordered: Vec<bool> = config
+        .engine
+        .sources
+        .iter()
+        .map(|source| source.takes_designations)
+        .collect();
+    assert_eq!(ordered, [false, true]);
+    let refused = |more: &str, key: &str| {
+        let said = with(more).unwrap_err();
+        assert!(said.contains(key), "{said}");
+    };
+    let only = |text: &str| parse(&text.replacen("wait_s = 0.3", "wait_s = 0.3\nsettings.starts = \"designated\"", 1));
+    assert!(only(&(site() + orders)).is_ok());
+    assert!(only(&site()).unwrap_err().contains("starts"));
+    refused(&orders.replacen("true", "false", 1), "designates");
+    refused(&orders.replacen("true", "true\nscans = \"turn\"", 1), "scans");
+    refused(
+        &(orders.to_owned() + &orders.replacen("operator", "other", 1)),
+        "orders",
+    );
+}

@@ -31,6 +31,8 @@ pub struct Source {
     /// Mounting of a tracker's sensor on a platform that moves; `None` if it is at rest, or detections state their
     /// places in the system frame.
     pub on_board: Option<OnBoard>,
+    /// Whether its detections are the designations that operators order of its tracker.
+    pub takes_orders: bool,
     /// Silence of its adapter's input that is an alarm, nanoseconds; `None` if none is. Nothing is expected of a
     /// recording.
     pub silent_after_ns: Option<i64>,

@@ -209,6 +209,7 @@
 #define KOSEKI_ORDER_RESET UINT64_C(0xc) /* Everything learned of a source is forgotten: errors, accuracy, detection probability, dependence. */
 #define KOSEKI_ORDER_CANCEL UINT64_C(0xd) /* An order in force ends. */
 #define KOSEKI_ORDER_QNH UINT64_C(0xe) /* The pressure at mean sea level in a region, hPa, by the name of its `[[qnh]]`. */
+#define KOSEKI_ORDER_DESIGNATE UINT64_C(0xf) /* A tracker follows the target at a place of this standard deviation, metres. */
 #define KOSEKI_ORDER_STATUS_IN_FORCE UINT64_C(0x1) /* The order has an effect that lasts. */
 #define KOSEKI_ORDER_STATUS_DONE UINT64_C(0x2) /* The effect has taken place, and nothing of it lasts. */
 #define KOSEKI_ORDER_STATUS_CANCELLED UINT64_C(0x3) /* Another order has cancelled this order. */
@@ -238,6 +239,8 @@
 #define KOSEKI_REFUSAL_NOT_OUT UINT64_C(0x14) /* The source is not out. */
 #define KOSEKI_REFUSAL_BUSY UINT64_C(0x15) /* Fusion still publishes the previous snapshot or states. */
 #define KOSEKI_REFUSAL_UNKNOWN_QNH UINT64_C(0x16) /* The configuration has no `[[qnh]]` of this name. */
+#define KOSEKI_REFUSAL_TAKES_NO_DESIGNATIONS UINT64_C(0x17) /* The tracker has no sensor that takes orders. */
+#define KOSEKI_REFUSAL_NO_PLACE UINT64_C(0x18) /* The text is no place. */
 
 typedef struct KosekiStageTimes {
     int64_t ingested_ns; /* The adapter had the report's last byte. */

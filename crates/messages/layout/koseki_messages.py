@@ -211,6 +211,7 @@ ORDER_RENUMBER = 0xb  # A system track gets a new number, and the old number end
 ORDER_RESET = 0xc  # Everything learned of a source is forgotten: errors, accuracy, detection probability, dependence.
 ORDER_CANCEL = 0xd  # An order in force ends.
 ORDER_QNH = 0xe  # The pressure at mean sea level in a region, hPa, by the name of its `[[qnh]]`.
+ORDER_DESIGNATE = 0xf  # A tracker follows the target at a place of this standard deviation, metres.
 ORDER_STATUS_IN_FORCE = 0x1  # The order has an effect that lasts.
 ORDER_STATUS_DONE = 0x2  # The effect has taken place, and nothing of it lasts.
 ORDER_STATUS_CANCELLED = 0x3  # Another order has cancelled this order.
@@ -240,6 +241,8 @@ REFUSAL_UNKNOWN_ORDER = 0x13  # No order in force has this number.
 REFUSAL_NOT_OUT = 0x14  # The source is not out.
 REFUSAL_BUSY = 0x15  # Fusion still publishes the previous snapshot or states.
 REFUSAL_UNKNOWN_QNH = 0x16  # The configuration has no `[[qnh]]` of this name.
+REFUSAL_TAKES_NO_DESIGNATIONS = 0x17  # The tracker has no sensor that takes orders.
+REFUSAL_NO_PLACE = 0x18  # The text is no place.
 
 
 class StageTimes(ctypes.Structure):

@@ -411,6 +411,8 @@ counters! {
         "Level: distance of a platform from the origin of the system frame where it is too far, kilometres.";
     RejectedPlatform = "rejected_platform", Rejection by [Adapter],
         "Detections rejected because no state of the sensor's platform belongs to their time.";
+    DesignationsFollowed = "designations_followed", AdapterRemark by [Adapter],
+        "Designations of targets that the tracker followed already; they change nothing.";
 }
 
 #[cfg(test)]

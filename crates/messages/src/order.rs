@@ -4,6 +4,7 @@
 //! publishes the order with its state on `system/order-states`. [`OrderKind`] is the registry of kinds.
 
 use crate::codes;
+use crate::designated_place::DesignatedPlace;
 use crate::health::{NO_SOURCE, fill, text};
 use crate::layout::{Sample as _, sample};
 use crate::order_kind::{OrderKind, Parameter};
@@ -79,6 +80,10 @@ codes! {
         Busy = 21, "busy";
         /// The configuration has no `[[qnh]]` of this name.
         UnknownQnh = 22, "unknown-qnh";
+        /// The tracker has no sensor that takes orders.
+        TakesNoDesignations = 23, "takes-no-designations";
+        /// The text is no place.
+        NoPlace = 24, "no-place";
     }
 }
 
@@ -199,24 +204,24 @@ impl Order {
     /// Returns whether the order states the parameter.
     pub(crate) fn states(&self, parameter: Parameter) -> bool {
         match parameter {
-            Parameter::Source => self.source != NO_SOURCE,
+            Parameter::Source | Parameter::Tracker => self.source != NO_SOURCE,
             Parameter::From => self.other_source != NO_SOURCE,
             Parameter::Track => self.track != 0,
             Parameter::With | Parameter::SensorTrack => self.other_track != NO_TRACK,
-            Parameter::Value => !self.value.is_nan(),
-            Parameter::Name => self.name[0] != 0,
+            Parameter::Value | Parameter::Sigma => !self.value.is_nan(),
+            Parameter::Name | Parameter::Place => self.name[0] != 0,
             Parameter::Number => self.number != 0,
         }
     }
 
     fn text_of(&self, parameter: Parameter) -> String {
         match parameter {
-            Parameter::Source => self.source.to_string(),
+            Parameter::Source | Parameter::Tracker => self.source.to_string(),
             Parameter::From => self.other_source.to_string(),
             Parameter::Track => self.track.to_string(),
             Parameter::With | Parameter::SensorTrack => self.other_track.to_string(),
-            Parameter::Value => self.value.to_string(),
-            Parameter::Name => self.name().to_owned(),
+            Parameter::Value | Parameter::Sigma => self.value.to_string(),
+            Parameter::Name | Parameter::Place => self.name().to_owned(),
             Parameter::Number => self.number.to_string(),
         }
     }
@@ -362,6 +367,12 @@ impl Refusal {
             Self::BoundTrack => "another order in force binds the track; cancel that order first".to_owned(),
             Self::UnknownOrder => format!("no order in force has the number {}", order.number),
             Self::NotOut => "the source is not out".to_owned(),
+            Self::TakesNoDesignations => {
+                "the source is no tracker that takes designations by order; give its [[tracker]] \
+                 a sensor with designates = true and [tracker.sensor.orders]"
+                    .to_owned()
+            }
+            Self::NoPlace => format!("\"{}\" is no place; {}", order.name(), DesignatedPlace::FORM),
             Self::Busy => "fusion still publishes the previous snapshot; send it again in a second".to_owned(),
         }
     }
@@ -430,12 +441,13 @@ mod tests {
             for parameter in kind.needs() {
                 assert_eq!(check_order(&order), Err(Refusal::MissingParameter));
                 match parameter {
-                    Parameter::Source => order.source = 0,
+                    Parameter::Source | Parameter::Tracker => order.source = 0,
                     Parameter::From => order.other_source = 0,
                     Parameter::Track => order.track = 1,
                     Parameter::With | Parameter::SensorTrack => order.other_track = 0,
-                    Parameter::Value => order.value = kind.range().1,
+                    Parameter::Value | Parameter::Sigma => order.value = kind.range().1,
                     Parameter::Name => order.name[0] = b'x',
+                    Parameter::Place => order = order.with_name("1,2").unwrap(),
                     Parameter::Number => order.number = 1,
                 }
             }

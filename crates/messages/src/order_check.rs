@@ -1,5 +1,6 @@
 //! Check of everything that an order states of itself.
 
+use crate::designated_place::DesignatedPlace;
 use crate::order::{Order, Refusal};
 use crate::order_kind::{OrderKind, Parameter};
 
@@ -28,6 +29,9 @@ pub fn check(order: &Order) -> Result<OrderKind, Refusal> {
     let (low, high) = kind.range();
     if !order.value.is_nan() && !(low..=high).contains(&order.value) {
         return Err(Refusal::OutOfRange);
+    }
+    if kind.needs().contains(&Parameter::Place) && DesignatedPlace::read(order.name()).is_none() {
+        return Err(Refusal::NoPlace);
     }
     Ok(kind)
 }

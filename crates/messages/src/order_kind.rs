@@ -22,11 +22,17 @@ pub enum Parameter {
     Name,
     /// Number of another order: `Order::number`.
     Number,
+    /// Source whose tracks a tracker makes: `Order::source`.
+    Tracker,
+    /// Place of a target, as `DesignatedPlace` reads it: `Order::name`.
+    Place,
+    /// Standard deviation of a place, metres: `Order::value`.
+    Sigma,
 }
 
 impl Parameter {
     /// All parameters.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 11] = [
         Self::Source,
         Self::From,
         Self::Track,
@@ -35,6 +41,9 @@ impl Parameter {
         Self::Value,
         Self::Name,
         Self::Number,
+        Self::Tracker,
+        Self::Place,
+        Self::Sigma,
     ];
 
     /// Returns the word used on command lines and in JSON.
@@ -48,6 +57,9 @@ impl Parameter {
             Self::Value => "value",
             Self::Name => "name",
             Self::Number => "number",
+            Self::Tracker => "tracker",
+            Self::Place => "place",
+            Self::Sigma => "sigma",
         }
     }
 
@@ -55,6 +67,9 @@ impl Parameter {
     pub(crate) const fn field(self) -> Self {
         match self {
             Self::SensorTrack => Self::With,
+            Self::Tracker => Self::Source,
+            Self::Place => Self::Name,
+            Self::Sigma => Self::Value,
             other => other,
         }
     }
@@ -153,6 +168,8 @@ orders! {
         "An order in force ends.";
     Qnh = 14, "qnh", Lasts, needs [Name Value], may [], value in [850.0, 1100.0],
         "The pressure at mean sea level in a region, hPa, by the name of its `[[qnh]]`.";
+    Designate = 15, "designate", Once, needs [Tracker Place Sigma], may [], value in [0.1, 1e5],
+        "A tracker follows the target at a place of this standard deviation, metres.";
 }
 
 impl OrderKind {

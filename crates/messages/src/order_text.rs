@@ -1,5 +1,6 @@
 //! Orders as words: from command lines and JSON.
 
+use crate::designated_place::DesignatedPlace;
 use crate::order::Order;
 use crate::order_kind::{OrderKind, Parameter};
 
@@ -34,18 +35,21 @@ impl Order {
             };
             let numbered = || source(value).ok_or_else(|| format!("{name}={value}: there is no source of this name"));
             match parameter {
-                Parameter::Source => order.source = numbered()?,
+                Parameter::Source | Parameter::Tracker => order.source = numbered()?,
                 Parameter::From => order.other_source = numbered()?,
                 Parameter::Track => order.track = number()?,
                 Parameter::With | Parameter::SensorTrack => order.other_track = number()?,
                 Parameter::Number => order.number = number()?,
-                Parameter::Value => {
+                Parameter::Value | Parameter::Sigma => {
                     let (low, high) = kind.range();
                     let figure = value.parse().ok().filter(|figure| (low..=high).contains(figure));
                     order.value =
                         figure.ok_or_else(|| format!("{name}={value}: {name} must lie between {low} and {high}"))?;
                 }
-                Parameter::Name => {
+                Parameter::Place if DesignatedPlace::read(value).is_none() => {
+                    return Err(format!("{name}={value}: {}", DesignatedPlace::FORM));
+                }
+                Parameter::Name | Parameter::Place => {
                     order = order
                         .with_name(value)
                         .ok_or_else(|| format!("{name}={value}: a {name} has at most 32 bytes"))?;
@@ -65,7 +69,7 @@ impl Order {
         let kind = self.kind().map_or("?", OrderKind::word);
         let parameters = self.parameters().map(|(parameter, value)| {
             let source = match parameter {
-                Parameter::Source => name(self.source),
+                Parameter::Source | Parameter::Tracker => name(self.source),
                 Parameter::From => name(self.other_source),
                 _ => None,
             };
@@ -79,14 +83,15 @@ impl OrderKind {
     /// Returns the word with its parameters, optional ones in brackets.
     pub fn usage(self) -> String {
         let meant = |parameter: &Parameter| match parameter {
-            Parameter::Source | Parameter::From => format!("{}=SOURCE", parameter.word()),
-            Parameter::Value => {
-                let (low, high) = self.range();
+            Parameter::Source | Parameter::From | Parameter::Tracker => format!("{}=SOURCE", parameter.word()),
+            Parameter::Value | Parameter::Sigma => {
+                let (word, (low, high)) = (parameter.word(), self.range());
                 match high < 1e6 {
-                    true => format!("value={low}…{high}"),
-                    false => format!("value={low:e}…{high:e}"),
+                    true => format!("{word}={low}…{high}"),
+                    false => format!("{word}={low:e}…{high:e}"),
                 }
             }
+            Parameter::Place => format!("place={}", DesignatedPlace::WORDS),
             Parameter::Name => "name=WORD".to_owned(),
             Parameter::Track | Parameter::With | Parameter::SensorTrack | Parameter::Number => {
                 format!("{}=NUMBER", parameter.word())
@@ -127,6 +132,14 @@ mod tests {
             "split track=7 source=north sensor_track=0"
         );
         assert_eq!(order("rule", &[("name", "auto")]).unwrap().name(), "auto");
+        let words = [("tracker", "south"), ("place", "59.43,10.65"), ("sigma", "300")];
+        let found = order("designate", &words).unwrap();
+        assert_eq!((found.source, found.value), (1, 300.0));
+        assert_eq!(check_order(&Order { token: 1, ..found }), Ok(OrderKind::Designate));
+        assert_eq!(
+            found.words(|_| Some("south")),
+            "designate tracker=south place=59.43,10.65 sigma=300"
+        );
     }
 
     #[test]
@@ -139,6 +152,13 @@ mod tests {
             ("out", &[("source", "west")], "no source of this name"),
             ("join", &[("track", "1")], "join track=NUMBER with=NUMBER"),
             ("drop", &[("track", "-1")], "track=-1"),
+            (
+                "designate",
+                &[("place", "59.4,10.6")],
+                "designate tracker=SOURCE place=LATITUDE,",
+            ),
+            ("designate", &[("place", "north")], "degrees"),
+            ("designate", &[("sigma", "0")], "between 0.1 and 100000"),
             ("rule", &[("name", "a-name-of-more-than-thirty-two-bytes")], "32 bytes"),
         ] {
             let error = order(kind, words).unwrap_err();

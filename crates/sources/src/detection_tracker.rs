@@ -400,6 +400,7 @@ impl DetectionTracker {
         counters[Counter::Emissions] = counts.emissions;
         counters[Counter::EmissionsRejected] = counts.emissions_rejected + self.emissions_rejected;
         counters[Counter::EmissionsUnclear] = counts.emissions_unclear;
+        counters[Counter::DesignationsFollowed] = counts.designations_followed;
         counters[Counter::Cues] = self.cues;
     }
 

@@ -67,6 +67,12 @@ pub struct TrackerCounts {
     pub emissions_used: u64,
     /// Emissions used with no track, or several tracks, in their direction.
     pub emissions_unclear: u64,
+    /// Tentative tracks begun where directions of two sensors cross, repetitions after late scans included.
+    pub crossings: u64,
+    /// Crossings at which no track was begun, and directions not kept, because there were too many.
+    pub crossings_dropped: u64,
+    /// Designations of targets that were followed already, counted at their first use.
+    pub designations_followed: u64,
     /// Tracks confirmed.
     pub confirmed: u64,
     /// Detections united with another detection of the same scan, nearer than the sensor's resolution.

@@ -7,7 +7,8 @@
 //! rows or in a file, it is recorded with them, and the same input gives the same tracks.
 //!
 //! A designated target has a confirmed track at once, unless a confirmed track is there already: an operator's place
-//! does not improve a track. Nobody is missed by a scan of designations. With `starts = "designated"` nothing else
+//! does not improve a track. Such a designation is counted and explained, so that its sender can find why no track
+//! begins. Nobody is missed by a scan of designations. With `starts = "designated"` nothing else
 //! begins a track; tracks end as ever.
 
 use crate::counts::TrackerCounts;
@@ -33,7 +34,19 @@ pub(crate) fn designate(
     next.next_serial = next.next_serial.wrapping_add(scan.plots.len() as u32).max(1);
     counts.scans += 1;
     for (place, plot) in (0..).zip(&scan.plots) {
-        if is_followed(next, plot, sensor, settings) {
+        if let Some((track, distance, gate)) = followed(next, plot, sensor, settings) {
+            counts.designations_followed += 1;
+            if let Some(observer) = observer {
+                observer.explain(&Explanation::Track {
+                    event: TrackEvent::Designated,
+                    track: TrackRecord {
+                        detection_id: Some(plot.detection_id),
+                        ..TrackRecord::of(track, &[], 0)
+                    },
+                    value: distance,
+                    limit: gate,
+                });
+            }
             continue;
         }
         let serial = before.next_serial.wrapping_add(place);
@@ -58,13 +71,19 @@ pub(crate) fn designate(
     }
 }
 
-/// Whether a confirmed track may be of the designated target.
-fn is_followed(population: &Population, plot: &Plot, sensor: &Sensor, settings: &Settings) -> bool {
+/// The first confirmed track that may be of the designated target, with its squared distance and the gate.
+fn followed<'a>(
+    population: &'a Population,
+    plot: &Plot,
+    sensor: &Sensor,
+    settings: &Settings,
+) -> Option<(&'a Track, f64, f64)> {
     let mut confirmed = population.tracks.iter().filter(|track| track.is_confirmed());
-    confirmed.any(|track| {
+    confirmed.find_map(|track| {
         let motion = track.motion_at(plot.time_ns, &settings.motion);
-        let innovation = motion.innovation(&plot.measurement);
-        innovation.is_some_and(|innovation| innovation.squared_distance <= sensor.gates[innovation.dimension - 1])
+        let innovation = motion.innovation(&plot.measurement)?;
+        let (distance, gate) = (innovation.squared_distance, sensor.gates[innovation.dimension - 1]);
+        (distance <= gate).then_some((track, distance, gate))
     })
 }
 
@@ -89,7 +108,10 @@ fn add(population: &mut Population, track: Track) {
 
 #[cfg(test)]
 mod tests {
+    use std::cell::RefCell;
+
     use crate::Tracker;
+    use crate::explanation::{Explanation, Observer, TrackEvent};
     use crate::initiation::Starts;
     use crate::settings::{SensorFacts, Settings};
     use crate::testing::{S, position, settings};
@@ -149,6 +171,11 @@ mod tests {
         let again = [designation(20, 5200.0, 100.0), designation(20, 100.0, 400.0)];
         tracker.scan(2, 20 * S, &again).unwrap();
         assert_eq!(tracker.tracks().len(), 2);
+        assert_eq!(
+            tracker.counts().designations_followed,
+            1,
+            "the second one of the first target"
+        );
         assert_eq!(tracker.tracks()[0].estimate.velocity_mps(), before.velocity_mps());
         (21..30).for_each(|second| look(&mut tracker, second));
         assert_eq!(easts(&tracker), [(1, 500), (2, 0)]);
@@ -172,6 +199,44 @@ mod tests {
         };
         assert_eq!(run(true).len(), 1);
         assert_eq!(run(true), run(false));
+    }
+
+    /// A designation of a followed target changes nothing, is counted once however often its scan is worked off, and
+    /// is explained with the track.
+    #[test]
+    fn a_second_designation_is_counted_once_and_explained() {
+        #[derive(Debug, Default)]
+        struct Rows(RefCell<Vec<(u32, Option<u32>, bool)>>);
+        impl Observer for Rows {
+            fn explain(&self, what: &Explanation<'_>) {
+                if let Explanation::Track {
+                    event: TrackEvent::Designated,
+                    track,
+                    value,
+                    limit,
+                } = what
+                {
+                    self.0
+                        .borrow_mut()
+                        .push((track.number, track.detection_id, value <= limit));
+                }
+            }
+        }
+        let mut tracker = Tracker::new(maintaining()).unwrap();
+        tracker.scan(2, 0, &[designation(0, 0.0, 0.0)]).unwrap();
+        look(&mut tracker, 1);
+        let rows = Rows::default();
+        let again = Detection {
+            detection_id: 77,
+            ..designation(2, 50.0, 20.0)
+        };
+        tracker.scan_explained(2, 2 * S, &[again], Some(&rows)).unwrap();
+        assert_eq!(*rows.0.borrow(), [(1, Some(77), true)]);
+        assert_eq!(tracker.counts().designations_followed, 1);
+        // A scan that comes late: the designation is worked off again, and not counted again.
+        tracker.scan(1, S + S / 2, &[position(S + S / 2, 0.0, 22.0)]).unwrap();
+        assert_eq!(tracker.counts().designations_followed, 1);
+        assert_eq!(tracker.tracks().len(), 1);
     }
 
     #[test]

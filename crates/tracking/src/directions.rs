@@ -85,7 +85,7 @@ impl Claims {
     }
 
     /// The largest likelihood of other tracks.
-    fn of_others(&self, number: u32) -> f64 {
+    pub(crate) fn of_others(&self, number: u32) -> f64 {
         let [first, second] = self.two;
         if first.0 == number { second.1 } else { first.1 }
     }

@@ -103,6 +103,8 @@ pub enum TrackEvent {
     OutOfCompany,
     /// No remaining hypothesis contains a branch of the track.
     Ended,
+    /// A designation lies in the gate of the track, and changes nothing: value the squared distance, limit the gate.
+    Designated,
 }
 
 impl TrackEvent {
@@ -122,6 +124,7 @@ impl TrackEvent {
             Self::AbsentSilent => "absent_silent_too_long",
             Self::OutOfCompany => "out_of_company",
             Self::Ended => "ended",
+            Self::Designated => "designated_again",
         }
     }
 }

@@ -5,7 +5,7 @@
 //! at once. But boats are ten times slower than aircraft. A common standard deviation either loses aircraft or joins
 //! every boat with every detection in a gate of a third of a kilometre after two seconds. A first state therefore
 //! consists of a slow and a fast target, and the second detection selects. A direction alone begins no track: its
-//! position is only a ray.
+//! position is only a ray. Two directions may, where they cross ([`crate::crossing`]).
 //!
 //! In the gate of a confirmed track, a new track is probably a target that flew along and now separates; the new
 //! track may then start with that track's motion (SP-2, [`crate::splitting`]).
@@ -41,6 +41,12 @@ settings::settings! {
         climb_sigma_mps: f64 = 10.0, in [1e-3, 1e4];
         /// Standard deviation of the height over the sensor where it is not measured.
         height_sigma_m: f64 = 5000.0, in [1e-3, 1e5];
+        /// Longest time between directions of two sensors at whose crossing a track may start; off: directions start
+        /// no tracks.
+        crossing_s: Option<f64> = None, in [1e-3, 60];
+        /// Least number of detections with which directions alone confirm a track that has started at a crossing: until
+        /// then, ghosts betray themselves by their motion.
+        crossing_detections: u32 = 10, in [2, 1000];
     }
 }
 
@@ -114,6 +120,8 @@ mod tests {
         slow_sigma_mps: None,
         climb_sigma_mps: 10.0,
         height_sigma_m: 1000.0,
+        crossing_s: None,
+        crossing_detections: 10,
     };
 
     fn measurement(kind: DetectionKind, values: [f64; 3], sigmas: [f64; 4]) -> DetectionMeasurement {

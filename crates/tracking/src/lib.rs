@@ -51,6 +51,8 @@ mod clutter;
 mod correlation_tests;
 mod counts;
 mod coupling;
+mod crossing;
+mod crossing_memory;
 #[cfg(test)]
 mod crowd_tests;
 pub mod cutting;
@@ -84,6 +86,7 @@ mod ranked;
 mod resolution;
 mod resolution_cell;
 mod resumption;
+mod scan_clusters;
 mod scan_context;
 mod scan_update;
 pub mod scans;

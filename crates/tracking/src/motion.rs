@@ -421,6 +421,8 @@ mod tests {
             slow_sigma_mps: None,
             climb_sigma_mps: 1.0,
             height_sigma_m: 100.0,
+            crossing_s: None,
+            crossing_detections: 10,
         };
         let (mut place, mut course) = ([0.0, 0.0], 0.0f64);
         let measured = |[east, north]: [f64; 2]| DetectionMeasurement::of(&position(0, east, north), None).unwrap();
@@ -463,6 +465,8 @@ mod tests {
             slow_sigma_mps: None,
             climb_sigma_mps: 1.0,
             height_sigma_m: 100.0,
+            crossing_s: None,
+            crossing_detections: 10,
         };
         let at = |second: usize| {
             let (sin, cos) = (0.1 * second as f64).sin_cos();
@@ -506,6 +510,8 @@ mod tests {
             slow_sigma_mps: Some(5.0),
             climb_sigma_mps: 1.0,
             height_sigma_m: 100.0,
+            crossing_s: None,
+            crossing_detections: 10,
         };
         let seen = |second: f64, speed: f64| DetectionMeasurement::of(&position(0, speed * second, 0.0), None).unwrap();
         for (speed, fast_from, fast_to) in [(4.0, 0.0, 0.3), (80.0, 0.99, 1.0)] {
@@ -547,6 +553,8 @@ mod tests {
             slow_sigma_mps: None,
             climb_sigma_mps: 1.0,
             height_sigma_m: 100.0,
+            crossing_s: None,
+            crossing_detections: 10,
         };
         let measurement = DetectionMeasurement::of(&position(0, 10.0, 20.0), None).unwrap();
         let state = first_state(&measurement, &guess).unwrap();

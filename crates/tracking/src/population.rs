@@ -7,6 +7,7 @@
 
 use std::ops::Range;
 
+use crate::crossing_memory::CrossingMemory;
 use crate::limits::{DETECTION_COUNTS, HYPOTHESES_MAX};
 use crate::sensor::SensorMemory;
 use crate::track::Track;
@@ -45,6 +46,7 @@ pub(crate) struct Population {
     /// By sensor.
     pub(crate) sensors: Vec<SensorMemory>,
     pub(crate) support: SupportState,
+    pub(crate) crossings: CrossingMemory,
     /// Serial number of the next detection, of the next track's root, of the next confirmed track.
     pub(crate) next_serial: u32,
     pub(crate) next_root: u32,
@@ -61,6 +63,7 @@ impl Population {
             clusters: Vec::with_capacity(tracks_max),
             sensors: vec![SensorMemory::NONE; sensors],
             support: SupportState::new(tracks_max, types),
+            crossings: CrossingMemory::new(),
             next_serial: 1,
             next_root: 1,
             next_number: 1,
@@ -71,6 +74,7 @@ impl Population {
     pub(crate) fn follow(&mut self, before: &Self, time_ns: i64) {
         self.time_ns = time_ns;
         self.support.follow(&before.support);
+        self.crossings.follow(&before.crossings);
         self.tracks.clear();
         self.hypotheses.clear();
         self.members.clear();
@@ -115,6 +119,43 @@ impl Population {
             detections: [0.0; DETECTION_COUNTS],
             scans: 0,
         });
+    }
+
+    /// Adds a cluster of a track that may be false, and takes its root. `false` if there is no room.
+    pub(crate) fn add_tentative(&mut self, track: Track) -> bool {
+        if !self.has_room(1, 2, 1) {
+            return false;
+        }
+        let reliability = track.reliability;
+        self.next_root = self.next_root.wrapping_add(1).max(1);
+        let (place, hypothesis, member) = (
+            self.tracks.len() as u32,
+            self.hypotheses.len() as u32,
+            self.members.len() as u32,
+        );
+        self.tracks.push(track);
+        self.members.push(place);
+        let mut both = [
+            ((1.0 - reliability).ln(), member..member),
+            (reliability.ln(), member..member + 1),
+        ];
+        if reliability > 0.5 {
+            both.swap(0, 1);
+        }
+        self.hypotheses
+            .extend(both.into_iter().map(|(log_reliability, members)| Hypothesis {
+                log_reliability,
+                members,
+            }));
+        let mut detections = [0.0; DETECTION_COUNTS];
+        detections[0] = 1.0;
+        self.clusters.push(Cluster {
+            tracks: place..place + 1,
+            hypotheses: hypothesis..hypothesis + 2,
+            detections,
+            scans: 1,
+        });
+        true
     }
 
     pub(crate) fn members_of(&self, hypothesis: &Hypothesis) -> &[u32] {

@@ -1,24 +1,24 @@
 //! Update by a scan: from the population before to the population after.
 
-use crate::branching;
 use crate::cluster_update::ClusterUpdate;
 use crate::clutter::log_density;
 use crate::counts::TrackerCounts;
 use crate::coupling::Coupling;
+use crate::crossing::Crossings;
 use crate::departure::Departures;
 use crate::designation::designate;
 use crate::directions::{Claims, Directions};
-use crate::explanation::{Explanation, Observer, TrackEvent};
+use crate::explanation::{Explanation, Observer};
 use crate::gate::gates;
 use crate::gating::Gating;
 use crate::identity::ScanReplies;
-use crate::limits::{DETECTION_COUNTS, PAIRS_MAX};
+use crate::limits::PAIRS_MAX;
 use crate::plot::Scan;
-use crate::population::{Cluster, Hypothesis, Population};
-use crate::quiet;
+use crate::population::Population;
+use crate::scan_clusters::run_clusters;
 use crate::scan_context::ScanContext;
 use crate::sensor::Sensor;
-use crate::settings::{Settings, Starts};
+use crate::settings::Settings;
 use crate::track::Track;
 use crate::unresolved::Unresolved;
 use crate::wide_area::support::Support;
@@ -38,6 +38,8 @@ pub(crate) struct ScanUpdate {
     /// By detection: set if it lies in a confirmed track's gate; by direction: the claims of tracks.
     is_inside: Vec<bool>,
     claims: Vec<Claims>,
+    /// Starts at crossings of directions, if there are any.
+    crossings: Option<Box<Crossings>>,
 }
 
 impl ScanUpdate {
@@ -65,6 +67,7 @@ impl ScanUpdate {
             log_clutter: Vec::with_capacity(detections),
             is_inside: vec![false; detections],
             claims: Vec::with_capacity(detections),
+            crossings: Crossings::new(settings),
         }
     }
 
@@ -138,7 +141,9 @@ impl ScanUpdate {
             first_serial: before.next_serial,
             observer,
         };
-        let outside = if directions_only {
+        let outside = if directions_only && let Some(crossings) = &mut self.crossings {
+            crossings.run((&scan, density), &mut self.clusters, &mut self.claims, next, counts)
+        } else if directions_only {
             run_directions(&scan, &mut self.clusters, &mut self.claims, next, counts)
         } else {
             run_clusters(&scan, &mut self.clusters, next, counts);
@@ -149,33 +154,6 @@ impl ScanUpdate {
             outside(before, &self.gating, &mut self.is_inside[..plots.len()])
         };
         next.sensors[*sensor].clutter.count(outside);
-    }
-}
-
-/// Updates the clusters, and begins new clusters at detections outside all gates.
-fn run_clusters(
-    scan: &ScanContext<'_>,
-    clusters: &mut ClusterUpdate,
-    next: &mut Population,
-    counts: &mut TrackerCounts,
-) {
-    let mut of_none = &scan.gating.plots[..];
-    let mut shared = &scan.gating.shared[..];
-    for joined in scan.gating.clusters.chunk_by(|one, other| one.0 == other.0) {
-        let of_joined = of_none.iter().take_while(|(first, _)| *first == joined[0].0);
-        let (plots, rest) = of_none.split_at(of_joined.count());
-        of_none = rest;
-        let (of_joined, rest) = shared.split_at(plots.len());
-        shared = rest;
-        if let ([(_, only)], []) = (joined, plots)
-            && quiet::update(scan, &scan.before.clusters[*only as usize], next, counts)
-        {
-            continue;
-        }
-        clusters.run(scan, joined, (plots, of_joined), next, counts);
-    }
-    for &(_, plot) in of_none {
-        begin_cluster(scan, plot, next, counts);
     }
 }
 
@@ -208,59 +186,4 @@ fn outside(before: &Population, gating: &Gating, is_inside: &mut [bool]) -> usiz
         is_inside[pair.plot as usize] = true;
     }
     is_inside.iter().filter(|is_inside| !**is_inside).count()
-}
-
-/// A cluster of one detection that is in no gate: false, or the first of a new track (HT-4).
-fn begin_cluster(scan: &ScanContext<'_>, plot: u32, next: &mut Population, counts: &mut TrackerCounts) {
-    if scan.settings.starts == Starts::Designated {
-        return;
-    }
-    let weight = (scan.log_weight + scan.plots[plot as usize].log_weight).exp();
-    let inherited = scan.departures.motion(plot);
-    let log_clutter = scan.log_clutter[plot as usize];
-    let share = weight
-        * scan
-            .departures
-            .new_target_share(plot, log_clutter, false, scan.settings);
-    let reliability = share / (1.0 + share);
-    if reliability <= 0.0 || reliability < scan.settings.reduction.reliability_min {
-        return;
-    }
-    let Some(mut track) = branching::begin(scan, plot, inherited, next.next_root) else {
-        return;
-    };
-    if !next.has_room(1, 2, 1) {
-        counts.dropped_tracks += 1;
-        return;
-    }
-    track.reliability = reliability;
-    scan.explain(TrackEvent::Started, &track, reliability, f64::NAN);
-    next.next_root = next.next_root.wrapping_add(1).max(1);
-    let (place, hypothesis, member) = (
-        next.tracks.len() as u32,
-        next.hypotheses.len() as u32,
-        next.members.len() as u32,
-    );
-    next.tracks.push(track);
-    next.members.push(place);
-    let mut both = [
-        ((1.0 - reliability).ln(), member..member),
-        (reliability.ln(), member..member + 1),
-    ];
-    if reliability > 0.5 {
-        both.swap(0, 1);
-    }
-    next.hypotheses
-        .extend(both.into_iter().map(|(log_reliability, members)| Hypothesis {
-            log_reliability,
-            members,
-        }));
-    let mut detections = [0.0; DETECTION_COUNTS];
-    detections[0] = 1.0;
-    next.clusters.push(Cluster {
-        tracks: place..place + 1,
-        hypotheses: hypothesis..hypothesis + 2,
-        detections,
-        scans: 1,
-    });
 }

@@ -223,7 +223,9 @@ impl Settings {
 
     /// No two sensors have one number; tracks can start.
     fn check(&self) -> Result<(), SettingsError> {
-        if self.starts == Starts::Designated && !self.sensors.iter().any(|sensor| sensor.model.designates) {
+        // The sensors of a tracker process are named beside its settings: without any, this is checked later.
+        let lacks_designator = !self.sensors.is_empty() && !self.sensors.iter().any(|sensor| sensor.model.designates);
+        if self.starts == Starts::Designated && lacks_designator {
             let what = "needs a sensor with designates = true, whose detections are the targets to follow";
             return Err(SettingsError::new("starts", what));
         }

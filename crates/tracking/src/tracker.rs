@@ -151,7 +151,8 @@ impl Tracker {
         self.scans[place..=self.open].rotate_right(1);
         self.counts.late_scans += u64::from(place < self.open);
         self.open += 1;
-        self.work_off_from(self.first_changed(place), observer);
+        let first = self.first_changed(place);
+        self.work_off_again(first, Some(place), observer);
         Ok(())
     }
 
@@ -302,10 +303,20 @@ impl Tracker {
         self.settings.sensors.iter().any(|sensor| sensor.priority > 0)
     }
 
-    /// Works off the open scans from `first` on.
+    /// Works off the open scans from `first` on, all of them again.
     fn work_off_from(&mut self, first: usize, observer: Option<&dyn Observer>) {
+        self.work_off_again(first, None, observer);
+    }
+
+    /// Works off the open scans from `first` on, all but `new` again. What a scan has counted of its sender's messages
+    /// stays as it was.
+    fn work_off_again(&mut self, first: usize, new: Option<usize>, observer: Option<&dyn Observer>) {
         for place in first..self.open {
+            let counted = self.counts.designations_followed;
             self.work_off(place, observer);
+            if new != Some(place) {
+                self.counts.designations_followed = counted;
+            }
             self.identify(place);
         }
         self.report(observer);

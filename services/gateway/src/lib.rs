@@ -26,7 +26,7 @@ use deployment::Process;
 
 pub use cue_settings::CueOutletSettings;
 pub use destination::Destination;
-pub use settings::{Area, Keys, Settings};
+pub use settings::{Area, Keys, OutputFormat, Settings};
 
 /// Runs the gateway of `keys` named in `process` until a stop request.
 ///

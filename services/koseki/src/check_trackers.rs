@@ -15,6 +15,7 @@ pub(crate) fn describe(source: &Source, config: &Config) -> String {
         let input = match &sensor.input {
             Input::Live(live) => format!("live, behind receiver {}", live.receiver),
             Input::Recorded(recorded) => recorded.file.display().to_string(),
+            _ if sensor.takes_orders => "designated by orders".to_owned(),
             _ => "external".to_owned(),
         };
         format!("{} ({input})", own_name(sensor))

@@ -185,7 +185,7 @@ pub(crate) fn words(order: &Order, config: Option<&Config>) -> String {
 /// Returns the name of the source that a parameter states.
 fn name_of(parameter: Parameter, order: &Order, config: &Config) -> Option<String> {
     let number = match parameter {
-        Parameter::Source => order.source,
+        Parameter::Source | Parameter::Tracker => order.source,
         Parameter::From => order.other_source,
         _ => NO_SOURCE,
     };
@@ -198,7 +198,7 @@ fn in_json(state: &OrderState, config: &Config) -> Value {
     let parameters = order.parameters().map(|(parameter, value)| {
         let value = match (parameter, name_of(parameter, order, config)) {
             (_, Some(name)) => json!(name),
-            (Parameter::Name, None) => json!(value),
+            (Parameter::Name | Parameter::Place, None) => json!(value),
             // A number is JSON.
             (_, None) => value.parse().unwrap_or(Value::Null),
         };

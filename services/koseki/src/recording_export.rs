@@ -5,6 +5,7 @@ use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
+use gateway::OutputFormat;
 use messages::SystemTrack;
 use messages::layout::Sample as _;
 use offline::{BlockForm, OutputFile, TrackBlocks, Usage, check_outputs};
@@ -84,10 +85,10 @@ pub(crate) fn block_form(
     sic: Option<u8>,
     heights: Option<HeightReference>,
 ) -> anyhow::Result<BlockForm> {
-    let of_tracks = |gateway: &&gateway::Settings| gateway.source.is_none();
+    let of_tracks = |gateway: &&gateway::Settings| gateway.source.is_none() && gateway.format == OutputFormat::Asterix;
     let gateway = config.parts.gateway.gateways.iter().find(of_tracks);
     let of_gateway = gateway.map_or((0, 0, HeightReference::default()), |gateway| {
-        (gateway.sac, gateway.sic, gateway.heights)
+        (gateway.sac.unwrap_or(0), gateway.sic.unwrap_or(0), gateway.heights)
     });
     Ok(BlockForm {
         table: gateway.map(gateway::Settings::table).transpose()?,

@@ -163,6 +163,23 @@ fn of_two_orders_for_one_hand_over_the_newest_holds() {
 }
 
 #[test]
+fn only_a_tracker_that_takes_designations_is_ordered_to_follow_a_target() {
+    let mut settings = test_settings(2);
+    settings.sources[1].takes_designations = true;
+    let mut desk = Desk::new(settings);
+    let mut order = |source: u16, place: &str| {
+        let named = Order::default().with_name(place).unwrap();
+        desk.order(OrderKind::Designate, |order| {
+            (order.source, order.name, order.value) = (source, named.name, 300.0);
+        })
+    };
+    assert_eq!(order(0, "0m,0m").map(|_| ()), Err(Refusal::TakesNoDesignations));
+    assert_eq!(order(2, "0m,0m").map(|_| ()), Err(Refusal::UnknownSource));
+    assert_eq!(order(1, "port").map(|_| ()), Err(Refusal::NoPlace));
+    assert_eq!(order(1, "59.4,10.6").unwrap().status(), Some(OrderStatus::Done));
+}
+
+#[test]
 fn an_order_sets_the_pressure_of_a_region_until_it_is_cancelled() {
     let mut settings = test_settings(2);
     let regional = RegionalQnh::new("port".to_owned(), None, 60, vec![(i64::MIN, 1013.25)]);

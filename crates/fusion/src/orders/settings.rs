@@ -55,6 +55,10 @@ impl Engine {
                 let is_known = self.settings.qnh.iter().any(|regional| regional.name == order.name());
                 return is_known.then_some(()).ok_or(Refusal::UnknownQnh);
             }
+            OrderKind::Designate => {
+                let takes = self.settings.sources[usize::from(order.source)].takes_designations;
+                return takes.then_some(()).ok_or(Refusal::TakesNoDesignations);
+            }
             OrderKind::In => self.settings.sources[usize::from(order.source)].is_out,
             _ => true,
         };

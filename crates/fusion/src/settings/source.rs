@@ -176,6 +176,8 @@ pub struct SourceSettings {
     pub adjustment: f64,
     /// True while an order keeps its reports out.
     pub is_out: bool,
+    /// Whether a tracker makes its tracks, and takes designations by order.
+    pub takes_designations: bool,
     /// Priority for ties, smaller first (TI-11).
     pub priority: u32,
     /// Sources whose measurements are in its tracks too.
@@ -267,6 +269,7 @@ impl SourceSettings {
             accuracy,
             adjustment: 1.0,
             is_out: false,
+            takes_designations: false,
             priority: 0,
             shares: Vec::new(),
             is_centre: false,

@@ -23,6 +23,7 @@ use crate::channel::SourceChannel;
 use crate::platform::FAR_M;
 
 use super::on_board;
+use super::orders::Orders;
 
 /// Longest wait for detections in one turn, bounded by health messages and stop requests.
 const PATIENCE: Duration = Duration::from_millis(50);
@@ -34,6 +35,8 @@ const SLICES_PER_TURN: usize = 64;
 pub(super) struct TrackerAgent {
     channel: SourceChannel,
     sensors: Vec<TrackedSensor>,
+    /// Orders of operators, if one of the sensors takes them.
+    orders: Option<Orders>,
     waiter: Waiter<SharedMemory>,
     steady: SteadyClock,
     /// Events of a turn: monotonic time of receipt (nanoseconds), place of the sensor, event.
@@ -83,6 +86,8 @@ impl TrackerAgent {
                 unknown: 0,
             });
         }
+        let of_tracker = (tracker.0.number, process.config.sensors_of(tracker.0));
+        let orders = Orders::open(&process.bus, of_tracker, process.config.frame, process.incarnation)?;
         let mut platforms = Vec::new();
         for platform in on_board::platforms(process, tracker) {
             let topic = messages::platform_states(&platform.name);
@@ -91,6 +96,7 @@ impl TrackerAgent {
         }
         Ok(Self {
             channel: SourceChannel::open(process, tracker)?,
+            orders,
             platforms,
             carrying: on_board::carrying(process, tracker, None),
             wait_ns: on_board::longest_wait_ns(process, tracker),
@@ -199,6 +205,10 @@ impl Agent for TrackerAgent {
             let silent = sensor.silent.as_mut().filter(|_| !sensor.events.has_slices());
             let due = silent.and_then(|(silent, rules)| silent.statement(now.mono_ns, rules));
             self.taken.extend(due.map(|(event, came_ns)| (came_ns, place, event)));
+        }
+        if let Some(orders) = &mut self.orders {
+            self.taken.iter().for_each(|(_, _, event)| orders.came(event.time_ns()));
+            orders.turn(now.mono_ns, &mut self.taken)?;
         }
         self.carry()?;
         for (place, event, came_ns) in &self.carried {

@@ -8,6 +8,7 @@
 
 mod live;
 mod on_board;
+mod orders;
 mod recorded;
 
 use deployment::Process;

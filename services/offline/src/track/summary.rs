@@ -255,7 +255,7 @@ impl TrackSummary<'_> {
 }
 
 /// Returns counts of rejections and drops by reason: word, description, number.
-fn refused(counts: &TrackerCounts) -> [(&'static str, &'static str, u64); 8] {
+fn refused(counts: &TrackerCounts) -> [(&'static str, &'static str, u64); 10] {
     [
         (
             "unusable_detections",
@@ -296,6 +296,16 @@ fn refused(counts: &TrackerCounts) -> [(&'static str, &'static str, u64); 8] {
             "refused_hypotheses",
             "hypotheses for want of room",
             counts.hypotheses_dropped,
+        ),
+        (
+            "dropped_crossings",
+            "crossings of directions, and directions, because there were too many to tell targets from ghosts",
+            counts.crossings_dropped,
+        ),
+        (
+            "designations_followed",
+            "designations of targets that were followed already",
+            counts.designations_followed,
         ),
     ]
 }
