@@ -143,7 +143,7 @@ fn change(from: &Path, to: &Path) {
             Item::Topic { name, schema, .. } => {
                 let has_name = |layout: &&Layout| schema.ends_with(&format!("/{}", layout.name));
                 let layout = ALL.iter().find(has_name).unwrap();
-                channels.push((name.to_owned(), writer.as_mut().unwrap().channel(name, layout)));
+                channels.push((name.to_owned(), writer.as_mut().unwrap().channel(name, layout).unwrap()));
             }
             Item::Slice { topic, header, .. } => {
                 if let Some((topic, header, octets)) = slice.take() {
