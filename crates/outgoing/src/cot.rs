@@ -3,7 +3,7 @@
 //! | attribute | from | |
 //! | --- | --- | --- |
 //! | `uid` | name of the deployment and `track_number` | the same for all events of a track |
-//! | `type` | identity, ground state, height | `a-u-S` ship, `a-u-G` on the ground, `a-u-A` in the air, `a-u-Z` unknown |
+//! | `type` | identity, ground state, height | `a-u-` and S ship, G on the ground, A in the air, Z unknown |
 //! | `how` | | `m-f`: fused by a machine |
 //! | `time`, `start` | `reference_time_ns` | |
 //! | `stale` | `start` and the time to live of an event | `start` for the end of a track |

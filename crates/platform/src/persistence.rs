@@ -1,15 +1,15 @@
 //! Errors of the attitude that persist from look to look.
 //!
 //! A filter takes the errors of successive detections as independent. The heading's error at one look is still there at
-//! the next one, two seconds later: the filter averages what does not average out, and becomes certain of a wrong place.
-//! To estimate the error itself, as a state common to all tracks, would couple all tracks. The equivalent for each track
-//! alone is noise of the same spectral density at low frequencies. An error with the correlation exp(−t/τ), seen every
-//! T, has at frequency 0 the density of independent errors with the variance
+//! the next one, two seconds later: the filter averages what does not average out, and becomes certain of a wrong
+//! place. To estimate the error itself, as a state common to all tracks, would couple all tracks. The equivalent for
+//! each track alone is noise of the same spectral density at low frequencies. An error with the correlation exp(−t/τ),
+//! seen every T, has at frequency 0 the density of independent errors with the variance
 //!
 //! σ²·(1 + ρ)/(1 − ρ), ρ = exp(−T/τ).
 //!
-//! A track filter of ships is slow (some twenty seconds) against the usual τ, so this density is what the filter passes.
-//! Against a τ much longer than a track's memory the variance is too large: the covariance is then cautious.
+//! A track filter of ships is slow (some twenty seconds) against the usual τ, so this density is what the filter
+//! passes. Against a τ much longer than a track's memory the variance is too large: the covariance is then cautious.
 //!
 //! Source: Y. Bar-Shalom, X. R. Li, T. Kirubarajan, *Estimation with Applications to Tracking and Navigation* (2001),
 //! section 8.2, for autocorrelated noise, and section 1.4.22 for spectral densities.

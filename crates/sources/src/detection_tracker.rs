@@ -460,7 +460,8 @@ impl DetectionTracker {
     }
 }
 
-/// Place of the platform, and heading of the `axes`, at the latest of a scan's detections. What they do not state stays.
+/// Place of the platform, and heading of the `axes`, at the latest of a scan's detections. What they do not state
+/// stays.
 fn platform_of(detections: &[Detection], axes: PlatformAxes, before: Option<[f64; 3]>) -> Option<[f64; 3]> {
     let Some(latest) = detections.last() else {
         return before;

@@ -138,8 +138,8 @@ impl ScanJoiner {
         self.come_to(time_ns, 0);
     }
 
-    /// The time of the only sensor has come to `time_ns` by the clock, nanoseconds: its scan at hand may be complete, but
-    /// a scan without detections is none that the sensor has made.
+    /// The time of the only sensor has come to `time_ns` by the clock, nanoseconds: its scan at hand may be complete,
+    /// but a scan without detections is none that the sensor has made.
     pub fn passed_by_clock(&mut self, time_ns: i64) {
         self.sensors[0].scans.passed(time_ns);
         self.come_to(time_ns, 0);

@@ -222,8 +222,8 @@ fn rules_for_other_sensors_are_refused() {
 }
 
 proptest! {
-    /// Events no farther out of order than the wait give the scans in order, whatever the order between the sensors. The
-    /// events of each sensor keep their own order: a sensor that numbers its scans has no wait here.
+    /// Events no farther out of order than the wait give the scans in order, whatever the order between the sensors.
+    /// The events of each sensor keep their own order: a sensor that numbers its scans has no wait here.
     #[test]
     fn scans_come_in_order_whoever_is_late(
         steps in prop::collection::vec((0..3usize, 1..20i64, 0..15i64), 1..120),

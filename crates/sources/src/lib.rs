@@ -10,7 +10,8 @@
 //! tracks.
 //!
 //! [`carrying`] turns detections of sensors on a moving platform into detections in the system frame; [`joining`] joins
-//! the detections of several sensors into one order of scans; [`silence`] states the time of a sensor that sends nothing.
+//! the detections of several sensors into one order of scans; [`silence`] states the time of a sensor that sends
+//! nothing.
 //!
 //! This crate performs no I/O and reads no clock. The output depends on the data and their order, never on the time
 //! of reading.
