@@ -106,7 +106,7 @@ impl Site {
         let mut lines = text.lines();
         let header: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
         let place = |name: &str| header.iter().position(|column| *column == name);
-        let (Some(number), Some(east)) = (place("sensor_track_id"), place("x_m")) else {
+        let (Some(number), Some(east)) = (place("sensor_track_id"), place("x")) else {
             assert!(header.len() <= 1, "{header:?}");
             return Default::default();
         };

@@ -152,8 +152,10 @@ fn check_pictures(file: &[u8]) {
 #[test]
 fn a_recording_of_several_files_is_merged_and_cut() {
     let home = Home::new();
-    // A file is as large as one flush makes it.
-    let small = ["--set", "recorder.segment_mb=1", "--set", "recorder.flush_s=0.2"];
+    // A file is as large as one flush makes it; compressed, a few seconds fit one file.
+    let small =
+        ["segment_mb=1", "flush_s=0.2", "compression=none"].map(|key| ["--set".to_owned(), format!("recorder.{key}")]);
+    let small: Vec<&str> = small.iter().flatten().map(String::as_str).collect();
     let (status, said) = home
         .start(&[&["demo", "--for", "4"], &SETTINGS[..], &small].concat())
         .end();
