@@ -33,7 +33,8 @@ def events_of(koseki, folder, receiver):
     config = pathlib.Path(__file__).parent.parent / 'config' / 'demo.toml'
     port = receiver.getsockname()[1]
     (folder / 'cot.toml').write_text(config.read_text() + GATEWAY.format(port=port))
-    run = [koseki, 'up', folder / 'cot.toml', '--instance', 'ci-cot', '--for', '10', '--out', folder / 'run']
+    run = [koseki, 'up', folder / 'cot.toml', '--instance', 'ci-cot', '--for', '10', '--out', folder / 'run',
+           '--set', 'recorder.enabled=true', '--set', 'recorder.format=["csv"]']
     with open(folder / 'said', 'w') as said, subprocess.Popen(run, stdout=said, stderr=said) as process:
         receiver.settimeout(0.2)
         datagrams = []
