@@ -31,7 +31,7 @@ pub struct Source {
     /// Mounting of a tracker's sensor on a platform that moves; `None` if it is at rest, or detections state their
     /// places in the system frame.
     pub on_board: Option<OnBoard>,
-    /// Whether its detections are the designations that operators order of its tracker.
+    /// True if operators' orders to the tracker are the detections of this sensor.
     pub takes_orders: bool,
     /// Silence of its adapter's input that is an alarm, nanoseconds; `None` if none is. Nothing is expected of a
     /// recording.

@@ -73,9 +73,9 @@ pub struct TrackerSettings {
 /// Axes in which a platform's sensors look around.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PlatformAxes {
-    /// Those of the system frame, at the platform's place.
+    /// Axes of the system frame, at the platform's place.
     North,
-    /// Those of the hull.
+    /// Axes of the hull.
     Hull,
 }
 
@@ -277,7 +277,7 @@ impl DetectionTracker {
     /// The clock has come to `mono_ns` (monotonic, nanoseconds), and no received data wait: the scans that a silent
     /// sensor has made meanwhile had no detections, until its silence raises the alarm after `silent_after_ns`.
     pub fn silent(&mut self, mono_ns: i64, silent_after_ns: Option<i64>, samples: &mut Samples) {
-        // Of several sensors, the process states the time of each.
+        // The process states the time of each of several sensors.
         let Some(period_ns) = self.joiner.period_ns().filter(|_| !self.events) else {
             return;
         };

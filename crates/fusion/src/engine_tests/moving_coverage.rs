@@ -15,6 +15,9 @@ const CLAIMED: u32 = 900;
 /// Where the ship was at first, and looks no more; and where it looks now.
 const ASTERN: [f64; 2] = [-3e3, -3e3];
 const NEAR: [f64; 2] = [22e3, -3e3];
+/// So far ahead of the ship that nothing is known of its coverage there. The boat has been as far from the ship's first
+/// place: coverage learned by place would be known.
+const AHEAD: [f64; 2] = [35e3, 3e3];
 
 fn ship_m(time_s: f64) -> [f64; 2] {
     [
@@ -78,6 +81,8 @@ fn claimed(harness: &mut Harness, place: [f64; 2], secret: bool) -> (Vec<f32>, b
 fn the_coverage_of_a_ship_moves_with_the_ship() {
     let (astern, is_shown) = claimed(&mut after_the_voyage(false), ASTERN, false);
     assert!(is_shown, "the ship cannot see it: {astern:?}");
+    let (ahead, is_shown) = claimed(&mut after_the_voyage(false), AHEAD, false);
+    assert!(!is_shown, "coverage is learned by place as well: {ahead:?}");
     let (near, is_shown) = claimed(&mut after_the_voyage(false), NEAR, false);
     assert!(!is_shown, "the ship looks there and sees nothing: {near:?}");
     assert!(near.last().unwrap() < astern.last().unwrap(), "{near:?} {astern:?}");
