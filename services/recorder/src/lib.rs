@@ -39,7 +39,6 @@ mod segments;
 mod settings;
 mod slice;
 mod start;
-mod table_file;
 mod tables;
 
 pub use agent::RecorderAgent;

@@ -13,7 +13,7 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Debug;
-use std::fs::OpenOptions;
+use std::fs::{File, OpenOptions};
 use std::io::{self, BufWriter, ErrorKind, Seek as _, SeekFrom};
 use std::path::{Path, PathBuf};
 
@@ -30,7 +30,6 @@ use crate::gaps::Gaps;
 use crate::recorded::{ForSamples, RecordedSample, for_samples};
 use crate::recovery::{self, Opened};
 use crate::slice::StreamSlice;
-use crate::table_file::TableFile;
 
 /// Time between two attempts to write a table after a failure, and between two looks whether it is still there,
 /// nanoseconds.
@@ -99,7 +98,7 @@ trait TableSink: Debug {
 
 #[derive(Debug)]
 struct TableOf<T: RecordedSample> {
-    writer: RowWriter<T::Row, BufWriter<TableFile>>,
+    writer: RowWriter<T::Row, BufWriter<File>>,
     number: u16,
     frame: SystemFrame,
     first_day_ns: i64,
@@ -306,7 +305,7 @@ impl ForSamples for TableBuilder<'_> {
         let path = self.folder.join(file_name(stem, self.name));
         let Opened { file, rows } = recovery::open(&path, self.resume)?;
         let whole = (rows, file.metadata().map_or(0, |file| file.len()));
-        let file = BufWriter::new(TableFile::new(file, whole.1));
+        let file = BufWriter::new(file);
         let gaps = || Gaps::of(&path, rows).with_context(|| format!("reading the gaps of {}", path.display()));
         let gaps = self.is_numbered.then(gaps).transpose()?;
         let writer = match rows {
@@ -365,7 +364,7 @@ impl<T: RecordedSample> TableSink for TableOf<T> {
         self.writer.flush()?;
         self.whole = (
             self.whole.0 + std::mem::take(&mut self.waiting),
-            self.writer.get_ref().get_ref().bytes(),
+            self.writer.get_ref().get_ref().stream_position()?,
         );
         Ok(())
     }
@@ -401,14 +400,14 @@ impl<T: RecordedSample> TableSink for TableOf<T> {
             self.whole.1 = 0;
         }
         let at = self.whole.1;
-        let other = BufWriter::new(TableFile::new(file.try_clone()?, at));
+        let other = BufWriter::new(file.try_clone()?);
         let writer = RowWriter::resume(other, self.first_day_ns);
         // Rows in memory are lost already: they must not go into the file late.
         drop(std::mem::replace(&mut self.writer, writer).into_inner().into_parts());
         file.set_len(at)?;
         file.seek(SeekFrom::End(0))?;
         if at == 0 {
-            self.writer = RowWriter::begin(BufWriter::new(TableFile::new(file, 0)), self.first_day_ns)?;
+            self.writer = RowWriter::begin(BufWriter::new(file), self.first_day_ns)?;
         }
         if self.gaps.is_some() {
             self.gaps = Some(Gaps::of(path, self.whole.0)?);
