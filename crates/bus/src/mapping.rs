@@ -62,6 +62,30 @@ impl Mapping {
         Self::at(start.cast(), bytes)
     }
 
+    /// Moves memory without a file into a new file. The words keep their address and their values, provided that no
+    /// other thread writes them meanwhile.
+    ///
+    /// # Errors
+    /// If the file cannot be created; the memory is unchanged then.
+    pub(crate) fn move_to(&self, path: &Path) -> io::Result<()> {
+        let file = Self::create(path, self.bytes)?;
+        // SAFETY: both mappings have this number of bytes, and the file's mapping is new.
+        unsafe { std::ptr::copy_nonoverlapping(self.start.as_ptr(), file.start.as_ptr(), self.bytes) };
+        let found = options().open(path)?;
+        // SAFETY: the place is this mapping's own, and the file has as many bytes, with the same values.
+        unsafe {
+            mmap(
+                self.start.as_ptr().cast(),
+                self.bytes,
+                ACCESS,
+                FLAGS | MapFlags::FIXED,
+                &found,
+                0,
+            )
+        }?;
+        Ok(())
+    }
+
     fn at(start: *mut u8, bytes: usize) -> io::Result<Self> {
         let start = NonNull::new(start).ok_or_else(|| io::Error::other("mapped at zero"))?;
         Ok(Self { start, bytes })

@@ -6,6 +6,9 @@
 //! processes. The file's own name proves nothing, because every user can create files in its folder. A successor
 //! fills a new file and then redirects the link, which is atomic.
 //!
+//! Without room for the file, the words are at first in memory of the process alone. Each [`Outlasting::publish`] tries
+//! again to move them into the file.
+//!
 //! Only an orderly end of the instance removes it ([`Root::remove_outlasting`]).
 //!
 //! The machine's death ends this memory. For data that must survive a reboot, the memory is copied to a folder on
@@ -16,7 +19,7 @@ use std::fs::{self, File};
 use std::io::{self, Seek as _, SeekFrom, Write as _};
 use std::os::unix::fs::OpenOptionsExt as _;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use kept::Memory;
 
@@ -38,6 +41,8 @@ pub struct Outlasting {
     mapping: Mapping,
     path: PathBuf,
     link: PathBuf,
+    /// Whether the words are in the file, and not in memory of this process alone.
+    is_in_file: AtomicBool,
 }
 
 // SAFETY: several threads may look at atomic words at a time.
@@ -48,24 +53,26 @@ impl Root {
     /// under `name`.
     ///
     /// # Errors
-    /// If there is no memory left for them.
+    /// If the machine has no memory left for them. Shared memory without room is no error here.
     pub fn make_outlasting(&self, name: &str, words: usize) -> Result<Outlasting, BusError> {
         self.make_outlasting_as(&format!("{name}.{:08x}", random()), name, words)
     }
 
     fn make_outlasting_as(&self, file: &str, name: &str, words: usize) -> Result<Outlasting, BusError> {
         let path = Path::new(SHARED_MEMORY_DIR).join(format!("{}{file}", self.kept_prefix()));
-        match Mapping::create(&path, words * size_of::<u64>()) {
-            Ok(mapping) => Ok(Outlasting {
-                mapping,
-                link: self.outlasting_link(name),
-                path,
-            }),
-            Err(error) => {
-                let _ = fs::remove_file(&path);
-                Err(io_error("create", &path)(error))
-            }
-        }
+        let bytes = words * size_of::<u64>();
+        let in_file = Mapping::create(&path, bytes);
+        let is_in_file = AtomicBool::new(in_file.is_ok());
+        let mapping = in_file.or_else(|_| {
+            let _ = fs::remove_file(&path);
+            Mapping::anonymous(bytes)
+        });
+        Ok(Outlasting {
+            mapping: mapping.map_err(io_error("allocate", &path))?,
+            link: self.outlasting_link(name),
+            path,
+            is_in_file,
+        })
     }
 
     /// The words that were published under `name` last; `None` if none were, or they are gone.
@@ -80,7 +87,12 @@ impl Root {
             Err(error) => return Err(io_error("read", &link)(error)),
         };
         match Mapping::open(&path) {
-            Ok(mapping) => Ok(Some(Outlasting { mapping, path, link })),
+            Ok(mapping) => Ok(Some(Outlasting {
+                mapping,
+                path,
+                link,
+                is_in_file: AtomicBool::new(true),
+            })),
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
             Err(error) => Err(io_error("map", &path)(error)),
         }
@@ -221,11 +233,18 @@ impl Outlasting {
         unsafe { std::slice::from_raw_parts(self.mapping.start().cast().as_ptr(), count) }
     }
 
-    /// Has successors find these words from now on, and no others.
+    /// Has successors find these words from now on, and no others. To be called by the thread that writes the words.
     ///
     /// # Errors
-    /// If the link cannot be made.
+    /// If there is no room for the words in shared memory, or the link cannot be made; a later call may succeed.
     pub fn publish(&self) -> Result<(), BusError> {
+        if !self.is_in_file.load(Ordering::Relaxed) {
+            self.mapping.move_to(&self.path).map_err(|error| {
+                let _ = fs::remove_file(&self.path);
+                io_error("create", &self.path)(error)
+            })?;
+            self.is_in_file.store(true, Ordering::Relaxed);
+        }
         let new = self.link.with_extension(format!("{:08x}", random()));
         std::os::unix::fs::symlink(&self.path, &new)
             .and_then(|()| fs::rename(&new, &self.link))
@@ -303,6 +322,30 @@ mod tests {
         root.remove_outlasting();
         assert!(root.outlasting("a").unwrap().is_none() && !second.path.exists());
         assert_eq!(fs::read_dir(base.path()).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn words_written_without_room_are_published_later() {
+        let base = tempfile::tempdir().unwrap();
+        let root = Root::in_base(base.path(), "full").unwrap();
+        let memory = Outlasting {
+            mapping: Mapping::anonymous(1000 * size_of::<u64>()).unwrap(),
+            is_in_file: AtomicBool::new(false),
+            ..root.make_outlasting("a", 1).unwrap()
+        };
+        let words = memory.words();
+        words[999].store(7, Relaxed);
+        // The file's name is taken by a folder: as without room, the words stay where they are.
+        fs::remove_file(&memory.path).unwrap();
+        fs::create_dir(&memory.path).unwrap();
+        assert!(memory.publish().is_err() && root.outlasting("a").unwrap().is_none());
+        words[998].store(8, Relaxed);
+        fs::remove_dir(&memory.path).unwrap();
+        memory.publish().unwrap();
+        words[0].store(9, Relaxed);
+        let found = root.outlasting("a").unwrap().unwrap();
+        assert_eq!([0, 998, 999].map(|place| found.words()[place].load(Relaxed)), [9, 8, 7]);
+        root.remove_outlasting();
     }
 
     #[test]

@@ -7,7 +7,7 @@ use messages::{
 };
 use observations::{Bearing, Observation, Sampled, SensorEvent, ServiceMessage, WideAreaReport};
 use runtime::clock::{SteadyClock, mono_ns};
-use runtime::{HealthEntry, Now};
+use runtime::{HealthEntry, Now, Publication};
 use sources::{Pipeline, Samples};
 use tracking::wide_area::arrivals::Arrivals;
 
@@ -28,6 +28,8 @@ pub(crate) struct SourceChannel {
     has_tracks: bool,
     name: String,
     pipeline: Pipeline,
+    /// Tracks kept for a successor.
+    kept: Option<Publication>,
     /// Wide-area sensors of the source's tracker.
     counts: Vec<Subscriber<SharedMemory, WideArea>>,
     /// Direction finders whose emissions the tracker uses.
@@ -86,7 +88,7 @@ impl SourceChannel {
         });
         let first_day_ns = process.first_day_ns();
         let mut pipeline = Pipeline::new(source.model, processing, first_day_ns, Arrivals::new())?;
-        continuity::go_on(process, source, &mut pipeline);
+        let kept = continuity::go_on(process, source, &mut pipeline)?;
         Ok(Self {
             counts: counts.collect::<Result<_, _>>()?,
             emissions: emissions.collect::<Result<_, _>>()?,
@@ -94,6 +96,7 @@ impl SourceChannel {
             has_tracks: source.has_tracks(),
             name: source.name.clone(),
             pipeline,
+            kept,
             gathered: Samples {
                 tracks: Vec::with_capacity(GATHERED_MAX),
                 ..Samples::default()
@@ -180,6 +183,9 @@ impl SourceChannel {
         self.listen()?;
         let now = Now::read();
         self.pipeline.keep(now.utc_ns);
+        if let Some(kept) = &mut self.kept {
+            kept.tend(now.mono_ns);
+        }
         if let Some((offset_s, _)) = self.clock_offset(now) {
             self.outlets.tracks.set_clock_offset(offset_s);
         }

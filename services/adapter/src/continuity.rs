@@ -6,19 +6,26 @@
 use std::sync::Arc;
 
 use deployment::{Process, Source};
-use runtime::Now;
+use runtime::{Now, Publication};
 use sources::Pipeline;
 
-/// Continues a source's pipeline from its kept tracks, and keeps its tracks for a successor.
-pub(crate) fn go_on(process: &Process, source: &Source, pipeline: &mut Pipeline) {
+/// Continues a source's pipeline from its kept tracks, and keeps its tracks for a successor; `None` if it has none.
+///
+/// # Errors
+/// If the machine has no memory for them.
+pub(crate) fn go_on(
+    process: &Process,
+    source: &Source,
+    pipeline: &mut Pipeline,
+) -> anyhow::Result<Option<Publication>> {
     let (Some(words), Some(max_age_ns)) = (pipeline.kept_words(), process.config.checkpoint.max_age_ns()) else {
-        return;
+        return Ok(None);
     };
     let (root, name, owner) = (process.bus.root(), format!("tracks-{}", source.name), &source.name);
-    let now_ns = Now::read().utc_ns;
+    let now = Now::read();
     let resumed = match root.outlasting(&name) {
         Ok(Some(memory)) => {
-            let resumed = pipeline.resume(memory.words(), owner, now_ns - max_age_ns);
+            let resumed = pipeline.resume(memory.words(), owner, now.utc_ns - max_age_ns);
             resumed.map_err(|refused| refused.to_string())
         }
         Ok(None) => Ok(()),
@@ -31,13 +38,11 @@ pub(crate) fn go_on(process: &Process, source: &Source, pipeline: &mut Pipeline)
             "warning: the tracks kept of {owner} are not used: {reason}{aside}"
         ));
     }
-    let kept = root.make_outlasting(&name, words).and_then(|memory| {
-        let memory = Arc::new(memory);
-        pipeline.keep_in(Box::new(Arc::clone(&memory)), owner);
-        pipeline.keep(now_ns);
-        memory.publish()
-    });
-    if let Err(error) = kept {
-        runtime::notice(format_args!("warning: the tracks of {owner} are not kept: {error}"));
-    }
+    let memory = Arc::new(root.make_outlasting(&name, words)?);
+    pipeline.keep_in(Box::new(Arc::clone(&memory)), owner);
+    pipeline.keep(now.utc_ns);
+    let what = format!("the tracks of {owner}");
+    let mut publication = Publication::new(memory, what);
+    publication.tend(now.mono_ns);
+    Ok(Some(publication))
 }

@@ -201,7 +201,7 @@ impl<S: Transport> FusionAgent<S> {
         if start.goes_on() {
             self.output.go_on();
         }
-        self.keeping = start.resume(&mut self.driver, &mut self.inputs, &mut self.output, now)?;
+        self.keeping = Some(start.resume(&mut self.driver, &mut self.inputs, &mut self.output, now)?);
         self.output.send(self.progress_ns, false)
     }
 

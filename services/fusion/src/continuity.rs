@@ -16,10 +16,10 @@ use fusion::checkpoint::{CheckpointClock, CheckpointLayout, IN_WORK, Memory as _
 use fusion::numbering::anew;
 use fusion::suspects::{SuspectTreatment, Suspects, report_key};
 use fusion::{Driver, Engine, ReportNumber, Sink};
-use runtime::Now;
 use runtime::clock::mono_ns;
 use runtime::housekeeping::SnapshotParts;
 use runtime::instance::{CHECKPOINT, QUARANTINED};
+use runtime::{Now, Publication};
 
 use crate::inputs::SourceInput;
 use crate::log::Log;
@@ -121,18 +121,17 @@ impl FusionStart {
         })
     }
 
-    /// Restores the engine, passes terminated tracks to `sink`, and writes a new checkpoint. `None` if there is no
-    /// memory for a checkpoint.
+    /// Restores the engine, passes terminated tracks to `sink`, and writes a new checkpoint.
     ///
     /// # Errors
-    /// If a source's topic fails.
+    /// If a source's topic fails, or the machine has no memory for the checkpoint.
     pub(crate) fn resume<S: Transport>(
         self,
         driver: &mut Driver<Log>,
         inputs: &mut [SourceInput<S>],
         sink: &mut impl Sink,
         now: Now,
-    ) -> anyhow::Result<Option<Keeping>> {
+    ) -> anyhow::Result<Keeping> {
         match &self.found {
             Predecessor::Nothing => {}
             Predecessor::Tracks {
@@ -156,26 +155,14 @@ impl FusionStart {
             Predecessor::Refused => driver.start_numbers_at(anew(now.utc_ns)),
         }
         let engine = driver.engine_mut();
-        let kept = self
-            .root
-            .make_outlasting(CHECKPOINT, self.layout.len())
-            .and_then(|memory| {
-                let memory = Arc::new(memory);
-                engine.keep_checkpoint(Box::new(Arc::clone(&memory)));
-                let mut keeping = Keeping::new(memory, self.epoch, self.suspects(), now);
-                keeping.clock.ahead_ns = self.clocks().0;
-                engine.keep_suspects(&keeping.suspects);
-                keeping.note(engine, now);
-                keeping.memory.publish()?;
-                Ok(keeping)
-            });
-        match kept {
-            Ok(keeping) => Ok(Some(keeping)),
-            Err(error) => {
-                runtime::notice(format_args!("warning: going on without a checkpoint: {error}"));
-                Ok(None)
-            }
-        }
+        let memory = Arc::new(self.root.make_outlasting(CHECKPOINT, self.layout.len())?);
+        engine.keep_checkpoint(Box::new(Arc::clone(&memory)));
+        let mut keeping = Keeping::new(memory, self.epoch, self.suspects(), now);
+        keeping.clock.ahead_ns = self.clocks().0;
+        engine.keep_suspects(&keeping.suspects);
+        keeping.note(engine, now);
+        keeping.publication.tend(now.mono_ns);
+        Ok(keeping)
     }
 }
 
@@ -217,6 +204,8 @@ pub(crate) struct Keeping {
     suspects: Suspects,
     clock: CheckpointClock,
     noted_ns: i64,
+    /// Publication of the complete checkpoint.
+    publication: Publication,
     /// Start of the present round over learned records, and the number of records written.
     round_ns: i64,
     written: usize,
@@ -225,6 +214,7 @@ pub(crate) struct Keeping {
 impl Keeping {
     fn new(memory: Arc<Outlasting>, epoch: u64, suspects: Suspects, now: Now) -> Self {
         Self {
+            publication: Publication::new(Arc::clone(&memory), "the tracks of fusion".to_owned()),
             memory,
             suspects,
             clock: CheckpointClock {
@@ -264,6 +254,7 @@ impl Keeping {
             self.clock.ahead_ns = ahead_ns;
             self.note(engine, now);
             self.go_round(engine, now);
+            self.publication.tend(now.mono_ns);
         }
     }
 

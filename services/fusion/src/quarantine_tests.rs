@@ -249,3 +249,27 @@ fn a_number_that_rests_outlives_a_killed_fusion() {
         assert_eq!(numbers(&site.work(&mut agent), TrackState::Confirmed), both[..1]);
     });
 }
+
+#[test]
+fn a_checkpoint_that_could_not_be_published_is_published_later_with_all_tracks() {
+    with_site(|site| {
+        let place = site.bus.root().base().join("t.checkpoint");
+        std::fs::create_dir(&place).unwrap();
+        let mut agent = site.start();
+        let mut numbers = Vec::new();
+        for _ in 0..8 {
+            (1..=2).for_each(|target| site.send(target));
+            numbers = site.work(&mut agent).iter().map(|track| track.track_number).collect();
+        }
+        assert_eq!(numbers.len(), 2);
+        assert!(site.bus.root().outlasting(CHECKPOINT).is_err());
+        std::fs::remove_dir(&place).unwrap();
+        (1..=2).for_each(|target| site.send(target));
+        site.work(&mut agent);
+        drop(agent);
+        let mut agent = site.start();
+        (1..=2).for_each(|target| site.send(target));
+        let after: Vec<u32> = site.work(&mut agent).iter().map(|track| track.track_number).collect();
+        assert_eq!(after, numbers);
+    });
+}
