@@ -3,6 +3,7 @@
 use std::fmt;
 
 use bus::BusError;
+use messages::admission::Fault;
 use thiserror::Error;
 
 /// An operation on a deployment failed. `{:?}` shows the same sentence as `{}`, since it is what a `main` prints that
@@ -40,11 +41,21 @@ pub enum Error {
 
     /// The topic does not accept samples of user programs.
     #[error(
-        "topic {topic} is not fed from outside: sensor/NAME/tracks, wide-area/NAME/reports and platform/NAME/state are"
+        "topic {topic} is not fed from outside: sensor/NAME/tracks, sensor/NAME/detections, wide-area/NAME/reports and \
+         platform/NAME/state are"
     )]
     NotFed {
         /// The topic.
         topic: String,
+    },
+
+    /// A sample has a fault; none of the samples was published.
+    #[error("sample {index} is refused, and none was published: {fault}")]
+    Refused {
+        /// Place of the sample, from 0.
+        index: usize,
+        /// Field, value, limit and remedy.
+        fault: Box<Fault>,
     },
 
     /// Words are no order.
@@ -104,9 +115,11 @@ impl Error {
         match self {
             Self::Ended { .. } => ErrorKind::Ended,
             Self::Schema { .. } | Self::Bus(BusError::Incompatible { .. }) => ErrorKind::Schema,
-            Self::TopicName { .. } | Self::NotFed { .. } | Self::Order { .. } | Self::Octets { .. } => {
-                ErrorKind::Argument
-            }
+            Self::TopicName { .. }
+            | Self::NotFed { .. }
+            | Self::Refused { .. }
+            | Self::Order { .. }
+            | Self::Octets { .. } => ErrorKind::Argument,
             Self::Bus(BusError::InstanceName { .. } | BusError::PathTooLong { .. }) => ErrorKind::Argument,
             Self::Bus(BusError::NotRunning { .. }) => ErrorKind::NotRunning,
             Self::Bus(BusError::NoSuchTopic { .. }) => ErrorKind::NoSuchTopic,
