@@ -1,6 +1,8 @@
 //! Errors, each with a kind for the program and a text with the remedy.
 
 use std::fmt;
+use std::io;
+use std::path::PathBuf;
 
 use bus::BusError;
 use messages::admission::Fault;
@@ -47,6 +49,26 @@ pub enum Error {
     NotFed {
         /// The topic.
         topic: String,
+    },
+
+    /// Another process publishes on the topic.
+    #[error(
+        "topic {topic} has a publisher already, {by}: a source has one; end that process, or feed another external source"
+    )]
+    Fed {
+        /// The topic.
+        topic: String,
+        /// Who publishes.
+        by: String,
+    },
+
+    /// The right to publish could not be claimed.
+    #[error("cannot lock {}: {source}", path.display())]
+    Claim {
+        /// File of the lock.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
     },
 
     /// A sample has a fault; none of the samples was published.
@@ -107,6 +129,8 @@ pub enum ErrorKind {
     Argument = 7,
     /// The system has refused something.
     System = 8,
+    /// Another process publishes on the topic: end it. 9 is the outcome of a wait in C.
+    Fed = 10,
 }
 
 impl Error {
@@ -125,7 +149,8 @@ impl Error {
             Self::Bus(BusError::NoSuchTopic { .. }) => ErrorKind::NoSuchTopic,
             Self::Bus(BusError::Full { .. }) => ErrorKind::Full,
             Self::Bus(BusError::Borrowed { .. }) => ErrorKind::Borrowed,
-            Self::Bus(_) => ErrorKind::System,
+            Self::Fed { .. } => ErrorKind::Fed,
+            Self::Claim { .. } | Self::Bus(_) => ErrorKind::System,
         }
     }
 }

@@ -6,6 +6,7 @@ use bus::{Mark, Root};
 use messages::admission::{self, Admission, CLOCK_LIMIT_NS};
 use messages::{Outgoing, sensor_uid};
 
+use crate::claim::Claim;
 use crate::clock::{mono_ns, utc_ns};
 use crate::connection::{Connection, Medium};
 use crate::error::Error;
@@ -19,13 +20,16 @@ pub struct Publisher<T: Outgoing> {
     clock_limit_ns: Option<i64>,
     // After the port.
     connection: Connection,
+    // After the port, so that a successor finds no living line.
+    _claim: Claim,
 }
 
 impl<T: Outgoing + Admission> Publisher<T> {
     /// Publishes the samples of the source, sensor or platform called `name`, in the deployment called `instance`.
     ///
     /// # Errors
-    /// If the deployment does not run or has no such topic, was built from another version, or has no place left.
+    /// If the deployment does not run or has no such topic, was built from another version, or has no place left; also
+    /// [`Error::Fed`] if another process publishes the samples.
     pub fn open(instance: &str, name: &str) -> Result<Self, Error> {
         Self::at(&Root::new(instance)?, name)
     }
@@ -36,11 +40,14 @@ impl<T: Outgoing + Admission> Publisher<T> {
     /// As [`Publisher::open`].
     pub fn at(root: &Root, name: &str) -> Result<Self, Error> {
         let connection = Connection::open(root)?;
-        let publisher = connection.bus.publisher(&T::topic(name), mono_ns())?;
+        let (topic, incarnation) = (T::topic(name), mono_ns());
+        let claim = Claim::take(root, &connection, &topic, incarnation)?;
+        let publisher = connection.bus.publisher(&topic, incarnation)?;
         Ok(Self {
             publisher: publisher.of_sensor(sensor_uid(name)),
             clock_limit_ns: Some(CLOCK_LIMIT_NS),
             connection,
+            _claim: claim,
         })
     }
 

@@ -253,3 +253,30 @@ fn the_limit_of_the_clock_can_be_changed() {
     old.time_of_measurement_ns = 1;
     publisher.publish(&[old]).unwrap();
 }
+
+#[test]
+fn a_source_has_one_publisher_and_its_successor_is_accepted() {
+    let deployment = Deployment::new();
+    let open = || Publisher::<SensorTrack>::at(&deployment.root, "own");
+    let mut first = open().unwrap();
+    first.publish(&[report(1)]).unwrap();
+    let refused = open().unwrap_err();
+    assert_eq!(refused.kind(), ErrorKind::Fed);
+    let text = refused.to_string();
+    assert!(
+        text.contains("sensor/own/tracks") && text.contains(&std::process::id().to_string()),
+        "{text}"
+    );
+    drop(first);
+    open().unwrap().publish(&[report(2)]).unwrap();
+}
+
+#[test]
+fn an_adapter_of_the_source_is_a_publisher_too() {
+    let deployment = Deployment::new();
+    let adapter = deployment.bus.publisher(&messages::sensor_tracks("own"), 1).unwrap();
+    let open = || Publisher::<SensorTrack>::at(&deployment.root, "own");
+    assert_eq!(open().unwrap_err().kind(), ErrorKind::Fed);
+    drop(adapter);
+    open().unwrap();
+}
