@@ -249,8 +249,9 @@ settings::settings! {
     /// A source whose samples a separate process publishes.
     pub struct SourceExternalTable {
         check SourceExternalTable::check;
-        /// Published samples: `tracks` at `sensor/<source>/tracks`; `detections` at `sensor/<source>.input/detections`, of
-        /// which a tracker process makes the tracks ([source.tracker] has its settings).
+        /// Published samples: `tracks` at `sensor/<source>/tracks`, or `detections` at
+        /// `sensor/<source>.input/detections`. A tracker process makes tracks of detections; [source.tracker] has its
+        /// settings.
         input: ExternalInput = ExternalInput::Tracks;
         /// Standard deviations for detections without their own, of the measured quantities in order: 1 to 3 values.
         sigmas: Option<Vec<f64>> = None, in [1e-9, 1e6];

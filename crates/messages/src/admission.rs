@@ -4,8 +4,9 @@
 //! names field, value, limit and remedy. The limits are also those of fusion, so both refuse the same samples.
 //!
 //! Two faults are known at the publisher alone. A time of measurement far from the present is mostly a mistake of the
-//! unit or of the clock, and the magnitude of the number shows which ([`time_fault`]). A covariance that is not positive
-//! semidefinite is repaired by fusion, since the source may not be at hand; its publisher is, and can correct it.
+//! unit or of the clock, and the magnitude of the number shows which ([`time_fault`]). A covariance that is not
+//! positive semidefinite is repaired by fusion, since the source may not be at hand; its publisher is, and can correct
+//! it.
 
 use std::f64::consts::{PI, TAU};
 use std::fmt;
@@ -73,8 +74,8 @@ pub trait Admission {
     fn value_fault(&self) -> Option<Fault>;
 }
 
-/// Returns the fault of a sample at `now_ns` (UTC, nanoseconds); times farther than `clock_limit_ns` from it are faults.
-/// `clock_limit_ns` of `None`: all times on which fusion can calculate are permitted.
+/// Returns the fault of a sample at `now_ns` (UTC, nanoseconds); times farther than `clock_limit_ns` from it are
+/// faults. `clock_limit_ns` of `None`: all times on which fusion can calculate are permitted.
 pub fn fault<T: Admission>(sample: &T, now_ns: i64, clock_limit_ns: Option<i64>) -> Option<Fault> {
     let time = sample.stated_time();
     time.and_then(|(field, time_ns)| time_fault(field, time_ns, now_ns, clock_limit_ns))
@@ -153,7 +154,8 @@ impl SensorTrack {
 }
 
 impl Covariance {
-    /// Whether the covariance is possible on this planet: no variance is negative, and those of east and north are not 0.
+    /// Whether the covariance is possible on this planet: no variance is negative, and those of east and north are not
+    /// 0.
     #[inline]
     pub fn is_possible(&self) -> bool {
         within(&self.upper, COVARIANCE_MAX)

@@ -181,7 +181,8 @@ impl Inlets {
         Ok(())
     }
 
-    /// Takes a line that came at `received_ns` (UTC), to be [flushed](Self::flush). Returns the fault of a refused line.
+    /// Takes a line that came at `received_ns` (UTC), to be [flushed](Self::flush). Returns the fault of a refused
+    /// line.
     ///
     /// # Errors
     /// If the deployment has ended, or shared memory fails.

@@ -55,8 +55,8 @@ const OF_TRACKS: [&str; 8] = [
     "state",
 ];
 
-/// Returns the detection of a line that came at `received_ns`, and whether the line states the scan. With `has_sigmas` the
-/// configuration has standard deviations for lines without their own.
+/// Returns the detection of a line that came at `received_ns`, and whether the line states the scan. With `has_sigmas`
+/// the configuration has standard deviations for lines without their own.
 pub(super) fn detection(
     mut fields: Fields,
     frame: &SystemFrame,
