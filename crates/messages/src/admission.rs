@@ -248,7 +248,10 @@ fn values_fault(field: &str, values: &[f64], limit: f64) -> Option<Fault> {
     if within(values, limit) {
         return None;
     }
-    let (index, value) = values.iter().enumerate().find(|(_, value)| !(value.abs() <= limit))?;
+    let (index, value) = values
+        .iter()
+        .enumerate()
+        .find(|(_, value)| !within(std::slice::from_ref(*value), limit))?;
     let field = match values.len() {
         1 => field.to_owned(),
         _ => format!("{field}[{index}]"),
