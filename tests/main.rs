@@ -44,6 +44,7 @@ mod live_centres;
 mod live_counts;
 mod live_cues;
 mod live_designations;
+mod live_feed;
 mod live_on_board;
 mod live_plots;
 mod orders;

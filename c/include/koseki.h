@@ -34,7 +34,8 @@ enum {
   KOSEKI_BORROWED = 6,      /* Two slices are kept, and that is the limit: release one. */
   KOSEKI_ARGUMENT = 7,      /* An argument makes no sense. */
   KOSEKI_SYSTEM = 8,        /* The system has refused something. */
-  KOSEKI_NOTHING = 9        /* Nothing came in time, or a signal did. */
+  KOSEKI_NOTHING = 9,       /* Nothing came in time, or a signal did. */
+  KOSEKI_FED = 10           /* Another process publishes on the topic: end it. */
 };
 
 typedef struct koseki_subscription koseki_subscription;
@@ -84,7 +85,9 @@ void koseki_unsubscribe(koseki_subscription *subscription);
  * KosekiPlatformState) that the configuration calls external. */
 int koseki_advertise(const char *instance, const char *topic, uint64_t schema, koseki_publisher **handle);
 
-/* Publishes `count` samples of the topic's type. Their sequence numbers and stamps are filled in. */
+/* Publishes `count` samples of the topic's type. Their sequence numbers and stamps are filled in. If a sample has a fault
+ * (no finite number, a time in seconds, a variance of 0, …), none is published, and the code is KOSEKI_ARGUMENT:
+ * koseki_error() names the sample, field, value, limit and remedy. */
 int koseki_publish(koseki_publisher *publisher, const void *samples, size_t count);
 
 /* Ends a publisher. The handle is invalid afterwards. */

@@ -24,14 +24,14 @@ import numpy as np
 from . import _koseki
 from . import offline
 from .offline import Table, compare, decode, decode_columns, fuse, locate, score, simulate, smooth, track
-from ._errors import BorrowLimit, Ended, KosekiError, NoPlaceLeft, NoSuchTopic, NotRunning, SchemaMismatch
+from ._errors import AlreadyFed, BorrowLimit, Ended, KosekiError, NoPlaceLeft, NoSuchTopic, NotRunning, SchemaMismatch
 from ._samples import CODES, DTYPES, covariance, describe, table, upper
 
 if TYPE_CHECKING:
     import pandas
 
 __all__ = [
-    "BorrowLimit", "CODES", "Counts", "DTYPES", "Ended", "KosekiError", "NoPlaceLeft", "NoSuchTopic", "NotRunning",
+    "AlreadyFed", "BorrowLimit", "CODES", "Counts", "DTYPES", "Ended", "KosekiError", "NoPlaceLeft", "NoSuchTopic", "NotRunning",
     "Publisher", "SchemaMismatch", "Subscription", "Table", "Tracks", "compare", "covariance", "decode", "decode_columns",
     "describe", "fuse", "instances", "locate", "offline", "order", "origin", "publish", "read", "score", "simulate",
     "smooth", "sources", "subscribe", "table", "topics", "track", "upper", *CODES,

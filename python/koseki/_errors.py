@@ -27,3 +27,7 @@ class NoPlaceLeft(KosekiError):
 
 class BorrowLimit(KosekiError):
     """Two borrowed slices are held, and that is the limit: delete an array, or copy what is needed longer."""
+
+
+class AlreadyFed(KosekiError):
+    """Another process publishes the source, which has one publisher: end that process, or feed another source."""

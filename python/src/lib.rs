@@ -38,6 +38,7 @@ fn failed(error: Error) -> PyErr {
         ErrorKind::Full => "NoPlaceLeft",
         ErrorKind::Borrowed => "BorrowLimit",
         ErrorKind::Argument => return PyValueError::new_err(error.to_string()),
+        ErrorKind::Fed => "AlreadyFed",
         ErrorKind::System => "KosekiError",
     };
     raised(kind, error.to_string())

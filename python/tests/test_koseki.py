@@ -254,6 +254,17 @@ def test_an_external_source_is_fed_and_the_end_is_told(tmp_path):
     assert np.hypot(*(fused["position_m"][0, :2] - [1000.0, 2000.0])) < 100.0
     with pytest.raises(ValueError):
         publisher.send(np.zeros(1))
+    # A fault is named with its field and the remedy, and nothing of its send is published.
+    for field, value, text in [
+        ("time_of_measurement_ns", int(time.time()), "the number is in seconds; multiply it by 1000000000"),
+        ("position_m", [np.nan, 0.0, 0.0], r"position_m\[0\] is NaN"),
+        ("covariance", np.zeros(1, report["covariance"].dtype), "the variance east, is 0: must be above 0"),
+    ]:
+        wrong, sent = report.copy(), publisher.sent
+        wrong[field] = value
+        with pytest.raises(ValueError, match=text):
+            publisher.send(wrong)
+        assert publisher.sent == sent
     # A reader that takes nothing loses what its topic has no room for, and is told.
     slow = koseki.subscribe("feed", "sensor/own/tracks")
     publisher.send(report)
@@ -298,10 +309,18 @@ def again(tmp_path):
             deployment.stop()
 
 
+def _report(publisher: koseki.Publisher) -> np.ndarray:
+    """A report that fusion could use."""
+    report = publisher.new(1)
+    report["time_of_measurement_ns"] = time.time_ns()
+    report["covariance"]["upper"] = koseki.upper(np.diag([900.0] * 3 + [9.0] * 3))
+    return report
+
+
 def _received(tracks: koseki.Subscription) -> koseki.Tracks:
     """What is received of a publisher that sends one sample, and stays until it is received."""
     with koseki.publish("again", "own") as publisher:
-        publisher.send(publisher.new(1))
+        publisher.send(_report(publisher))
         return tracks.receive(PATIENCE)
 
 
@@ -344,7 +363,7 @@ def test_a_loop_of_events_that_reconnects_goes_on_with_the_next_run(again):
             # The reader has opened the topic of this run.
             await asyncio.sleep(1.0)
             with koseki.publish("again", "own") as publisher:
-                publisher.send(publisher.new(1))
+                publisher.send(_report(publisher))
                 assert await asyncio.wait_for(slices.get(), PATIENCE) == 1
             await asyncio.to_thread(deployment.stop)
             await asyncio.sleep(0.5)

@@ -57,7 +57,14 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<(Deployment, E
     let wide_area_sensors = check_wide_area_sensors(&raw, &frame, &mut network)?;
     check_links(&mut sources, &raw.sources, &raw.wide_area_sensors)?;
     let mut trackers = check_trackers(&raw, names, &frame, &mut network)?;
-    for (source, processed, weighed) in trackers.sources.drain(..) {
+    for (mut source, processed, weighed) in trackers.sources.drain(..) {
+        let place = usize::from(source.number);
+        if place < sources.len() {
+            // A source in the short form of a tracker keeps its place.
+            source.technology = sources[place].technology;
+            (sources[place], processing[place], weighing[place]) = (source, processed, weighed);
+            continue;
+        }
         sources.push(source);
         processing.push(processed);
         weighing.push(weighed);

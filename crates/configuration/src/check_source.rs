@@ -12,6 +12,7 @@ use settings::SettingsError;
 
 use super::check_network::{Network, asterix, simulated_sac_sic, technology};
 use super::checked::{Checked, limits, place};
+use super::external_detections::takes_detections;
 use super::tables::{PlaceTable, RecordedTable, SourceTable};
 use super::tracker::source_tracker;
 use deployment::{Input, Instrument, Links, Recorded, RecordedFormat, SampleDelivery, Source};
@@ -143,11 +144,13 @@ fn check_tracker(
             Instrument::Sensor(sensor) => sensor.plots,
             Instrument::DirectionFinder(_) => false,
         },
+        // Its tracker is a process of its own.
+        Input::External if takes_detections(raw) => return Ok(None),
         Input::External | Input::Tracker(_) => false,
     };
     if !has_detections {
-        let what = "takes plots in ASTERIX; leave it out where a source has tracks already, and give a simulated sensor \
-                    plots = true";
+        let what = "takes plots in ASTERIX; leave it out where a source has tracks already, give a simulated sensor \
+                    plots = true, and an external source input = \"detections\"";
         return Err(SettingsError::new(key(), what));
     }
     source_tracker(tracker, index as u16, raw.weighing.period_s).map(Some)

@@ -11,6 +11,7 @@ mod check_qnh;
 mod check_region;
 mod check_source;
 mod checked;
+mod external_detections;
 mod locating;
 mod offline;
 mod platform;
@@ -20,6 +21,7 @@ mod tracker;
 mod tracker_links;
 mod tracker_process;
 mod wide_area_sensor;
+mod words;
 
 use std::fmt;
 use std::ops::Deref;

@@ -13,6 +13,7 @@ use settings::{Degrees, Seconds, SettingsError, Unread};
 use tracking::cutting::Boundaries;
 use tracking::settings::SensorModel;
 
+use super::words::ExternalInput;
 use deployment::{Checkpoint, Fusion, Link, Machine, PlotFormat, RecordedFormat, ReportOrder, Truncated};
 
 settings::settings! {
@@ -186,7 +187,7 @@ settings::settings! {
         /// Simulated direction finder; the adapter locates the transmitters from its bearings.
         simulated_direction_finder: Option<scenario::DirectionFinderSettings> = None;
         /// A process that is no part of the deployment publishes the source's topic.
-        external: Option<ExternalTable> = None;
+        external: Option<SourceExternalTable> = None;
         /// Tracker for the source's detections.
         tracker: Option<SourceTrackerTable> = None;
         /// Locator for the source's bearings.
@@ -243,6 +244,19 @@ settings::settings! {
         editions: BTreeMap<String, String> = BTreeMap::new(), usually "the newest ones known";
         /// Refuse blocks with spare bits set, or with items that go on beyond their edition.
         strict: bool = false;
+    }
+
+    /// A source whose samples a separate process publishes.
+    pub struct SourceExternalTable {
+        check SourceExternalTable::check;
+        /// Published samples: `tracks` at `sensor/<source>/tracks`, or `detections` at
+        /// `sensor/<source>.input/detections`. A tracker process makes tracks of detections; [source.tracker] has its
+        /// settings.
+        input: ExternalInput = ExternalInput::Tracks;
+        /// Standard deviations for detections without their own, of the measured quantities in order: 1 to 3 values.
+        sigmas: Option<Vec<f64>> = None, in [1e-9, 1e6];
+        /// Standard deviation of range rates of detections that state none; needs `sigmas` beside it.
+        range_rate_sigma_mps: Option<f64> = None, in [1e-9, 1e6];
     }
 
     /// No key is needed for a process that publishes a topic itself.
@@ -559,6 +573,18 @@ impl TrackerTable {
         if !self.emissions.is_empty() && self.settings.wide_area.knowledge.types.is_empty() {
             let what = "no type is described that an emission could be of; add [[tracker.settings.wide_area.type]]";
             return Err(SettingsError::new("emissions", what));
+        }
+        Ok(())
+    }
+}
+
+impl SourceExternalTable {
+    fn check(&self) -> Result<(), SettingsError> {
+        let has_sigmas = self.sigmas.is_some() || self.range_rate_sigma_mps.is_some();
+        if has_sigmas && self.input == ExternalInput::Tracks {
+            let what =
+                "belongs to detections, and tracks have a covariance; write input = \"detections\", or leave it out";
+            return Err(SettingsError::new("sigmas", what));
         }
         Ok(())
     }

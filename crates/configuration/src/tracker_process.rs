@@ -37,8 +37,10 @@ use tracking::settings::SensorFacts;
 use super::check_network::Network;
 use super::check_source::check_source;
 use super::checked::Checked;
+use super::external_detections::tracker_of;
 use super::tables::{
-    DeploymentTable, ExternalTable, LiveTable, PlaceTable, RecordedTable, SourceTable, TrackerSensorTable, TrackerTable,
+    DeploymentTable, LiveTable, PlaceTable, RecordedTable, SourceExternalTable, SourceTable, TrackerSensorTable,
+    TrackerTable,
 };
 use super::tracker::WAITING_SCANS;
 use super::tracker_links::numbers_of;
@@ -76,6 +78,13 @@ pub(super) fn check_trackers(
         .map(|place| format!("tracker[{place}]"))
         .collect();
     all.keys.extend(raw.trackers.iter().enumerate().flat_map(of_trackers));
+    // Sources in the short form keep their numbers; their sensors follow those of the trackers.
+    let short: Vec<(usize, TrackerTable)> = (0..)
+        .zip(&raw.sources)
+        .filter_map(|(number, source)| Some((number, tracker_of(source)?)))
+        .collect();
+    all.keys
+        .extend(short.iter().map(|(number, _)| format!("source[{number}]")));
     for (place, tracker) in raw.trackers.iter().enumerate() {
         let key = format!("tracker[{place}]");
         check_name(&format!("{key}.name"), &tracker.name)?;
@@ -93,31 +102,53 @@ pub(super) fn check_trackers(
             );
             return Err(SettingsError::new(format!("{key}.sensor"), what));
         }
-        let begin = all.sensors.len();
-        for sensor in &tracker.sensors {
-            let number = first + raw.trackers.len() + all.sensors.len();
-            let checked = check_sensor(number, tracker, sensor, (frame, &raw.frame), network);
-            let checked = checked.and_then(|checked| carried(number, checked, sensor, raw));
-            let checked = checked.and_then(|checked| simulated(number, checked, sensor, raw, network));
-            let sensor = checked.map_err(|error| all.located(error))?;
-            all.sensors.push(sensor);
-        }
-        let source = check_tracker(
-            first + place,
+        all.add(&key, first + place, tracker, (raw, frame), network)?;
+    }
+    for (number, tracker) in &short {
+        all.add(
+            &format!("source[{number}].tracker"),
+            *number,
             tracker,
-            &all.sensors[begin..],
-            begin,
-            (frame, &raw.frame),
+            (raw, frame),
             network,
-        );
-        let (mut source, processing, weighed) = source.map_err(|error| all.located(error))?;
-        check_links(&key, tracker, &mut source, raw)?;
-        all.sources.push((source, processing, weighed));
+        )?;
     }
     Ok(all)
 }
 
 impl TrackerProcesses {
+    /// Adds the tracker of the source `number`, whose keys begin with `key`.
+    fn add(
+        &mut self,
+        key: &str,
+        number: usize,
+        tracker: &TrackerTable,
+        (raw, frame): (&DeploymentTable, &SystemFrame),
+        network: &mut Network,
+    ) -> Checked<()> {
+        let begin = self.sensors.len();
+        for sensor in &tracker.sensors {
+            let number = self.first + raw.trackers.len() + self.sensors.len();
+            let checked = check_sensor(number, tracker, sensor, (frame, &raw.frame), network);
+            let checked = checked.and_then(|checked| carried(number, checked, sensor, raw));
+            let checked = checked.and_then(|checked| simulated(number, checked, sensor, raw, network));
+            let sensor = checked.map_err(|error| self.located(error))?;
+            self.sensors.push(sensor);
+        }
+        let source = check_tracker(
+            number,
+            tracker,
+            &self.sensors[begin..],
+            begin,
+            (frame, &raw.frame),
+            network,
+        );
+        let (mut source, processing, weighed) = source.map_err(|error| self.located(error))?;
+        check_links(key, tracker, &mut source, raw)?;
+        self.sources.push((source, processing, weighed));
+        Ok(())
+    }
+
     /// The error with the key in the file: checks name sources and sensors by their numbers.
     pub(super) fn located(&self, mut error: SettingsError) -> SettingsError {
         let Some((number, part)) = error.key.strip_prefix("source[").and_then(|rest| rest.split_once(']')) else {
@@ -187,7 +218,7 @@ fn check_sensor(
             .as_ref()
             .or(raw.orders.as_ref())
             .or(raw.simulated.as_ref())
-            .map(|_| ExternalTable {}),
+            .map(|_| SourceExternalTable::default()),
         ..SourceTable::default()
     };
     table.weighing.period_s = raw.period_s;
@@ -297,7 +328,7 @@ fn check_tracker(
         uid: raw.uid,
         required: raw.required,
         silent_periods: raw.silent_periods,
-        external: Some(ExternalTable {}),
+        external: Some(SourceExternalTable::default()),
         ..SourceTable::default()
     };
     table.weighing.clone_from(&raw.weighing);

@@ -7,19 +7,11 @@ use crate::gross;
 use crate::settings::{CorrectionTable, ReportLimits, SourceSettings};
 use crate::system_tracks::SystemTracks;
 
-/// Largest coordinate, metres; climb, metres per second; and square of a deviation that a sensor on this planet can
-/// report.
-const POSITION_MAX_M: f64 = 1e8;
-const SPEED_MAX_MPS: f64 = 1e5;
-const COVARIANCE_MAX: f64 = 1e14;
 /// Smallest variances that are believed, of position (m²) and velocity (m²/s²): to a millimetre and a tenth of a
 /// millimetre per second nothing is known.
 const VARIANCE_MIN: [f64; 2] = [1e-6, 1e-8];
 /// Standard deviation of a velocity that a report does not give, metres per second.
 const UNKNOWN_VELOCITY_SIGMA_MPS: f64 = 100.0;
-/// Largest valid time from 1970, nanoseconds: 146 years. Sums and differences of two valid times, and of any
-/// configurable time span, fit into 64 bits.
-const TIME_MAX_NS: i64 = 1 << 62;
 /// Largest distance between two reports of the same address for the same target, metres.
 const ADDRESS_REACH_M: f64 = 10e3;
 /// Silence beyond which that distance grows no more, seconds.
@@ -81,8 +73,8 @@ pub(crate) fn is_valid(report: &SensorTrack, sources: &[SourceSettings], has_sou
         && is_near(report, &source.limits)
         && is_slow_enough(report, &source.limits)
         && TrackState::from_code(report.state).is_some()
-        && has_possible_state(report)
-        && (has_sound_covariance || has_possible_covariance(&report.covariance))
+        && report.has_possible_state()
+        && (has_sound_covariance || report.covariance.is_possible())
 }
 
 /// Whether the report lies within its sensor's range.
@@ -97,30 +89,9 @@ fn is_slow_enough(report: &SensorTrack, limits: &ReportLimits) -> bool {
     is_in_reach([vx, vy], limits.speed_mps)
 }
 
-/// Whether all values are within a limit. Not a number is within none. All are looked at, without a branch for each.
-#[inline]
-fn within(values: &[f64], limit: f64) -> bool {
-    values.iter().fold(true, |all, value| all & (value.abs() <= limit))
-}
-
-/// Whether the report's time, position and velocity are possible on this planet.
-#[inline]
-fn has_possible_state(report: &SensorTrack) -> bool {
-    (-TIME_MAX_NS..TIME_MAX_NS).contains(&report.time_of_measurement_ns)
-        && within(&report.position_m, POSITION_MAX_M)
-        && within(&report.velocity_mps, SPEED_MAX_MPS)
-}
-
-/// Whether the report's covariance is possible on this planet.
-fn has_possible_covariance(covariance: &Covariance) -> bool {
-    within(&covariance.upper, COVARIANCE_MAX)
-        && (0..STATE_LEN).all(|index| covariance.get(index, index) >= 0.0)
-        && (0..2).all(|index| covariance.get(index, index) > 0.0)
-}
-
 /// Whether the report's numbers are possible on this planet.
 fn is_possible(report: &SensorTrack) -> bool {
-    has_possible_state(report) && has_possible_covariance(&report.covariance)
+    report.has_possible_state() && report.covariance.is_possible()
 }
 
 /// Counter of a report that is not valid. A limit of the configuration is named only where nothing else is wrong.

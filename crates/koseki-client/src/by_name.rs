@@ -6,6 +6,7 @@ use std::os::fd::AsFd;
 use std::time::Duration;
 
 use bus::{Payload, Root};
+use messages::admission::Admission;
 use messages::layout::Layout;
 use messages::{BatchHeader, Outgoing, PlatformState, SensorDetection, SensorTrack, Topic, Visitor, WideArea};
 
@@ -50,6 +51,9 @@ pub trait AnyPublisher: Debug + Send {
     /// # Errors
     /// The same; also if they are no whole number of samples.
     fn publish(&mut self, octets: &[u8]) -> Result<(), Error>;
+
+    /// As [`Publisher::limit_clock`].
+    fn limit_clock(&mut self, limit: Option<Duration>);
 
     /// As [`Publisher::sent`].
     fn sent(&self) -> u64;
@@ -112,7 +116,7 @@ impl Visitor for Publish<'_> {
 }
 
 impl Publish<'_> {
-    fn open<T: Outgoing>(&self) -> Result<Box<dyn AnyPublisher>, Error> {
+    fn open<T: Outgoing + Admission>(&self) -> Result<Box<dyn AnyPublisher>, Error> {
         let name = self.topic.split('/').nth(1).unwrap_or_default();
         debug_assert_eq!(T::topic(name).name.as_str(), self.topic);
         Ok(Box::new(Publisher::<T>::at(self.root, name)?))
@@ -152,7 +156,7 @@ impl<T: Payload> AnySlice for Slice<T> {
     }
 }
 
-impl<T: Outgoing> AnyPublisher for Publisher<T> {
+impl<T: Outgoing + Admission> AnyPublisher for Publisher<T> {
     fn publish(&mut self, octets: &[u8]) -> Result<(), Error> {
         let size = T::LAYOUT.size;
         let samples: Option<Vec<T>> = octets.chunks(size).map(T::of_octets).collect();
@@ -162,6 +166,10 @@ impl<T: Outgoing> AnyPublisher for Publisher<T> {
             size,
         })?;
         self.publish(&samples)
+    }
+
+    fn limit_clock(&mut self, limit: Option<Duration>) {
+        self.limit_clock(limit);
     }
 
     fn sent(&self) -> u64 {

@@ -1,8 +1,11 @@
 //! Errors, each with a kind for the program and a text with the remedy.
 
 use std::fmt;
+use std::io;
+use std::path::PathBuf;
 
 use bus::BusError;
+use messages::admission::Fault;
 use thiserror::Error;
 
 /// An operation on a deployment failed. `{:?}` shows the same sentence as `{}`, since it is what a `main` prints that
@@ -40,11 +43,41 @@ pub enum Error {
 
     /// The topic does not accept samples of user programs.
     #[error(
-        "topic {topic} is not fed from outside: sensor/NAME/tracks, wide-area/NAME/reports and platform/NAME/state are"
+        "topic {topic} is not fed from outside: sensor/NAME/tracks, sensor/NAME/detections, wide-area/NAME/reports and \
+         platform/NAME/state are"
     )]
     NotFed {
         /// The topic.
         topic: String,
+    },
+
+    /// Another process publishes on the topic.
+    #[error(
+        "topic {topic} has a publisher already, {by}: a source has one; end that process, or feed another external source"
+    )]
+    Fed {
+        /// The topic.
+        topic: String,
+        /// Who publishes.
+        by: String,
+    },
+
+    /// The right to publish could not be claimed.
+    #[error("cannot lock {}: {source}", path.display())]
+    Claim {
+        /// File of the lock.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+
+    /// A sample has a fault; none of the samples was published.
+    #[error("sample {index} is refused, and none was published: {fault}")]
+    Refused {
+        /// Place of the sample, from 0.
+        index: usize,
+        /// Field, value, limit and remedy.
+        fault: Box<Fault>,
     },
 
     /// Words are no order.
@@ -96,6 +129,8 @@ pub enum ErrorKind {
     Argument = 7,
     /// The system has refused something.
     System = 8,
+    /// Another process publishes on the topic: end it. 9 is the outcome of a wait in C.
+    Fed = 10,
 }
 
 impl Error {
@@ -104,15 +139,18 @@ impl Error {
         match self {
             Self::Ended { .. } => ErrorKind::Ended,
             Self::Schema { .. } | Self::Bus(BusError::Incompatible { .. }) => ErrorKind::Schema,
-            Self::TopicName { .. } | Self::NotFed { .. } | Self::Order { .. } | Self::Octets { .. } => {
-                ErrorKind::Argument
-            }
+            Self::TopicName { .. }
+            | Self::NotFed { .. }
+            | Self::Refused { .. }
+            | Self::Order { .. }
+            | Self::Octets { .. } => ErrorKind::Argument,
             Self::Bus(BusError::InstanceName { .. } | BusError::PathTooLong { .. }) => ErrorKind::Argument,
             Self::Bus(BusError::NotRunning { .. }) => ErrorKind::NotRunning,
             Self::Bus(BusError::NoSuchTopic { .. }) => ErrorKind::NoSuchTopic,
             Self::Bus(BusError::Full { .. }) => ErrorKind::Full,
             Self::Bus(BusError::Borrowed { .. }) => ErrorKind::Borrowed,
-            Self::Bus(_) => ErrorKind::System,
+            Self::Fed { .. } => ErrorKind::Fed,
+            Self::Claim { .. } | Self::Bus(_) => ErrorKind::System,
         }
     }
 }

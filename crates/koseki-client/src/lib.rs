@@ -26,6 +26,8 @@
 //!   older epoch are dropped, and counted.
 //! - When the deployment ends, or is replaced by another of the same name, that is an error ([`ErrorKind::Ended`]):
 //!   drop the subscription and open it again. Its memory can only be cleared when all have left it.
+//! - A source has one publisher. A second one is refused ([`ErrorKind::Fed`]); the successor of a killed one is
+//!   accepted at once. Samples with a fault, such as a time in seconds, are refused before they are published.
 //! - A publisher built from another version of the samples is an error, too ([`ErrorKind::Schema`]).
 //!
 //! Programs that choose topics at run time use [`by_name`], which is also the basis for other languages.
@@ -33,6 +35,7 @@
 #![forbid(unsafe_code)]
 
 pub mod by_name;
+mod claim;
 mod clock;
 mod connection;
 mod directory;

@@ -1,9 +1,13 @@
 //! Feeds a source, a sensor of a tracker, a wide-area sensor or a platform that the configuration calls `external`.
 
+use std::time::Duration;
+
 use bus::{Mark, Root};
+use messages::admission::{self, Admission, CLOCK_LIMIT_NS};
 use messages::{Outgoing, sensor_uid};
 
-use crate::clock::mono_ns;
+use crate::claim::Claim;
+use crate::clock::{mono_ns, utc_ns};
 use crate::connection::{Connection, Medium};
 use crate::error::Error;
 
@@ -12,15 +16,20 @@ use crate::error::Error;
 #[derive(Debug)]
 pub struct Publisher<T: Outgoing> {
     publisher: bus::Publisher<Medium, T>,
+    /// Largest distance of a sample's time from this machine's clock, nanoseconds.
+    clock_limit_ns: Option<i64>,
     // After the port.
     connection: Connection,
+    // After the port, so that a successor finds no living line.
+    _claim: Claim,
 }
 
-impl<T: Outgoing> Publisher<T> {
+impl<T: Outgoing + Admission> Publisher<T> {
     /// Publishes the samples of the source, sensor or platform called `name`, in the deployment called `instance`.
     ///
     /// # Errors
-    /// If the deployment does not run or has no such topic, was built from another version, or has no place left.
+    /// If the deployment does not run or has no such topic, was built from another version, or has no place left; also
+    /// [`Error::Fed`] if another process publishes the samples.
     pub fn open(instance: &str, name: &str) -> Result<Self, Error> {
         Self::at(&Root::new(instance)?, name)
     }
@@ -31,21 +40,41 @@ impl<T: Outgoing> Publisher<T> {
     /// As [`Publisher::open`].
     pub fn at(root: &Root, name: &str) -> Result<Self, Error> {
         let connection = Connection::open(root)?;
-        let publisher = connection.bus.publisher(&T::topic(name), mono_ns())?;
+        let (topic, incarnation) = (T::topic(name), mono_ns());
+        let claim = Claim::take(root, &connection, &topic, incarnation)?;
+        let publisher = connection.bus.publisher(&topic, incarnation)?;
         Ok(Self {
             publisher: publisher.of_sensor(sensor_uid(name)),
+            clock_limit_ns: Some(CLOCK_LIMIT_NS),
             connection,
+            _claim: claim,
         })
+    }
+
+    /// Sets the largest distance of a sample's time from this machine's clock, by default ten minutes; `None`: there is
+    /// no limit.
+    pub fn limit_clock(&mut self, limit: Option<Duration>) {
+        self.clock_limit_ns = limit.map(|limit| i64::try_from(limit.as_nanos()).unwrap_or(i64::MAX));
     }
 
     /// Publishes `samples`, in the order in which they are to be worked off. Sequence numbers and the times of arrival
     /// and of publishing are filled in.
     ///
     /// # Errors
-    /// If the deployment has ended, or the samples could not be sent.
+    /// [`Error::Refused`] if a sample has a fault ([`admission`]): then none of the samples is published. Also if the
+    /// deployment has ended, or the samples could not be sent.
     pub fn publish(&mut self, samples: &[T]) -> Result<(), Error> {
         if self.connection.has_ended()? {
             return Err(self.connection.ended());
+        }
+        let now_ns = utc_ns();
+        for (index, sample) in samples.iter().enumerate() {
+            if let Some(fault) = admission::fault(sample, now_ns, self.clock_limit_ns) {
+                return Err(Error::Refused {
+                    index,
+                    fault: Box::new(fault),
+                });
+            }
         }
         let sent_ns = mono_ns().cast_signed();
         let mark = Mark {

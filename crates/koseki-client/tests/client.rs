@@ -1,12 +1,12 @@
 //! A program of one's own beside a deployment, of which the test plays the processes.
 
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use bus::{Bus, Mark, Root, SharedMemory, TopicHold};
 use koseki_client::{BORROWED_MAX, ErrorKind, Publisher, Subscription, by_name};
 use messages::layout::Sample as _;
-use messages::{SensorTrack, SystemTrack};
+use messages::{Covariance, SensorTrack, SystemTrack};
 use tempfile::TempDir;
 
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -59,6 +59,17 @@ fn track(track_number: u32) -> SystemTrack {
     SystemTrack {
         track_number,
         ..SystemTrack::default()
+    }
+}
+
+/// A report that fusion could use.
+fn report(track_number: u32) -> SensorTrack {
+    let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap();
+    SensorTrack {
+        track_number,
+        time_of_measurement_ns: i64::try_from(since_1970.as_nanos()).unwrap(),
+        covariance: Covariance::diagonal([30.0; 3], [3.0; 3]),
+        ..SensorTrack::default()
     }
 }
 
@@ -164,7 +175,7 @@ fn the_end_of_a_deployment_is_told_after_its_last_slice() {
     drop(deployment);
     assert_eq!(numbers(&mut subscription), [9]);
     assert_eq!(subscription.next(PATIENCE).unwrap_err().kind(), ErrorKind::Ended);
-    let refused = std::iter::repeat_with(|| publisher.publish(&[SensorTrack::default()])).find_map(Result::err);
+    let refused = std::iter::repeat_with(|| publisher.publish(&[report(1)])).find_map(Result::err);
     assert_eq!(refused.unwrap().kind(), ErrorKind::Ended);
 }
 
@@ -184,10 +195,7 @@ fn what_is_published_by_name_is_read_with_its_numbers_and_stamps() {
     let topic = "sensor/own/tracks";
     let mut subscription = by_name::subscribe(&deployment.root, topic).unwrap();
     let mut publisher = by_name::publisher(&deployment.root, topic).unwrap();
-    let tracks = [1, 2].map(|track_number| SensorTrack {
-        track_number,
-        ..SensorTrack::default()
-    });
+    let tracks = [1, 2].map(report);
     let octets = SensorTrack::octets(&tracks);
     publisher.publish(octets).unwrap();
     publisher.publish(octets).unwrap();
@@ -201,4 +209,74 @@ fn what_is_published_by_name_is_read_with_its_numbers_and_stamps() {
     assert_eq!((read.track_number, read.sequence), (2, 3));
     assert!(read.stages.ingested_ns > 0 && read.stages.published_ns >= read.stages.ingested_ns);
     assert_eq!(slice.header().sensor_uid, messages::sensor_uid("own"));
+}
+
+#[test]
+fn a_sample_with_a_fault_is_refused_by_name_and_none_of_its_send_is_published() {
+    let deployment = Deployment::new();
+    let topic = messages::sensor_tracks("own");
+    let mut subscription = Subscription::at(&deployment.root, &topic).unwrap();
+    let mut publisher = Publisher::<SensorTrack>::at(&deployment.root, "own").unwrap();
+    let mut in_seconds = report(2);
+    in_seconds.time_of_measurement_ns /= 1_000_000_000;
+    let refused = publisher.publish(&[report(1), in_seconds]).unwrap_err();
+    assert_eq!(refused.kind(), ErrorKind::Argument);
+    let text = refused.to_string();
+    assert!(
+        text.starts_with("sample 1 is refused, and none was published: time_of_measurement_ns is "),
+        "{text}"
+    );
+    assert!(
+        text.ends_with("the number is in seconds; multiply it by 1000000000"),
+        "{text}"
+    );
+    assert_eq!(publisher.sent(), 0);
+    assert!(subscription.next(Duration::ZERO).unwrap().is_none());
+    publisher.publish(&[report(3)]).unwrap();
+    assert_eq!(subscription.next(PATIENCE).unwrap().unwrap()[0].track_number, 3);
+}
+
+#[test]
+fn the_limit_of_the_clock_can_be_changed() {
+    let deployment = Deployment::new();
+    let mut publisher = Publisher::<SensorTrack>::at(&deployment.root, "own").unwrap();
+    let mut old = report(1);
+    old.time_of_measurement_ns -= 3_600_000_000_000;
+    let refused = publisher.publish(&[old]).unwrap_err().to_string();
+    assert!(
+        refused.contains("within 600 s") && refused.contains("3600 s behind"),
+        "{refused}"
+    );
+    publisher.limit_clock(Some(Duration::from_secs(7200)));
+    publisher.publish(&[old]).unwrap();
+    publisher.limit_clock(None);
+    old.time_of_measurement_ns = 1;
+    publisher.publish(&[old]).unwrap();
+}
+
+#[test]
+fn a_source_has_one_publisher_and_its_successor_is_accepted() {
+    let deployment = Deployment::new();
+    let open = || Publisher::<SensorTrack>::at(&deployment.root, "own");
+    let mut first = open().unwrap();
+    first.publish(&[report(1)]).unwrap();
+    let refused = open().unwrap_err();
+    assert_eq!(refused.kind(), ErrorKind::Fed);
+    let text = refused.to_string();
+    assert!(
+        text.contains("sensor/own/tracks") && text.contains(&std::process::id().to_string()),
+        "{text}"
+    );
+    drop(first);
+    open().unwrap().publish(&[report(2)]).unwrap();
+}
+
+#[test]
+fn an_adapter_of_the_source_is_a_publisher_too() {
+    let deployment = Deployment::new();
+    let adapter = deployment.bus.publisher(&messages::sensor_tracks("own"), 1).unwrap();
+    let open = || Publisher::<SensorTrack>::at(&deployment.root, "own");
+    assert_eq!(open().unwrap_err().kind(), ErrorKind::Fed);
+    drop(adapter);
+    open().unwrap();
 }

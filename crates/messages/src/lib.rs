@@ -14,6 +14,7 @@
 
 #![forbid(unsafe_op_in_unsafe_fn)]
 
+pub mod admission;
 mod alarm;
 mod atmosphere;
 mod batch;

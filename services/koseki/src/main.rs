@@ -21,6 +21,7 @@ mod config;
 mod decode;
 mod doctor;
 mod encode;
+mod feed;
 mod generate;
 mod instances;
 mod link;
@@ -131,6 +132,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Recording(args::RecordingCommand::Export(export)) => recording_export::run(&export),
         Command::Replay(replay) => replay::run(&replay),
         Command::Tap(tap) => tap::run(&tap),
+        Command::Feed(feed) => feed::run(&feed),
         Command::Order(order) => order::run(&order),
         Command::Condition(condition) => order::condition(&condition),
         Command::Decode(decode) => decode::run(&decode),

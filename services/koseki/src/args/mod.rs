@@ -5,6 +5,7 @@ mod bench;
 mod bench_tracker;
 mod decode;
 mod encode;
+mod feed;
 mod order;
 mod recording;
 mod replay;
@@ -31,6 +32,8 @@ use decode::DECODE_EXAMPLES;
 pub(crate) use decode::DecodeArgs;
 use encode::ENCODE_EXAMPLES;
 pub(crate) use encode::EncodeArgs;
+use feed::FEED_EXAMPLES;
+pub(crate) use feed::Feed;
 pub(crate) use order::GiveOrder;
 use recording::RECORDING_EXAMPLES;
 pub(crate) use recording::{
@@ -118,6 +121,9 @@ pub(crate) enum Command {
     /// Write the samples of a topic as lines of text, or serve the lines at a socket
     #[command(after_help = TAP_EXAMPLES)]
     Tap(Tap),
+    /// Publish lines of JSON as the samples of external sources
+    #[command(after_help = FEED_EXAMPLES)]
+    Feed(Feed),
     /// Summarise, cut, merge or export a recording of all topics
     #[command(after_help = RECORDING_EXAMPLES, subcommand)]
     Recording(RecordingCommand),

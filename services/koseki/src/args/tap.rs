@@ -139,7 +139,7 @@ fn served(text: &str) -> Result<TapSocket, String> {
     }
 }
 
-fn mode(text: &str) -> Result<u32, String> {
+pub(super) fn mode(text: &str) -> Result<u32, String> {
     let mode = u32::from_str_radix(text, 8).ok().filter(|mode| *mode <= 0o777);
     mode.ok_or_else(|| format!("\"{text}\" is no mode: three octal digits, as in 660"))
 }

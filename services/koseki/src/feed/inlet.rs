@@ -1,0 +1,315 @@
+//! The fed sources of a deployment, and what their lines become.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use bus::Root;
+use deployment::Input;
+use frames::SystemFrame;
+use koseki_client::{Error, ErrorKind, Publisher};
+use messages::admission::{self, Admission, Fault};
+use messages::{Outgoing, SensorDetection, SensorTrack};
+
+use super::fields::{Fields, fault, missing};
+use super::samples;
+use crate::config::Config;
+
+/// Most samples that are collected before they are published.
+const GATHERED_MAX: usize = 64;
+
+/// A source that is fed from outside.
+struct Inlet {
+    name: String,
+    /// Name in the topic.
+    of_topic: String,
+    kind: InletKind,
+    port: Port,
+}
+
+/// What the lines of a source are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum InletKind {
+    Tracks,
+    /// Detections; whether the configuration has standard deviations for those without their own.
+    Detections {
+        has_sigmas: bool,
+    },
+}
+
+/// Publisher of a source, from its first line on, with the samples to be published.
+enum Port {
+    Closed,
+    Tracks(Publisher<SensorTrack>, Vec<SensorTrack>),
+    Detections(Publisher<SensorDetection>, Vec<SensorDetection>, Scans),
+}
+
+/// Numbers of scans that lines do not state: lines with one time are one scan.
+#[derive(Debug, Default)]
+struct Scans {
+    number: u32,
+    detections: u32,
+    time_ns: i64,
+}
+
+impl Scans {
+    fn number(&mut self, detection: &mut SensorDetection, is_stated: bool) {
+        let is_same = match is_stated {
+            true => detection.scan == self.number,
+            false => detection.time_of_measurement_ns == self.time_ns,
+        };
+        if !is_same {
+            self.number = if is_stated {
+                detection.scan
+            } else {
+                self.number.wrapping_add(1)
+            };
+            self.detections = 0;
+        }
+        self.time_ns = detection.time_of_measurement_ns;
+        self.detections += 1;
+        (detection.scan, detection.detection_id) = (self.number, self.detections);
+    }
+}
+
+/// All sources of a deployment that are fed from outside.
+pub(super) struct Inlets {
+    root: Root,
+    frame: SystemFrame,
+    inlets: Vec<Inlet>,
+    /// Source of lines that name none.
+    usual: Option<usize>,
+    clock_limit: Option<Duration>,
+    pub(super) published: u64,
+    /// Refused lines by field.
+    pub(super) refused: BTreeMap<String, u64>,
+}
+
+impl Inlets {
+    /// The sources of the configuration of a running deployment.
+    pub(super) fn of(root: &Root, config: &Config, clock_limit: Option<Duration>) -> Self {
+        let mut inlets = Vec::new();
+        let mut add = |name: &str, of_topic: &str, kind| {
+            inlets.push(Inlet {
+                name: name.to_owned(),
+                of_topic: of_topic.to_owned(),
+                kind,
+                port: Port::Closed,
+            });
+        };
+        for (source, processing) in config.sources.iter().zip(&config.processing) {
+            if matches!(source.input, Input::External) {
+                add(&source.name, &source.name, InletKind::Tracks);
+            }
+            let sensors = config.sensors_of(source);
+            let facts = processing.tracker().map(|tracker| &tracker.settings.sensors);
+            for (place, sensor) in sensors.iter().enumerate() {
+                if !matches!(sensor.input, Input::External) || sensor.takes_orders {
+                    continue;
+                }
+                let has_sigmas = facts.is_some_and(|facts| facts[place].sigmas.is_some());
+                let kind = InletKind::Detections { has_sigmas };
+                // The sensor of a source in the short form is known by the source's name.
+                let name = sensor.name.strip_suffix(".input").filter(|_| sensors.len() == 1);
+                add(name.unwrap_or(&sensor.name), &sensor.name, kind);
+            }
+        }
+        Self {
+            root: root.clone(),
+            frame: config.frame,
+            inlets,
+            usual: None,
+            clock_limit,
+            published: 0,
+            refused: BTreeMap::new(),
+        }
+    }
+
+    /// Names of the sources, for messages.
+    fn names(&self) -> String {
+        let names: Vec<&str> = self.inlets.iter().map(|inlet| inlet.name.as_str()).collect();
+        match names.is_empty() {
+            true => "none: declare one by [source.external]".to_owned(),
+            false => names.join(", "),
+        }
+    }
+
+    /// Makes the source called `name` that of lines that name none, and opens its topic.
+    ///
+    /// # Errors
+    /// If no source of this name is fed from outside, or its topic cannot be opened.
+    pub(super) fn choose(&mut self, name: Option<&str>) -> anyhow::Result<()> {
+        let place = match name {
+            Some(name) => self
+                .place(name)
+                .map_err(|fault| offline::Usage(format!("--source {name}: {}; {}", fault.limit, fault.remedy)))?,
+            // One source needs no name.
+            None if self.inlets.len() == 1 => 0,
+            None if self.inlets.is_empty() => {
+                return Err(
+                    offline::Usage(format!("no source is fed from outside; there are: {}", self.names())).into(),
+                );
+            }
+            None => return Ok(()),
+        };
+        self.usual = Some(place);
+        Ok(self.open(place)?)
+    }
+
+    fn place(&self, name: &str) -> Result<usize, Fault> {
+        let place = self.inlets.iter().position(|inlet| inlet.name == name);
+        place.ok_or_else(|| {
+            let remedy = format!("sources that are fed from outside: {}", self.names());
+            fault("source", name, "is no source that is fed from outside", remedy)
+        })
+    }
+
+    fn open(&mut self, place: usize) -> Result<(), Error> {
+        let inlet = &mut self.inlets[place];
+        if !matches!(inlet.port, Port::Closed) {
+            return Ok(());
+        }
+        let name = &inlet.of_topic;
+        // Lines are checked here one by one, with the same limit.
+        inlet.port = match inlet.kind {
+            InletKind::Tracks => Port::Tracks(unlimited(Publisher::at(&self.root, name)?), Vec::new()),
+            InletKind::Detections { .. } => Port::Detections(
+                unlimited(Publisher::at(&self.root, name)?),
+                Vec::new(),
+                Scans::default(),
+            ),
+        };
+        Ok(())
+    }
+
+    /// Takes a line that came at `received_ns` (UTC), to be [flushed](Self::flush). Returns the fault of a refused
+    /// line.
+    ///
+    /// # Errors
+    /// If the deployment has ended, or shared memory fails.
+    pub(super) fn take(&mut self, line: &[u8], received_ns: i64) -> Result<Option<Fault>, Error> {
+        let refused = match self.try_take(line, received_ns) {
+            Ok(is_full) => {
+                if is_full {
+                    self.flush()?;
+                }
+                return Ok(None);
+            }
+            Err(Refusal::Ended(error)) => return Err(error),
+            Err(Refusal::Fault(fault)) => fault,
+        };
+        *self.refused.entry(refused.field.clone()).or_default() += 1;
+        Ok(Some(*refused))
+    }
+
+    /// Returns whether samples are to be flushed.
+    fn try_take(&mut self, line: &[u8], received_ns: i64) -> Result<bool, Refusal> {
+        let mut fields = Fields::of_line(line)?;
+        let place = match (fields.text("source")?, self.usual) {
+            (Some(name), _) => self.place(&name)?,
+            (None, Some(place)) => place,
+            (None, None) => return Err(missing("source", &format!("name one of {}", self.names())).into()),
+        };
+        self.open(place).map_err(|error| match error.kind() {
+            ErrorKind::Ended | ErrorKind::NotRunning => Refusal::Ended(error),
+            _ => fault(
+                "source",
+                &self.inlets[place].name,
+                &error.to_string(),
+                "try again later",
+            )
+            .into(),
+        })?;
+        let limit_ns = self
+            .clock_limit
+            .map_or(admission::CLOCK_LIMIT_NS, |limit| limit.as_nanos() as i64);
+        let checked = |fault: Option<Fault>| fault.map_or(Ok(()), Err);
+        let inlet = &mut self.inlets[place];
+        let gathered = match (&mut inlet.port, inlet.kind) {
+            (Port::Tracks(_, waiting), _) => {
+                let track = samples::track(fields, &self.frame, received_ns)?;
+                checked(admission::fault(&track, received_ns, Some(limit_ns)))?;
+                waiting.push(track);
+                waiting.len()
+            }
+            (Port::Detections(_, waiting, scans), InletKind::Detections { has_sigmas }) => {
+                let (mut detection, has_scan) = samples::detection(fields, &self.frame, received_ns, has_sigmas)?;
+                checked(admission::fault(&detection, received_ns, Some(limit_ns)))?;
+                scans.number(&mut detection, has_scan);
+                waiting.push(detection);
+                waiting.len()
+            }
+            _ => 0,
+        };
+        Ok(gathered >= GATHERED_MAX)
+    }
+
+    /// Publishes what lines have given.
+    ///
+    /// # Errors
+    /// If the deployment has ended, or shared memory fails.
+    pub(super) fn flush(&mut self) -> Result<(), Error> {
+        for inlet in &mut self.inlets {
+            self.published += match &mut inlet.port {
+                Port::Closed => 0,
+                Port::Tracks(publisher, waiting) => publish(publisher, waiting)?,
+                Port::Detections(publisher, waiting, _) => publish(publisher, waiting)?,
+            };
+        }
+        Ok(())
+    }
+}
+
+fn unlimited<T: Outgoing + Admission>(mut publisher: Publisher<T>) -> Publisher<T> {
+    publisher.limit_clock(None);
+    publisher
+}
+
+fn publish<T: Outgoing + Admission>(publisher: &mut Publisher<T>, waiting: &mut Vec<T>) -> Result<u64, Error> {
+    if waiting.is_empty() {
+        return Ok(0);
+    }
+    publisher.publish(waiting)?;
+    let count = waiting.len() as u64;
+    waiting.clear();
+    Ok(count)
+}
+
+/// Why a line was not taken.
+enum Refusal {
+    Fault(Box<Fault>),
+    /// Nothing more can be fed.
+    Ended(Error),
+}
+
+impl From<Fault> for Refusal {
+    fn from(fault: Fault) -> Self {
+        Self::Fault(Box::new(fault))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_with_one_time_are_one_scan_and_stated_scans_stay() {
+        let mut scans = Scans::default();
+        let mut numbered = |time_ns: i64, stated: Option<u32>| {
+            let mut detection = SensorDetection {
+                time_of_measurement_ns: time_ns,
+                scan: stated.unwrap_or_default(),
+                ..SensorDetection::default()
+            };
+            scans.number(&mut detection, stated.is_some());
+            (detection.scan, detection.detection_id)
+        };
+        assert_eq!(
+            [numbered(10, None), numbered(10, None), numbered(20, None)],
+            [(1, 1), (1, 2), (2, 1)]
+        );
+        assert_eq!(
+            [numbered(30, Some(77)), numbered(31, Some(77)), numbered(40, None)],
+            [(77, 1), (77, 2), (78, 1)]
+        );
+    }
+}

@@ -1,0 +1,214 @@
+use super::*;
+
+const NOW_NS: i64 = 1_800_000_000_123_456_789;
+
+fn frame() -> SystemFrame {
+    SystemFrame::at(Geodetic::from_degrees(41.0, 2.0, 0.0).unwrap())
+}
+
+fn fields(line: &str) -> Result<Fields, Fault> {
+    Fields::of_line(line.as_bytes())
+}
+
+fn detected(line: &str) -> Result<(SensorDetection, bool), Fault> {
+    detection(fields(line)?, &frame(), NOW_NS, false)
+}
+
+fn tracked(line: &str) -> Result<SensorTrack, Fault> {
+    track(fields(line)?, &frame(), NOW_NS)
+}
+
+#[test]
+fn degrees_become_metres_of_the_frame() {
+    let (found, has_scan) =
+        detected(r#"{"latitude": 41.5, "longitude": 2.5, "height_m": 900, "sigma_m": 20}"#).unwrap();
+    let place = frame().to_geodetic(found.values);
+    for (value, expected) in [(place.latitude_deg(), 41.5), (place.longitude_deg(), 2.5)] {
+        assert!((value - expected).abs() < 1e-9, "{value} {expected}");
+    }
+    assert!((place.height_m() - 900.0).abs() < 1e-3);
+    assert_eq!(found.kind, DetectionKind::Position3 as u8);
+    assert_eq!(
+        (found.sigmas, found.time_of_measurement_ns, has_scan),
+        ([20.0, 20.0, 20.0, 0.0], NOW_NS, false)
+    );
+    let (flat, _) = detected(r#"{"latitude": 41.5, "longitude": 2.5, "sigma_m": 20, "scan": 7}"#).unwrap();
+    assert_eq!(
+        (flat.kind, flat.values[2], flat.scan),
+        (DetectionKind::Position2 as u8, 0.0, 7)
+    );
+}
+
+#[test]
+fn bearings_need_a_sensor_and_may_be_degrees_or_radians() {
+    let sensor = r#""sensor_latitude": 41.0, "sensor_longitude": 2.0, "sensor_height_m": 0"#;
+    let (found, _) = detected(&format!(r#"{{"bearing_deg": 90, "bearing_sigma_deg": 0.5, {sensor}}}"#)).unwrap();
+    assert_eq!(
+        (found.kind, found.values[0]),
+        (DetectionKind::Bearing as u8, std::f64::consts::FRAC_PI_2)
+    );
+    assert!((found.sigmas[0] - 0.5_f64.to_radians()).abs() < 1e-15 && found.platform_m[0].abs() < 1e-6);
+    let line =
+        format!(r#"{{"range_m": 900, "range_sigma_m": 5, "bearing_rad": 1, "bearing_sigma_rad": 0.01, {sensor}}}"#);
+    let (found, _) = detected(&line).unwrap();
+    assert_eq!(
+        (found.kind, found.values),
+        (DetectionKind::RangeBearing as u8, [900.0, 1.0, 0.0])
+    );
+    assert_eq!(
+        detected(r#"{"bearing_deg": 90, "bearing_sigma_deg": 1}"#)
+            .unwrap_err()
+            .field,
+        "sensor_latitude"
+    );
+}
+
+#[test]
+fn times_are_text_seconds_or_nanoseconds() {
+    let time_of = |time: &str| {
+        let line = format!(r#"{{{time}, "position_m": [1, 2], "sigma_m": 5}}"#);
+        detected(&line).map(|(found, _)| found.time_of_measurement_ns)
+    };
+    assert_eq!(time_of(r#""time": "1970-01-01T00:00:01.5Z""#).unwrap(), 1_500_000_000);
+    assert_eq!(
+        time_of(r#""time_s": 1800000000.25"#).unwrap(),
+        1_800_000_000_250_000_000
+    );
+    assert_eq!(
+        time_of(r#""time_ns": 1800000000123456789"#).unwrap(),
+        1_800_000_000_123_456_789
+    );
+    for wrong in [
+        r#""time": 1800000000"#,
+        r#""time": "noon""#,
+        r#""time_s": 1.8e18"#,
+        r#""time_ns": 1.5"#,
+    ] {
+        assert!(time_of(wrong).unwrap_err().field.starts_with("time"), "{wrong}");
+    }
+}
+
+#[test]
+fn a_course_is_from_true_north_at_the_target() {
+    // 3 degrees of longitude east of the origin, true north is 2 degrees west of the frame's north.
+    let line = r#"{"track": 1, "latitude": 41, "longitude": 5, "height_m": 0, "sigma_m": 30, "speed_mps": 100,
+        "course_deg": 0, "climb_mps": 0, "velocity_sigma_mps": 3}"#;
+    let found = tracked(line).unwrap();
+    let later = [0, 1, 2].map(|axis| found.position_m[axis] + found.velocity_mps[axis]);
+    let (begin, end) = (frame().to_geodetic(found.position_m), frame().to_geodetic(later));
+    assert!((end.longitude_deg() - begin.longitude_deg()).abs() < 1e-9);
+    assert!(end.latitude_deg() > begin.latitude_deg() && (end.height_m() - begin.height_m()).abs() < 0.01);
+    let speed = found.velocity_mps.iter().map(|part| part * part).sum::<f64>().sqrt();
+    assert!((speed - 100.0).abs() < 1e-6);
+    assert!(found.velocity_mps[0].atan2(found.velocity_mps[1]).to_degrees() < -1.5);
+    assert!(found.valid & sensor_track_bits::VERTICAL_RATE != 0);
+}
+
+#[test]
+fn identities_are_read() {
+    let line = r#"{"track": 1, "position_m": [1, 2, 3], "sigma_m": 30, "address": "3C6589", "callsign": "DLH1", "mode_3a": "7000"}"#;
+    let found = tracked(line).unwrap();
+    assert_eq!(found.identity.address(), Some(0x3c_6589));
+    assert_eq!(
+        (found.identity.callsign(), found.identity.mode_3a()),
+        (Some("DLH1"), Some(0o7000))
+    );
+    assert_eq!(found.covariance, Covariance::diagonal([30.0; 3], [0.0; 3]));
+}
+
+#[test]
+fn each_mistake_is_named_by_field_and_remedy() {
+    let mistakes = [
+        ("41.3, 2.1", "line", "must be JSON"),
+        ("[1, 2]", "line", "must be a JSON object"),
+        (
+            r#"{"latitude": 91, "longitude": 2, "sigma_m": 5}"#,
+            "latitude",
+            "exchanged",
+        ),
+        (
+            r#"{"latitude": 45000, "longitude": 2000, "sigma_m": 5}"#,
+            "latitude",
+            "position_m",
+        ),
+        (
+            r#"{"latitude": 41, "longitude": 190, "sigma_m": 5}"#,
+            "longitude",
+            "from -180 to 180",
+        ),
+        (r#"{"latitude": 41, "sigma_m": 5}"#, "longitude", "both"),
+        (
+            r#"{"latitude": "41", "longitude": 2, "sigma_m": 5}"#,
+            "latitude",
+            "quotation",
+        ),
+        (
+            r#"{"latitude": 41, "longitude": 2, "height_m": 1e6, "sigma_m": 5}"#,
+            "height_m",
+            "metres",
+        ),
+        (r#"{"latitude": 41, "longitude": 2}"#, "sigma_m", "sigmas"),
+        (
+            r#"{"latitude": 41, "longitude": 2, "sigma_m": 0}"#,
+            "sigma_m",
+            "above 0",
+        ),
+        (
+            r#"{"latitude": 41, "longitude": 2, "sigma_m": 5, "position_m": [1, 2]}"#,
+            "position_m",
+            "beside",
+        ),
+        (r#"{"latitude": 41, "longtude": 2, "sigma_m": 5}"#, "longitude", "both"),
+        (
+            r#"{"latitude": 41, "longitude": 2, "sigma_m": 5, "heigth_m": 3}"#,
+            "heigth_m",
+            "did you mean height_m?",
+        ),
+        (r#"{"bearing_deg": 400}"#, "bearing_deg", "360"),
+        (r#"{}"#, "latitude", "bearing_deg"),
+        (r#"{"position_m": [1], "sigma_m": 5}"#, "position_m", "array of 2 to 3"),
+        (
+            r#"{"position_m": [1, 2], "sigma_m": 5, "address": "XYZ"}"#,
+            "address",
+            "hexadecimal",
+        ),
+        (
+            r#"{"position_m": [1, 2], "sigma_m": 5, "scan": -1}"#,
+            "scan",
+            "whole number",
+        ),
+        (
+            r#"{"position_m": [1, 2], "sigma_m": 5, "range_rate_mps": 3}"#,
+            "range_rate_sigma_mps",
+            "all standard",
+        ),
+    ];
+    for (line, field, text) in mistakes {
+        let found = detected(line).map(|(sample, _)| sample.values).unwrap_err();
+        assert_eq!(found.field, field, "{line}: {found}");
+        assert!(found.to_string().contains(text), "{line}: {found}");
+    }
+    for (line, field) in [
+        (r#"{"position_m": [1, 2], "sigma_m": 5}"#, "track"),
+        (r#"{"track": 1, "sigma_m": 5}"#, "latitude"),
+        (r#"{"track": 1, "position_m": [1, 2]}"#, "sigma_m"),
+        (
+            r#"{"track": 1, "position_m": [1, 2], "sigma_m": 5, "speed_mps": 5}"#,
+            "course_deg",
+        ),
+        (
+            r#"{"track": 1, "position_m": [1, 2], "sigma_m": 5, "velocity_mps": [5, 5]}"#,
+            "velocity_sigma_mps",
+        ),
+        (
+            r#"{"track": 1, "position_m": [1, 2], "sigma_m": 5, "state": "new"}"#,
+            "state",
+        ),
+        (
+            r#"{"track": 1, "position_m": [1, 2], "sigma_m": 5, "bearing_deg": 5}"#,
+            "bearing_deg",
+        ),
+    ] {
+        assert_eq!(tracked(line).unwrap_err().field, field, "{line}");
+    }
+}

@@ -1,0 +1,251 @@
+//! Lines of JSON, in degrees, to fused tracks: `koseki feed`.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::io::{BufRead as _, BufReader, Write as _};
+use std::net::{SocketAddr, TcpStream, UdpSocket};
+use std::process::Stdio;
+use std::time::Duration;
+
+use bus::{Bus, SharedMemory, Subscriber};
+use messages::{SystemTrack, TrackState};
+use runtime::clock::mono_ns;
+use rustix::process::Signal;
+
+use crate::common::{Home, PLACE, Running, free_address, kill, until, utc_ns};
+
+/// Time between two scans, and most scans of a test.
+const STEP: Duration = Duration::from_millis(200);
+const STEPS_MAX: usize = 1500;
+const TARGETS: usize = 3;
+
+/// A deployment with a source of detections, and one of tracks.
+fn site(home: &Home) -> Running {
+    let [latitude, longitude] = PLACE;
+    let text = format!(
+        "name = \"t\"\n[frame]\nlatitude_deg = {latitude}\nlongitude_deg = {longitude}\n[[source]]\nname = \"own\"\n\
+         period_s = 0.2\n[source.external]\ninput = \"detections\"\n[[source]]\nname = \"tracks\"\n[source.external]\n\
+         [recorder]\nenabled = false\n[display]\nlisten = \"off\"\n"
+    );
+    fs::write(home.path("site.toml"), text).unwrap();
+    let running = home.start(&["up", "site.toml", "--instance", "test", "--out", "out"]);
+    running.until_said("instance test runs");
+    until("the tracker runs", || home.status_row("own").state == "running");
+    running
+}
+
+/// The lines of a scan: targets 3 km apart that fly east.
+fn scan(step: usize) -> String {
+    let time_ns = utc_ns();
+    let line = |target: usize| {
+        let latitude = PLACE[0] + 0.1 + 0.027 * target as f64;
+        let longitude = PLACE[1] + 0.0002 * step as f64;
+        // Errors of some metres that have no mean.
+        let error = 3e-5 * (((step * 7 + target * 3) % 5) as f64 - 2.0);
+        let latitude = latitude + error;
+        format!("{{\"time_ns\": {time_ns}, \"latitude\": {latitude}, \"longitude\": {longitude}, \"sigma_m\": 10}}\n")
+    };
+    (0..TARGETS).map(line).collect()
+}
+
+/// The system tracks that are confirmed.
+struct Picture {
+    tracks: Subscriber<SharedMemory, SystemTrack>,
+    confirmed: BTreeSet<u32>,
+    _bus: Bus<SharedMemory>,
+}
+
+impl Picture {
+    fn of(home: &Home) -> Self {
+        let bus = Bus::<SharedMemory>::open(&home.root("test"), "picture").unwrap();
+        Self {
+            tracks: bus.subscriber(&messages::system_tracks(), || mono_ns() as u64).unwrap(),
+            confirmed: BTreeSet::new(),
+            _bus: bus,
+        }
+    }
+
+    fn look(&mut self) {
+        let confirmed = &mut self.confirmed;
+        let is_confirmed = |track: &&SystemTrack| track.state == TrackState::Confirmed as u8;
+        self.tracks
+            .take(usize::MAX, |_, tracks| {
+                confirmed.extend(tracks.iter().filter(is_confirmed).map(|track| track.track_number));
+            })
+            .unwrap();
+    }
+}
+
+/// Sends scans until there are confirmed tracks of all targets; returns how many steps there were.
+fn feed_until_confirmed(home: &Home, begin: usize, mut send: impl FnMut(&str)) -> usize {
+    let mut picture = Picture::of(home);
+    for step in begin..begin + STEPS_MAX {
+        send(&scan(step));
+        std::thread::sleep(STEP);
+        picture.look();
+        if picture.confirmed.len() >= TARGETS {
+            assert_eq!(picture.confirmed.len(), TARGETS, "{:?}", picture.confirmed);
+            return step + 1;
+        }
+    }
+    panic!("no tracks: {:?}", picture.confirmed);
+}
+
+fn connect(to: SocketAddr) -> TcpStream {
+    let mut connected = None;
+    until("it listens", || {
+        connected = TcpStream::connect(to).ok();
+        connected.is_some()
+    });
+    connected.unwrap()
+}
+
+#[test]
+fn detections_in_degrees_become_tracks_through_a_killed_feed_and_a_second_feed_is_refused() {
+    let home = Home::new();
+    let running = site(&home);
+    let address = free_address();
+    let text = address.to_string();
+    let arguments = [
+        "feed",
+        "--instance",
+        "test",
+        "--source",
+        "own",
+        "--tcp",
+        &text,
+        "--json",
+    ];
+    let first = home.start(&arguments);
+    let mut stream = connect(address);
+    let mut answers = BufReader::new(stream.try_clone().unwrap());
+    let steps = feed_until_confirmed(&home, 0, |lines| stream.write_all(lines.as_bytes()).unwrap());
+    stream
+        .write_all(b"{\"latitude\": 91, \"longitude\": 2, \"sigma_m\": 10}\n")
+        .unwrap();
+    let mut answer = String::new();
+    answers.read_line(&mut answer).unwrap();
+    let answer: serde_json::Value = serde_json::from_str(&answer).unwrap();
+    assert_eq!(
+        (answer["line"].as_u64(), answer["field"].as_str()),
+        (Some((steps * TARGETS) as u64 + 1), Some("latitude"))
+    );
+    assert!(answer["remedy"].as_str().unwrap().contains("exchanged"), "{answer}");
+    // A source has one publisher.
+    let other = free_address().to_string();
+    let second = home.run(&["feed", "--instance", "test", "--source", "own", "--tcp", &other]);
+    let said = String::from_utf8(second.stderr).unwrap();
+    assert_eq!(second.status.code(), Some(1), "{said}");
+    assert!(
+        said.contains("has a publisher already") && said.contains(&first.pid().to_string()),
+        "{said}"
+    );
+    // The successor of a killed one is accepted at once: without a pause and a second attempt.
+    kill(first.pid(), Signal::KILL);
+    first.end();
+    drop((stream, answers));
+    let other = free_address();
+    let third = home.start(&[
+        "feed",
+        "--instance",
+        "test",
+        "--source",
+        "own",
+        "--tcp",
+        &other.to_string(),
+        "--json",
+    ]);
+    let mut stream = connect(other);
+    feed_until_confirmed(&home, steps, |lines| stream.write_all(lines.as_bytes()).unwrap());
+    drop(stream);
+    let (status, said) = third.stop();
+    assert_eq!(status.code(), Some(0), "{said}");
+    running.stop();
+    home.assert_nothing_is_left("test");
+}
+
+#[test]
+fn datagrams_and_standard_input_feed_too_and_refusals_are_counted_by_field() {
+    let home = Home::new();
+    let running = site(&home);
+    let address = free_address().to_string();
+    let feed = home.start(&["feed", "--instance", "test", "--udp", &address, "--json"]);
+    feed.until_said("listening at");
+    let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
+    let lines = |lines: &str| {
+        let named: Vec<String> = lines
+            .lines()
+            .map(|line| line.replacen('{', "{\"source\": \"own\", ", 1))
+            .collect();
+        named.join("\n")
+    };
+    feed_until_confirmed(&home, 0, |text| {
+        socket.send_to(lines(text).as_bytes(), &address).unwrap();
+    });
+    // By standard input, to another source beside it; a line is answered there.
+    let mut command = home.command(&["feed", "--instance", "test", "--source", "tracks", "--json"]);
+    let mut child = command
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut input = child.stdin.take().unwrap();
+    let good = "{\"track\": 1, \"latitude\": 41.5, \"longitude\": 2.1, \"sigma_m\": 30}";
+    let in_seconds = format!(
+        "{{\"track\": 1, \"latitude\": 41.5, \"longitude\": 2.1, \"sigma_m\": 30, \"time_ns\": {}}}",
+        utc_ns() / 1_000_000_000
+    );
+    write!(input, "{good}\n{in_seconds}\n\n{good}\nnonsense\n").unwrap();
+    drop(input);
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let text = String::from_utf8(output.stdout).unwrap();
+    let said: Vec<serde_json::Value> = text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(
+        (said[0]["line"].as_u64(), said[0]["field"].as_str()),
+        (Some(2), Some("time_of_measurement_ns"))
+    );
+    assert!(
+        said[0]["remedy"]
+            .as_str()
+            .unwrap()
+            .contains("in seconds; multiply it by 1000000000"),
+        "{text}"
+    );
+    assert_eq!(
+        (said[1]["line"].as_u64(), said[1]["field"].as_str()),
+        (Some(5), Some("line"))
+    );
+    assert_eq!(
+        (said[2]["published"].as_u64(), said[2]["refused"].as_u64()),
+        (Some(2), Some(2))
+    );
+    for wrong in ["{\"source\": \"own\"}", "{\"source\": \"nobody\"}"] {
+        socket.send_to(wrong.as_bytes(), &address).unwrap();
+    }
+    socket.send_to(lines(&scan(0)).as_bytes(), &address).unwrap();
+    std::thread::sleep(STEP);
+    let (status, said) = feed.stop();
+    assert_eq!(status.code(), Some(0), "{said}");
+    running.stop();
+    home.assert_nothing_is_left("test");
+}
+
+#[test]
+fn what_cannot_be_fed_is_refused_with_what_can() {
+    let home = Home::new();
+    let running = site(&home);
+    for (arguments, expected) in [
+        (&["--source", "nobody"][..], "own, tracks"),
+        (&["--tcp", "0.0.0.0:0"], "--remote"),
+        (&["--tcp", "0", "--senders", "nobody"], "--senders"),
+    ] {
+        let refused = home.run(&[&["feed", "--instance", "test"], arguments].concat());
+        let said = String::from_utf8(refused.stderr).unwrap();
+        assert_eq!(refused.status.code(), Some(2), "{said}");
+        assert!(said.contains(expected) || said.contains("tracks, own"), "{said}");
+    }
+    running.stop();
+    home.assert_nothing_is_left("test");
+}
