@@ -62,8 +62,11 @@ impl SampleNames {
         Some(Word::One(code.word))
     }
 
-    /// Returns latitude, longitude (degrees) and height (m) of a position in the system frame.
+    /// Returns latitude, longitude (degrees) and height (m) of a position in the system frame; NaN for an unknown one.
     pub(crate) fn place(&self, position_m: [f64; 3]) -> [f64; 3] {
+        if !position_m.iter().all(|coordinate| coordinate.is_finite()) {
+            return [f64::NAN; 3];
+        }
         let place = self.frame.to_geodetic(position_m);
         [place.latitude_deg(), place.longitude_deg(), place.height_m()]
     }
