@@ -10,7 +10,7 @@ use messages::layout::{ALL, CodeGroup, code_groups};
 pub(crate) const SOURCES: [&str; 4] = ["source", "other_source", "trigger_source", "selected_source"];
 
 /// What is needed to write numbers as words.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct SampleNames {
     /// By the names of the sample and of the field.
     codes: BTreeMap<(&'static str, &'static str), CodeGroup>,

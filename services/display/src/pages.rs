@@ -17,6 +17,8 @@ use web::tokio::time::{MissedTickBehavior, interval, timeout};
 
 use crate::assets::asset;
 use crate::details;
+use crate::events;
+use crate::foxglove;
 use crate::ground;
 use crate::operator;
 use crate::orders;
@@ -29,23 +31,28 @@ use crate::world::World;
 /// Maximum number of pages at a time.
 pub(crate) const PAGES_MAX: u64 = 32;
 /// Maximum time to send a message and to acknowledge a picture. A page in the background is slow, not dead.
-const PATIENCE: Duration = Duration::from_secs(30);
+pub(crate) const PATIENCE: Duration = Duration::from_secs(30);
 /// Maximum size of queued messages, bytes, beside the operating system's buffers.
-const WAITING_MAX: usize = 16 << 20;
+pub(crate) const WAITING_MAX: usize = 16 << 20;
 /// Time between two status messages, nanoseconds.
 const STATUS_NS: i64 = 1_000_000_000;
 
 /// Seat of a connected page; its drop frees the seat.
-struct Seat(Arc<SharedState>);
+pub(crate) struct Seat(Arc<SharedState>);
 
 impl Seat {
     /// Takes a seat; `None` if all are taken.
-    fn take(shared: &Arc<SharedState>) -> Option<Self> {
+    pub(crate) fn take(shared: &Arc<SharedState>) -> Option<Self> {
         let pages = &shared.traffic.pages;
         let taken = pages.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |pages| {
             (pages < PAGES_MAX).then_some(pages + 1)
         });
         taken.ok().map(|_| Self(Arc::clone(shared)))
+    }
+
+    /// Counts the refusal of the page.
+    pub(crate) fn count_refused(&self) {
+        self.0.traffic.refused.fetch_add(1, Ordering::Relaxed);
     }
 }
 
@@ -67,6 +74,8 @@ pub(crate) fn router(shared: Arc<SharedState>) -> Router {
         .route("/", get(|| async { file("index.html") }))
         .route("/{name}", get(|Path(name): Path<String>| async move { file(&name) }))
         .route("/ws", get(socket))
+        .route(foxglove::FOXGLOVE, get(foxglove::foxglove))
+        .route(events::EVENTS, get(events::events))
         .route("/coast", get(coast))
         .route("/api/overlays.json", get(overlays))
         .route("/api/tracks.json", get(text(details::tracks)))
@@ -160,14 +169,14 @@ async fn socket(State(shared): State<Arc<SharedState>>, upgrade: WebSocketUpgrad
         .max_write_buffer_size(WAITING_MAX)
         .on_upgrade(move |socket| async move {
             if look_on(socket, &seat.0).await == Parting::Refused {
-                shared.traffic.refused.fetch_add(1, Ordering::Relaxed);
+                seat.count_refused();
             }
         })
 }
 
 /// Reason for the end of a page's connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Parting {
+pub(crate) enum Parting {
     /// Closed by the page.
     Left,
     /// Refused: a browser was too slow, or its message could not be read.
@@ -364,4 +373,4 @@ fn hello(world: &World) -> Message {
 
 #[cfg(test)]
 #[path = "pages_tests.rs"]
-mod tests;
+pub(crate) mod tests;
