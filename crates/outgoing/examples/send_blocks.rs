@@ -67,7 +67,11 @@ fn system_tracks(table: &'static Category, system: SystemFrame) -> Result<Vec<u8
     ];
     let sources: Vec<SystemSource> = (0..)
         .zip(kinds)
-        .map(|(number, technology)| SystemSource { number, technology })
+        .map(|(number, technology)| SystemSource {
+            number,
+            technology,
+            code: Some([4, number as u8]),
+        })
         .collect();
     let mut bytes = vec![];
     for height in [HeightReference::Geometric, HeightReference::Barometric] {

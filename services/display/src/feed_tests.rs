@@ -7,8 +7,8 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use configuration::ConfigWith;
-use messages::SystemTrack;
 use messages::layout::Sample as _;
+use messages::{Alarm, SystemTrack};
 use serde_json::{Value, json};
 use web::{ForeignPages, Guard, Server};
 
@@ -72,9 +72,15 @@ fn line(reader: &mut impl std::io::BufRead, beginning: &str) -> String {
 #[test]
 fn samples_are_events_with_the_names_of_the_fields() {
     let (shared, server, place) = served();
-    let mut reader = events(&server, "?topics=tracks,system%2Falarms");
-    assert_eq!(line(&mut reader, "content-type: "), "text/event-stream");
+    let mut reader = events(&server, "?topics=tracks");
+    let mut other = events(&server, "?topics=system%2Falarms");
     // The head is sent after the subscription.
+    for reader in [&mut reader, &mut other] {
+        assert_eq!(line(reader, "content-type: "), "text/event-stream");
+    }
+    let alarms = shared.feed.place_of("alarms").unwrap();
+    shared.feed.publish(alarms, &vec![0; Alarm::LAYOUT.size], now().utc_ns);
+    assert_eq!(line(&mut other, "event: "), "system/alarms");
     publish(&shared, place, 7);
     publish(&shared, place, 9);
     for number in [7, 9] {
@@ -89,11 +95,12 @@ fn samples_are_events_with_the_names_of_the_fields() {
             "{sample}"
         );
     }
-    assert_eq!(shared.audience().clients, 1);
-    drop(reader);
+    assert_eq!(shared.audience().clients, 2);
+    drop((reader, other));
     // A comment or a sample shows that the client has left.
     until("the seat is free", || {
         publish(&shared, place, 7);
+        shared.feed.publish(alarms, &vec![0; Alarm::LAYOUT.size], now().utc_ns);
         shared.audience().clients == 0
     });
 }
@@ -159,11 +166,12 @@ fn foxglove_gets_the_samples_of_its_subscriptions_and_can_do_nothing_else() {
     assert_eq!(text(&mut client)["level"], 2, "the server only sends");
     publish(&shared, place, 7);
     let (code, octets) = client.receive().unwrap();
+    let sample = [track(7, 1_000.0)];
     let expected = [
         &[1, 5, 0, 0, 0][..],
         &now().utc_ns.to_le_bytes(),
         &[0, 1, 0, 0],
-        SystemTrack::octets(&[track(7, 1_000.0)]),
+        SystemTrack::octets(&sample),
     ];
     assert!((code, octets) == (2, expected.concat()));
     client.wish(&json!({"op": "unsubscribe", "subscriptionIds": [5]}));
