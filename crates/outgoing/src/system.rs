@@ -16,8 +16,8 @@
 //! | 245 | call sign | only if configured, see below |
 //! | 500 | `covariance` | positions in the plane, height, velocity, rate of climb; not APW, the same in degrees |
 //!
-//! **I062/245** is sent on request only: from ed 1.16 on the document forbids it, because I062/380 has the call sign, but
-//! older receivers know no other place. **I062/510** is for systems with shared tracks.
+//! **I062/245** is sent on request only: from ed 1.16 on the document forbids it, because I062/380 has the call sign.
+//! Older receivers know no other place. **I062/510** is for systems with shared tracks.
 //!
 //! # Track status
 //!

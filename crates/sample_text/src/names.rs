@@ -29,7 +29,8 @@ pub(crate) enum Word<'a> {
 }
 
 impl SampleNames {
-    /// Returns the words for an instance with these sources; positions in `frame` are also written as latitude and longitude.
+    /// Returns the words for an instance with these sources; positions in `frame` are also
+    /// written as latitude and longitude.
     pub fn new(sources: Vec<String>, frame: SystemFrame) -> Self {
         let groups = code_groups();
         let fields = ALL

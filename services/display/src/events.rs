@@ -1,7 +1,7 @@
 //! Samples as server-sent events: `GET /api/events?topics=tracks,alarms`.
 //!
-//! Each sample is an event, named by the topic as it was requested; its data are the line of `koseki tap`. A reader that
-//! falls behind gets the event `lost`, and the connection ends: it may connect again. No queue grows.
+//! Each sample is an event, named by the topic as it was requested; its data are the line of `koseki tap`. A reader
+//! that falls behind gets the event `lost`, and the connection ends: it may connect again. No queue grows.
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -18,7 +18,7 @@ use web::axum::response::sse::{Event, KeepAlive, Sse};
 use web::axum::response::{IntoResponse, Response};
 
 use crate::feed::{Fed, Feed, FeedReader, FeedSlice};
-use crate::pages::Seat;
+use crate::seat::Seat;
 use crate::shared::SharedState;
 
 /// Path of the events.
@@ -79,7 +79,7 @@ pub(crate) async fn events(State(shared): State<Arc<SharedState>>, RawQuery(quer
         shared.traffic.refused.fetch_add(1, Ordering::Relaxed);
         return (StatusCode::SERVICE_UNAVAILABLE, "Too many pages look on.\n").into_response();
     };
-    let mut reader = FeedReader::new(&shared);
+    let mut reader = FeedReader::new(&shared.feed);
     for (place, _) in &topics {
         reader.add(*place);
     }

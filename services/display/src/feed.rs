@@ -15,7 +15,6 @@ use sample_text::{LineFormat, LineWriter, SampleNames};
 use web::tokio::sync::broadcast;
 
 use crate::layers::{DisplayedSample, ForDisplayed, for_displayed};
-use crate::shared::SharedState;
 
 /// Most slices that wait for a reader. A slice has up to 64 samples.
 pub(crate) const WAITING_MAX: usize = 1024;
@@ -152,7 +151,7 @@ impl ForDisplayed for ChannelOf<'_> {
 
 /// A reader of the feed, with the topics it wants.
 pub(crate) struct FeedReader {
-    shared: Arc<SharedState>,
+    feed: Arc<Feed>,
     slices: broadcast::Receiver<Arc<FeedSlice>>,
     /// Places of the wanted topics.
     wanted: Vec<usize>,
@@ -166,22 +165,22 @@ pub(crate) enum Fed {
 }
 
 impl FeedReader {
-    pub(crate) fn new(shared: &Arc<SharedState>) -> Self {
+    pub(crate) fn new(feed: &Arc<Feed>) -> Self {
         Self {
-            shared: Arc::clone(shared),
-            slices: shared.feed.slices.subscribe(),
+            feed: Arc::clone(feed),
+            slices: feed.slices.subscribe(),
             wanted: Vec::new(),
         }
     }
 
     pub(crate) fn feed(&self) -> &Feed {
-        &self.shared.feed
+        &self.feed
     }
 
     /// Adds a topic. Returns whether the reader had not wanted the topic before.
     pub(crate) fn add(&mut self, channel: usize) -> bool {
         let is_new = !self.wanted.contains(&channel);
-        if let Some(topic) = self.shared.feed.channels.get(channel).filter(|_| is_new) {
+        if let Some(topic) = self.feed.channels.get(channel).filter(|_| is_new) {
             topic.readers.fetch_add(1, Ordering::Relaxed);
             self.wanted.push(channel);
         }
@@ -193,9 +192,7 @@ impl FeedReader {
         let before = self.wanted.len();
         self.wanted.retain(|wanted| *wanted != channel);
         if self.wanted.len() < before {
-            self.shared.feed.channels[channel]
-                .readers
-                .fetch_sub(1, Ordering::Relaxed);
+            self.feed.channels[channel].readers.fetch_sub(1, Ordering::Relaxed);
         }
     }
 

@@ -1,8 +1,8 @@
 //! Samples for Foxglove and Lichtblick: a WebSocket with the subprotocols `foxglove.websocket.v1` and
 //! `foxglove.sdk.v1`, which agree in all messages used here.
 //!
-//! The server announces each topic as a channel with its ROS 2 schema; samples are CDR, the same bytes as in a recording.
-//! The client subscribes to channels. Everything else that clients may ask for is refused: the server only sends.
+//! The server announces each topic as a channel with its ROS 2 schema; samples are CDR, the same bytes as in a
+//! recording. The client subscribes to channels. Everything else that clients may ask for is refused: the server only sends.
 //!
 //! A client that is too slow loses the oldest slices, which are counted, and is informed by a status message.
 //!
@@ -22,7 +22,7 @@ use web::axum::response::{IntoResponse, Response};
 use web::tokio::time::timeout;
 
 use crate::feed::{Fed, FeedReader, FeedSlice};
-use crate::pages::{PATIENCE, Parting, Seat, WAITING_MAX};
+use crate::seat::{PATIENCE, Parting, Seat, WAITING_MAX};
 use crate::shared::SharedState;
 
 /// Path of the WebSocket.
@@ -78,7 +78,7 @@ pub(crate) async fn foxglove(State(shared): State<Arc<SharedState>>, upgrade: We
         .max_write_buffer_size(WAITING_MAX)
         .on_upgrade(move |socket| async move {
             let mut client = FoxgloveClient {
-                reader: FeedReader::new(&shared),
+                reader: FeedReader::new(&shared.feed),
                 subscriptions: BTreeMap::new(),
                 shared,
             };

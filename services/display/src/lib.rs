@@ -18,6 +18,7 @@
 //! | `ground` | projects coasts and overlays into the system frame |
 //! | `feed` | samples as they are published |
 //! | `events`, `foxglove` | these samples as server-sent events, and for Foxglove |
+//! | `seat` | limit of the number of clients |
 //! | `pages`, `assets` | HTTP server and the page's files |
 
 #![forbid(unsafe_code)]
@@ -39,6 +40,7 @@ mod orders;
 mod pages;
 mod records;
 mod reports;
+mod seat;
 mod settings;
 #[cfg(test)]
 mod settings_tests;

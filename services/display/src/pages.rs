@@ -22,45 +22,15 @@ use crate::foxglove;
 use crate::ground;
 use crate::operator;
 use crate::orders;
+use crate::seat::{PATIENCE, Parting, Seat, WAITING_MAX};
 use crate::shared::SharedState;
 use crate::status;
 use crate::viewer::Viewer;
 use crate::wire::{LAYER_AGE_S, MESSAGE_MAX, RATE_HZ, SELECT_MAX, Wish};
 use crate::world::World;
 
-/// Maximum number of pages at a time.
-pub(crate) const PAGES_MAX: u64 = 32;
-/// Maximum time to send a message and to acknowledge a picture. A page in the background is slow, not dead.
-pub(crate) const PATIENCE: Duration = Duration::from_secs(30);
-/// Maximum size of queued messages, bytes, beside the operating system's buffers.
-pub(crate) const WAITING_MAX: usize = 16 << 20;
 /// Time between two status messages, nanoseconds.
 const STATUS_NS: i64 = 1_000_000_000;
-
-/// Seat of a connected page; its drop frees the seat.
-pub(crate) struct Seat(Arc<SharedState>);
-
-impl Seat {
-    /// Takes a seat; `None` if all are taken.
-    pub(crate) fn take(shared: &Arc<SharedState>) -> Option<Self> {
-        let pages = &shared.traffic.pages;
-        let taken = pages.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |pages| {
-            (pages < PAGES_MAX).then_some(pages + 1)
-        });
-        taken.ok().map(|_| Self(Arc::clone(shared)))
-    }
-
-    /// Counts the refusal of the page.
-    pub(crate) fn count_refused(&self) {
-        self.0.traffic.refused.fetch_add(1, Ordering::Relaxed);
-    }
-}
-
-impl Drop for Seat {
-    fn drop(&mut self) {
-        self.0.traffic.pages.fetch_sub(1, Ordering::Relaxed);
-    }
-}
 
 /// Creates the router of all pages of `shared`.
 pub(crate) fn router(shared: Arc<SharedState>) -> Router {
@@ -168,19 +138,10 @@ async fn socket(State(shared): State<Arc<SharedState>>, upgrade: WebSocketUpgrad
         .read_buffer_size(MESSAGE_MAX)
         .max_write_buffer_size(WAITING_MAX)
         .on_upgrade(move |socket| async move {
-            if look_on(socket, &seat.0).await == Parting::Refused {
+            if look_on(socket, seat.shared()).await == Parting::Refused {
                 seat.count_refused();
             }
         })
-}
-
-/// Reason for the end of a page's connection.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Parting {
-    /// Closed by the page.
-    Left,
-    /// Refused: a browser was too slow, or its message could not be read.
-    Refused,
 }
 
 /// Serves one page until the connection ends.

@@ -15,6 +15,7 @@ use serde_json::{Value, json};
 use web::{Guard, Server};
 
 use super::*;
+use crate::seat::PAGES_MAX;
 use crate::world::SourceFact;
 
 /// Time limit of a test for an expected event.

@@ -35,8 +35,8 @@ settings::settings! {
         operator_token: Option<String> = None, usually "none: no orders";
         /// Further names of this machine in requests, besides its address and localhost.
         hosts: Vec<HostName> = Vec::new(), usually "none";
-        /// Sites whose pages may open the WebSocket for Foxglove (`/foxglove`), as in "https://app.foxglove.dev"; programs
-        /// that are no browsers need none.
+        /// Sites whose pages may open the WebSocket for Foxglove (`/foxglove`), as in "https://app.foxglove.dev";
+        /// programs that are no browsers need none.
         foxglove_sites: Vec<String> = Vec::new(), usually "none";
         /// Length of the stored past of the picture.
         history_s: u32 = 600, in [0, 86_400];

@@ -22,7 +22,7 @@ pub(crate) struct SharedState {
     pub(crate) clock: fn() -> Now,
     pub(crate) traffic: TrafficCounts,
     /// Samples as they are published.
-    pub(crate) feed: Feed,
+    pub(crate) feed: Arc<Feed>,
 }
 
 /// Counts of pages and pictures.
@@ -49,7 +49,7 @@ impl SharedState {
             orders: OrderQueue::default(),
             clock,
             traffic: TrafficCounts::default(),
-            feed,
+            feed: Arc::new(feed),
         })
     }
 
