@@ -2,7 +2,8 @@
 //! `foxglove.sdk.v1`, which agree in all messages used here.
 //!
 //! The server announces each topic as a channel with its ROS 2 schema; samples are CDR, the same bytes as in a
-//! recording. The client subscribes to channels. Everything else that clients may ask for is refused: the server only sends.
+//! recording. The client subscribes to channels. Everything else that clients may ask for is refused: the server only
+//! sends.
 //!
 //! A client that is too slow loses the oldest slices, which are counted, and is informed by a status message.
 //!
