@@ -97,8 +97,8 @@ settings::settings! {
         /// Largest size of a datagram, bytes: by default the room of an Ethernet frame beside the headers of IPv4 and
         /// UDP, at most the limit of IPv4.
         block_bytes: usize = 1472, in [256, 65_507];
-        /// Send the call sign in I062/245, too, for receivers that know an edition before 1.16 only; later editions have
-        /// the call sign in I062/380 alone.
+        /// Send the call sign in I062/245, too, for receivers that know an edition before 1.16 only. Later editions
+        /// have the call sign in I062/380 alone.
         target_identification: bool = false;
         /// Reference of the heights of system tracks; selects the items for heights.
         heights: HeightReference = HeightReference::Barometric;
