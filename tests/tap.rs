@@ -50,6 +50,25 @@ fn states_are_lines_of_json_or_csv() {
 }
 
 #[test]
+fn the_schema_of_a_topic_needs_no_instance() {
+    let home = Home::new();
+    let schema = |arguments: &[&str]| -> serde_json::Value {
+        let output = home.run(&[&["tap", "--schema"], arguments].concat());
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let named = schema(&[]);
+    assert_eq!(named["title"], "SystemTrack");
+    assert_eq!(
+        named["properties"]["latitude"]["type"],
+        serde_json::json!(["number", "null"])
+    );
+    let raw = schema(&["--raw"]);
+    assert!(raw["properties"]["latitude"].is_null() && raw["properties"]["state"]["type"] == "integer");
+    assert_eq!(schema(&["system/alarms"])["title"], "Alarm");
+}
+
+#[test]
 fn states_are_blocks_of_cat062() {
     let home = Home::new();
     let demo = home.demo();

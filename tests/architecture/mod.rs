@@ -20,6 +20,7 @@ const ORDER: &[&str] = &[
     "observations",
     "platform",
     "csv_table",
+    "sample_text",
     "estimation",
     "kept",
     "telemetry",

@@ -67,7 +67,11 @@ fn system_tracks(table: &'static Category, system: SystemFrame) -> Result<Vec<u8
     ];
     let sources: Vec<SystemSource> = (0..)
         .zip(kinds)
-        .map(|(number, technology)| SystemSource { number, technology })
+        .map(|(number, technology)| SystemSource {
+            number,
+            technology,
+            code: Some([4, number as u8]),
+        })
         .collect();
     let mut bytes = vec![];
     for height in [HeightReference::Geometric, HeightReference::Barometric] {
@@ -75,6 +79,9 @@ fn system_tracks(table: &'static Category, system: SystemFrame) -> Result<Vec<u8
             .with_height(height)
             .with_tentative()
             .with_service(3);
+        if height == HeightReference::Geometric {
+            sender = sender.with_target_identification();
+        }
         let mut chance = Chance(u64::from(table.edition.minor));
         for number in 0..TRACKS {
             sender.report(&system_track(number, &mut chance), &mut |block| {
@@ -161,6 +168,20 @@ fn system_track(number: u32, chance: &mut Chance) -> SystemTrack {
         ..SystemTrack::default()
     };
     system.contribution_count = system.source_count;
+    // A last report, mostly with level and code of its own.
+    system.trigger_source = chance.below(6) as u16;
+    let report_ms = chance.below(9_000) as u32;
+    system.time_of_measurement_ns = system.reference_time_ns - i64::from(report_ms) * 1_000_000;
+    system.level = chance.below(2_000) as i16 - 50;
+    system.level_valid = u8::from(chance.holds());
+    let mut age_ms = || {
+        if chance.holds() {
+            report_ms
+        } else {
+            chance.below(90_000) as u32
+        }
+    };
+    (system.level_age_ms, system.identity_ages.mode_3a_ms) = (age_ms(), age_ms());
     for index in 0..usize::from(system.source_count) {
         system.contributions[index] = Contribution {
             time_of_measurement_ns: system.reference_time_ns - chance.below(20_000_000_000) as i64,

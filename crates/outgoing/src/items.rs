@@ -93,6 +93,11 @@ pub(super) fn level(record: &mut RecordWriter, item: &Elements<1>, height_m: Opt
     );
 }
 
+/// Returns the number of a level that aircraft report and the bits can hold.
+pub(super) fn level_number(field: Field, level_m: f64) -> Option<i64> {
+    number_within(field, LEVELS_M, level_m)
+}
+
 /// Writes an altitude, after the element that marks the local pressure, where there is one that the bits can hold.
 pub(super) fn altitude(record: &mut RecordWriter, item: &Elements<2>, altitude_m: f64) {
     let [_, field] = item.fields;

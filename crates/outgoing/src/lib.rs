@@ -34,7 +34,9 @@
 #![forbid(unsafe_code)]
 
 mod cot;
+mod identification;
 mod items;
+mod measured;
 mod motion;
 mod place;
 mod quantity;
@@ -52,7 +54,7 @@ use asterix::block::HEADER_OCTETS;
 use asterix::{BlockWriter, Category};
 
 /// No record of this module has more bytes.
-const RECORD_OCTETS_MAX: usize = 125;
+const RECORD_OCTETS_MAX: usize = 145;
 /// The smallest block that any record fits, with its header.
 pub const BLOCK_OCTETS_LEAST: usize = HEADER_OCTETS + RECORD_OCTETS_MAX;
 /// The largest block: its length has 16 bits.

@@ -12,11 +12,12 @@
 //! | 200, 210, 220 | motion models of fusion | see `motion.rs` |
 //! | 060, 380 ADR and ID | `identity` | |
 //! | 290 | contributions | ages of the last update by each kind of source |
+//! | 136, 295, 340 | level and code of the transponder, their ages, the last report | see `measured.rs` |
+//! | 245 | call sign | only if configured, see below |
 //! | 500 | `covariance` | positions in the plane, height, velocity, rate of climb; not APW, the same in degrees |
 //!
-//! **I062/245** is omitted: from ed 1.16 on the document forbids it, because I062/380 has the call sign.
-//! **I062/136**, the last measured flight level, is omitted because a fused height is calculated; I062/135 is for
-//! calculated heights. **I062/510** is for systems with shared tracks.
+//! **I062/245** is sent on request only: from ed 1.16 on the document forbids it, because I062/380 has the call sign.
+//! Older receivers know no other place. **I062/510** is for systems with shared tracks.
 //!
 //! # Track status
 //!
@@ -37,7 +38,9 @@ use frames::SystemFrame;
 use frames::time::NS_PER_S;
 use messages::{SystemTrack, TrackState, contribution_bits};
 
+use super::identification;
 use super::items;
+use super::measured::{self, ReportingSensor};
 use super::motion;
 use super::place::{self, TargetPlace};
 use super::quantity;
@@ -60,12 +63,6 @@ const GEOMETRIC_ALTITUDE: Elements<1> = whole(CAT062, "130");
 /// Altitude not corrected by the local pressure.
 const BAROMETRIC_ALTITUDE: Elements<1> = elements(CAT062, "135", ["CTB"]);
 const QNH_ALTITUDE: Elements<2> = elements(CAT062, "135", ["QNH", "CTB"]);
-
-const AIRCRAFT: Frn = item(CAT062, "380");
-const ADR: usize = subitem(CAT062, "380", "ADR");
-const ADDRESS: Field = field(CAT062, &["380", "ADR"]);
-const ID: usize = subitem(CAT062, "380", "ID");
-const CALL_SIGN: Field = field(CAT062, &["380", "ID"]);
 
 const STATUS: Frn = item(CAT062, "080");
 const MON: Field = field(CAT062, &["080", "MON"]);
@@ -146,6 +143,8 @@ pub struct SystemSource {
     pub number: u16,
     /// Technology of observation.
     pub technology: Technology,
+    /// System area code and system identification code, if known.
+    pub code: Option<[u8; 2]>,
 }
 
 /// Memory of a track between its states.
@@ -190,6 +189,9 @@ struct RecordForm {
     frame: SystemFrame,
     /// Technologies by source number.
     technologies: Vec<Technology>,
+    /// Codes (SAC, SIC) by source number.
+    codes: Vec<Option<[u8; 2]>>,
+    with_target_identification: bool,
     /// The kinds of sources the system has.
     kinds: u8,
     height: HeightReference,
@@ -230,8 +232,10 @@ impl SystemReports {
         check_category(table, CAT062, "CAT062")?;
         let numbered = sources.iter().map(|source| usize::from(source.number) + 1).max();
         let mut technologies = vec![Technology::Other; numbered.unwrap_or(0)];
+        let mut codes = vec![None; technologies.len()];
         for source in sources {
             technologies[usize::from(source.number)] = source.technology;
+            codes[usize::from(source.number)] = source.code;
         }
         Ok(Self {
             outbox: BlockOutbox::new(table.number, block_octets_max)?,
@@ -243,6 +247,8 @@ impl SystemReports {
                 frame: system,
                 kinds: sources.iter().fold(0, |kinds, source| kinds | source.technology.bit()),
                 technologies,
+                codes,
+                with_target_identification: false,
                 height: HeightReference::default(),
                 simulated: false,
                 has_surface_flag: table.edition >= SFC.since,
@@ -266,6 +272,13 @@ impl SystemReports {
     #[must_use]
     pub fn with_service(mut self, service: u8) -> Self {
         self.form.service = Some(service);
+        self
+    }
+
+    /// Sends the call sign as target identification (I062/245), too.
+    #[must_use]
+    pub fn with_target_identification(mut self) -> Self {
+        self.form.with_target_identification = true;
         self
     }
 
@@ -347,6 +360,16 @@ impl RecordForm {
         known.copied().unwrap_or(Technology::Other)
     }
 
+    /// Returns the sensor of the report that caused the state, if its codes are known.
+    fn reporting_sensor(&self, track: &SystemTrack) -> Option<ReportingSensor> {
+        let code = self.codes.get(usize::from(track.trigger_source)).copied().flatten()?;
+        Some(ReportingSensor {
+            technology: self.technology(track.trigger_source),
+            code,
+            is_simulated: self.simulated,
+        })
+    }
+
     /// Stores the present support of a track.
     fn remember(&self, support: &mut SystemTrackMemory, track: &SystemTrack) {
         let contributions = track.contributions();
@@ -391,15 +414,19 @@ impl RecordForm {
         if let Some(code) = track.identity.mode_3a() {
             record.item(MODE_3A).put(CODE, code & 0o7777);
         }
-        identification(track, record);
+        identification::write(&track.identity, self.with_target_identification, record);
         record.write(&TRACK_NUMBER, [i64::from(report.number)]);
         self.status(report, record);
         ages(report, record);
         motion::modes(&track.movement, record);
+        measured::values(track, record);
         if has_height {
             self.vertical(report, record);
         }
         self.accuracies(report, record);
+        if let Some(sensor) = self.reporting_sensor(track) {
+            measured::last_report(track, sensor, record);
+        }
     }
 
     /// Writes I062/080.
@@ -489,16 +516,6 @@ impl RecordForm {
                 .subitem(ACCURACIES, ARC)
                 .put(SIGMA_CLIMB, quantity::capped_deviation(SIGMA_CLIMB, climb));
         }
-    }
-}
-
-/// Writes I062/380: address and call sign.
-fn identification(track: &SystemTrack, record: &mut RecordWriter) {
-    if let Some(address) = items::address(&track.identity) {
-        record.subitem(AIRCRAFT, ADR).put(ADDRESS, address);
-    }
-    if let Some(call_sign) = items::call_sign(&track.identity) {
-        record.subitem(AIRCRAFT, ID).put(CALL_SIGN, call_sign);
     }
 }
 

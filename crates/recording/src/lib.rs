@@ -103,5 +103,10 @@ const SCHEMA_PREFIX: &str = "koseki/msg/";
 /// Ending of the name of the channel with a topic's headers.
 const SLICES: &str = "/slices";
 
+/// Returns the name of the schema of a sample with this layout.
+pub fn schema_name(layout: &messages::layout::Layout) -> String {
+    format!("{SCHEMA_PREFIX}{}", layout.name)
+}
+
 /// Bytes before each sample: CDR, little-endian.
-const CDR: [u8; 4] = [0, 1, 0, 0];
+pub const CDR: [u8; 4] = [0, 1, 0, 0];

@@ -9,7 +9,7 @@ use messages::BatchHeader;
 use messages::layout::{Layout, Sample};
 
 use crate::contents::Contents;
-use crate::{CDR, FACTS, FINGERPRINT, Facts, RecordingError, SCHEMA_PREFIX, SLICES, fingerprint_of};
+use crate::{CDR, FACTS, FINGERPRINT, Facts, RecordingError, SLICES, fingerprint_of, schema_name};
 
 /// Bytes of messages after which a chunk is written.
 const CHUNK_BYTES: usize = 1 << 20;
@@ -214,8 +214,4 @@ impl<W: Write + Seek> Writer<W> {
         self.file.finish()?;
         Ok(())
     }
-}
-
-fn schema_name(layout: &Layout) -> String {
-    format!("{SCHEMA_PREFIX}{}", layout.name)
 }

@@ -71,6 +71,27 @@ pub struct Guard {
     pub token: Option<String>,
     /// Clients that may write; `None`: no client.
     pub writer: Option<WriteAccess>,
+    /// Pages of other sites that may open a WebSocket; `None`: no page.
+    pub foreign: Option<ForeignPages>,
+}
+
+/// Pages of other sites that may open a WebSocket at one path.
+#[derive(Clone, Debug)]
+pub struct ForeignPages {
+    /// Path of the WebSocket.
+    pub path: &'static str,
+    /// Sites, as browsers name them in `Origin`: `https://name`.
+    pub sites: Vec<String>,
+}
+
+impl ForeignPages {
+    /// Whether the request is to the path, from a page of one of the sites.
+    fn admit<T>(&self, request: &Request<T>) -> bool {
+        let mut origins = request.headers().get_all(header::ORIGIN).iter();
+        let origin = origins.next().and_then(|origin| origin.to_str().ok());
+        let is_known = |origin: &str| self.sites.iter().any(|site| site.eq_ignore_ascii_case(origin));
+        request.uri().path() == self.path && origins.next().is_none() && origin.is_some_and(is_known)
+    }
 }
 
 /// Clients that may write to one path.
@@ -161,7 +182,8 @@ impl Guard {
             );
             return refused.map(|answer| with(answer, header::ALLOW, "GET, HEAD"));
         }
-        if request.headers().contains_key(header::UPGRADE) && !is_same_origin(request.headers()) {
+        let is_foreign = request.headers().contains_key(header::UPGRADE) && !is_same_origin(request.headers());
+        if is_foreign && !self.foreign.as_ref().is_some_and(|foreign| foreign.admit(request)) {
             let text = "A page of another site has no access.\n";
             return refuse(RequestRefusal::Origin, StatusCode::FORBIDDEN, text);
         }

@@ -7,14 +7,16 @@
 //! **Protection against foreign pages.** A page in a browser may not read answers of other servers; but its own name
 //! can be redirected here (DNS rebinding), and then it may. The browser still sends the requested name. So a request
 //! is answered only if its `Host` is the address of the connection, a local name of this machine, or a configured
-//! name. A WebSocket, which browsers open across sites, must come from a page of the same host. A client shows a
+//! name. A WebSocket, which browsers open across sites, must come from a page of the same host, or of a site that
+//! [`ForeignPages`] names for its path. A client shows a
 //! required token once, and then has it in a cookie that no script and no other site can use.
 //!
 //! **Protection against blocking.** Each connection carries one request. It has [`PATIENCE`] from its acceptance to
 //! the last byte of the answer, however the client spends it, and a request has a maximum length. There are at most
 //! [`CONNECTIONS_MAX`] connections: a further connection replaces the oldest, so that silent clients cannot lock out
 //! active clients. These limits bound the memory that clients can use. A WebSocket leaves this count; the service
-//! that opens WebSockets limits their number.
+//! that opens WebSockets limits their number. The same holds for a [`LongAnswer`]: its client must take a part of the
+//! answer in each [`PATIENCE`].
 //!
 //! Refused requests are counted by reason ([`RequestCounts`]).
 
@@ -27,6 +29,6 @@ mod server;
 pub use axum;
 pub use tokio;
 
-pub use guard::{Guard, RequestCounts, RequestRefusal, WriteAccess};
+pub use guard::{ForeignPages, Guard, RequestCounts, RequestRefusal, WriteAccess};
 pub use host_name::HostName;
-pub use server::{CONNECTIONS_MAX, PATIENCE, Server, listen};
+pub use server::{CONNECTIONS_MAX, LongAnswer, PATIENCE, Server, listen};

@@ -3,14 +3,17 @@
 use std::collections::VecDeque;
 use std::io;
 use std::net::{IpAddr, SocketAddr, TcpListener};
+use std::pin::{Pin, pin};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::task::{Context, Poll};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
 use axum::Router;
-use axum::body::Body;
-use axum::http::Request;
-use hyper::body::Incoming;
+use axum::body::{Body, Bytes};
+use axum::http::{Request, Response};
+use hyper::body::{Frame, Incoming, SizeHint};
 use hyper::server::conn::http1;
 use hyper::service::{Service as _, service_fn};
 use hyper_util::rt::TokioIo;
@@ -35,6 +38,60 @@ const REFUSAL_PAUSE: Duration = Duration::from_millis(100);
 /// Time for which, at the end, one more connection is waited for that had come by then, and how often.
 const END_PAUSE: Duration = Duration::from_millis(5);
 const LAST_LOOKS: usize = 20;
+
+/// Extension of a response that has no end, such as a stream of events. [`PATIENCE`] then limits the time between two
+/// parts of the body, and the connection no longer counts among [`CONNECTIONS_MAX`]: the service limits the number.
+/// The body must have a part at least every half [`PATIENCE`].
+#[derive(Clone, Copy, Debug)]
+pub struct LongAnswer;
+
+/// Progress of a connection.
+#[derive(Debug, Default)]
+struct Progress {
+    /// Whether the answer is a [`LongAnswer`].
+    is_long: AtomicBool,
+    /// How often a part of such an answer was asked for: only as long as the client takes the parts before.
+    parts: AtomicU64,
+}
+
+impl Progress {
+    fn is_long(&self) -> bool {
+        self.is_long.load(Ordering::Relaxed)
+    }
+
+    /// Whether a long answer has advanced beyond the part `seen`, which becomes the present part.
+    fn has_advanced(&self, seen: &mut u64) -> bool {
+        let parts = self.parts.load(Ordering::Relaxed);
+        self.is_long() && std::mem::replace(seen, parts) != parts
+    }
+}
+
+/// Body of a long answer.
+struct LongBody {
+    body: Body,
+    progress: Arc<Progress>,
+}
+
+impl hyper::body::Body for LongBody {
+    type Data = Bytes;
+    type Error = axum::Error;
+
+    fn poll_frame(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+    ) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
+        self.progress.parts.fetch_add(1, Ordering::Relaxed);
+        Pin::new(&mut self.body).poll_frame(context)
+    }
+
+    fn is_end_stream(&self) -> bool {
+        self.body.is_end_stream()
+    }
+
+    fn size_hint(&self) -> SizeHint {
+        self.body.size_hint()
+    }
+}
 
 /// Server on its own thread; dropping the server ends it. Requests received before are answered, unless that takes
 /// long.
@@ -127,8 +184,8 @@ struct ConnectionDesk {
     guard: Arc<Guard>,
     counts: Arc<RequestCounts>,
     router: Router,
-    /// Connections in the order of acceptance.
-    open: VecDeque<AbortHandle>,
+    /// Connections in the order of acceptance, without those whose answer is long.
+    open: VecDeque<(AbortHandle, Arc<Progress>)>,
 }
 
 impl ConnectionDesk {
@@ -149,7 +206,7 @@ impl ConnectionDesk {
             while let Ok(Ok((stream, _))) = timeout(END_PAUSE, listener.accept()).await {
                 self.take(stream);
             }
-            self.open.retain(|connection| !connection.is_finished());
+            self.forget();
             if self.open.is_empty() {
                 break;
             }
@@ -157,30 +214,43 @@ impl ConnectionDesk {
         Ok(())
     }
 
+    /// Forgets the connections that need no limit any more.
+    fn forget(&mut self) {
+        self.open
+            .retain(|(connection, progress)| !connection.is_finished() && !progress.is_long());
+    }
+
     fn take(&mut self, stream: TcpStream) {
         let Ok(local) = stream.local_addr() else { return };
         // Small messages are not to wait for company.
         let _ = stream.set_nodelay(true);
-        self.open.retain(|connection| !connection.is_finished());
+        self.forget();
         if self.open.len() >= CONNECTIONS_MAX
-            && let Some(oldest) = self.open.pop_front()
+            && let Some((oldest, _)) = self.open.pop_front()
         {
             oldest.abort();
             self.counts.add(RequestRefusal::Full);
         }
         let (guard, counts, router) = (Arc::clone(&self.guard), Arc::clone(&self.counts), self.router.clone());
         let local = local.ip().to_canonical();
+        let progress = Arc::new(Progress::default());
+        let own = Arc::clone(&progress);
         let connection = tokio::spawn(async move {
-            match timeout(PATIENCE, converse(stream, local, &guard, &counts, router)).await {
-                Ok(Err(error)) if error.is_parse() || error.is_parse_too_large() => {
-                    counts.add(RequestRefusal::Malformed)
+            let mut conversation = pin!(converse(stream, local, &guard, &counts, router, &progress));
+            let mut seen = 0;
+            loop {
+                match timeout(PATIENCE, &mut conversation).await {
+                    Ok(Err(error)) if error.is_parse() || error.is_parse_too_large() => {
+                        return counts.add(RequestRefusal::Malformed);
+                    }
+                    // A client that leaves early is no trouble.
+                    Ok(_) => return,
+                    Err(_) if progress.has_advanced(&mut seen) => {}
+                    Err(_) => return counts.add(RequestRefusal::Slow),
                 }
-                // A client that leaves early is no trouble.
-                Ok(_) => {}
-                Err(_) => counts.add(RequestRefusal::Slow),
             }
         });
-        self.open.push_back(connection.abort_handle());
+        self.open.push_back((connection.abort_handle(), own));
     }
 }
 
@@ -191,16 +261,18 @@ async fn converse(
     guard: &Guard,
     counts: &RequestCounts,
     router: Router,
+    progress: &Arc<Progress>,
 ) -> Result<(), hyper::Error> {
     let service = service_fn(|request: Request<Incoming>| {
         let stopped = guard.stop(&request, local, counts);
         let router = TowerToHyperService::new(router.clone());
+        let progress = Arc::clone(progress);
         async move {
             let answer = match stopped {
                 Some(answer) => Ok(answer),
                 None => router.call(request.map(Body::new)).await,
             };
-            answer.map(sealed)
+            answer.map(|answer| sealed(watched(answer, progress)))
         }
     });
     http1::Builder::new()
@@ -211,4 +283,13 @@ async fn converse(
         .serve_connection(TokioIo::new(stream), service)
         .with_upgrades()
         .await
+}
+
+/// Watches the progress of a long answer.
+fn watched(answer: Response<Body>, progress: Arc<Progress>) -> Response<Body> {
+    if answer.extensions().get::<LongAnswer>().is_none() {
+        return answer;
+    }
+    progress.is_long.store(true, Ordering::Relaxed);
+    answer.map(|body| Body::new(LongBody { body, progress }))
 }

@@ -2,12 +2,16 @@
 
 use std::io::{Read as _, Write as _};
 use std::net::TcpStream;
+use std::time::{Duration, Instant};
 
 use test_support::page::{Served, check};
 use web::axum::Router;
+use web::axum::body::{Body, Bytes};
 use web::axum::http::header::CONTENT_TYPE;
+use web::axum::response::Response;
 use web::axum::routing::get;
-use web::{CONNECTIONS_MAX, Guard, RequestRefusal, Server};
+use web::tokio::time::sleep;
+use web::{CONNECTIONS_MAX, Guard, LongAnswer, PATIENCE, RequestRefusal, Server};
 
 fn server() -> Server {
     let page = get(|| async { ([(CONTENT_TYPE, Served::CONTENT_TYPE)], Served::TEXT) });
@@ -119,4 +123,46 @@ fn an_address_in_use_is_named_with_a_remedy() {
     let error = web::listen(server.address()).unwrap_err().to_string();
     let named = error.contains(&server.address().to_string()) && error.contains("ss -ltnp");
     assert!(named, "{error}");
+}
+
+/// Server of an answer without end: a mebibyte at a time.
+fn endless() -> Server {
+    let body = || {
+        futures_util::stream::unfold((), |()| async {
+            sleep(Duration::from_millis(20)).await;
+            Some((Ok::<_, std::io::Error>(Bytes::from_static(&[b'x'; 1 << 20])), ()))
+        })
+    };
+    let page = get(move || async move {
+        let mut answer = Response::new(Body::from_stream(body()));
+        answer.extensions_mut().insert(LongAnswer);
+        answer
+    });
+    let router = Router::new().route("/endless", page);
+    Server::start("page", "127.0.0.1:0".parse().unwrap(), Guard::default(), router).unwrap()
+}
+
+#[test]
+fn an_answer_without_end_lasts_as_long_as_its_client_reads() {
+    let server = endless();
+    let ask = || {
+        let mut stream = TcpStream::connect(server.address()).unwrap();
+        stream
+            .write_all(b"GET /endless HTTP/1.1\r\nHost: localhost\r\n\r\n")
+            .unwrap();
+        stream
+    };
+    let (mut reads, mut waits) = (ask(), ask());
+    let (begun, mut octets) = (Instant::now(), vec![0; 1 << 20]);
+    while begun.elapsed() < 2 * PATIENCE || server.counts().of(RequestRefusal::Slow) == 0 {
+        assert!(reads.read(&mut octets).unwrap() > 0, "the reader is not dropped");
+    }
+    assert_eq!(server.counts().total(), 1);
+    // What waits in the system's buffers is still there, then comes the end.
+    loop {
+        match waits.read(&mut octets) {
+            Ok(0) | Err(_) => break,
+            Ok(_) => {}
+        }
+    }
 }

@@ -13,6 +13,7 @@ use messages::{Counter, FrameOrigin, Health, Stream, SystemTrack};
 use runtime::{Agent, HealthEntry, LookPause, Now, Turn};
 use web::RequestCounts;
 
+use crate::feed::Feed;
 use crate::layers::{DisplayedSample, ForDisplayed, for_displayed};
 use crate::orders::OrderAgent;
 use crate::shared::SharedState;
@@ -35,7 +36,7 @@ pub(crate) struct DisplayAgent<S: Transport> {
     /// Streams apart from the system tracks.
     layers: Vec<Box<dyn Layer>>,
     /// System tracks: counted, and taken last, since reports come before the states that result from them.
-    states: Subscriber<S, SystemTrack>,
+    states: FedSubscriber<S, SystemTrack>,
     /// Port for orders, if operators are configured.
     operators: Option<OrderAgent<S>>,
     pause: LookPause,
@@ -54,19 +55,27 @@ impl<S: Transport> DisplayAgent<S> {
         (shared, refused): (Arc<SharedState>, Arc<RequestCounts>),
     ) -> anyhow::Result<Self> {
         let now_ns = || incarnation;
+        let states = bus.subscriber(&messages::system_tracks(), now_ns)?;
+        let states = FedSubscriber::new(states, &shared.feed);
         let mut agent = Self {
             shared,
             refused,
             health: bus.subscriber(&messages::health(), now_ns)?,
             origins: bus.subscriber(&messages::frame_origin(), now_ns)?,
             layers: Vec::new(),
-            states: bus.subscriber(&messages::system_tracks(), now_ns)?,
+            states,
             pause: LookPause::between(LOOK_EVERY, LOOK_EVERY_IDLE),
             operators: has_operators.then(|| OrderAgent::open(bus, incarnation)).transpose()?,
         };
         let streams = config.streams().filter(|(id, _)| id.stream != Stream::SystemTracks);
         for (id, name) in streams {
-            let subscription = Subscription { bus, name, incarnation };
+            let feed = &agent.shared.feed;
+            let subscription = Subscription {
+                bus,
+                name,
+                incarnation,
+                feed,
+            };
             agent.layers.extend(for_displayed(id.stream, subscription).transpose()?);
         }
         Ok(agent)
@@ -75,14 +84,32 @@ impl<S: Transport> DisplayAgent<S> {
 
 /// Subscriber of one displayed stream.
 trait Layer {
-    /// Puts the waiting slices into `world`. Returns their number.
-    fn take(&mut self, world: &mut World, now: Now) -> Result<usize, BusError>;
+    /// Puts the waiting slices into `world`, and hands them to the readers of `feed`. Returns their number.
+    fn take(&mut self, world: &mut World, feed: &Feed, now: Now) -> Result<usize, BusError>;
 }
 
-impl<S: Transport, T: DisplayedSample> Layer for Subscriber<S, T> {
-    fn take(&mut self, world: &mut World, now: Now) -> Result<usize, BusError> {
-        Self::take(self, SLICES_PER_TURN, |header, samples| {
-            T::put(world, (header, samples), now)
+/// Subscriber whose slices also have readers of the feed.
+struct FedSubscriber<S: Transport, T: DisplayedSample> {
+    subscriber: Subscriber<S, T>,
+    /// Place of the topic in the feed; `None`: the feed does not have the topic.
+    place: Option<usize>,
+}
+
+impl<S: Transport, T: DisplayedSample> FedSubscriber<S, T> {
+    fn new(subscriber: Subscriber<S, T>, feed: &Feed) -> Self {
+        let place = feed.place_of(subscriber.topic());
+        Self { subscriber, place }
+    }
+}
+
+impl<S: Transport, T: DisplayedSample> Layer for FedSubscriber<S, T> {
+    fn take(&mut self, world: &mut World, feed: &Feed, now: Now) -> Result<usize, BusError> {
+        let place = self.place;
+        self.subscriber.take(SLICES_PER_TURN, |header, samples| {
+            T::put(world, (header, samples), now);
+            if let Some(place) = place {
+                feed.publish(place, T::octets(samples), now.utc_ns);
+            }
         })
     }
 }
@@ -92,6 +119,7 @@ struct Subscription<'a, S: Transport> {
     bus: &'a Bus<S>,
     name: &'a str,
     incarnation: u64,
+    feed: &'a Feed,
 }
 
 impl<S: Transport> ForDisplayed for Subscription<'_, S> {
@@ -99,7 +127,7 @@ impl<S: Transport> ForDisplayed for Subscription<'_, S> {
 
     fn of<T: DisplayedSample>(self) -> Self::Done {
         let subscriber = self.bus.subscriber(&T::topic(self.name), || self.incarnation)?;
-        Ok(Box::new(subscriber))
+        Ok(Box::new(FedSubscriber::new(subscriber, self.feed)))
     }
 }
 
@@ -108,7 +136,7 @@ impl<S: Transport> Agent for DisplayAgent<S> {
         if let Some(operators) = &mut self.operators {
             operators.turn(&self.shared.orders, now)?;
         }
-        let mut world = self.shared.world();
+        let (mut world, feed) = (self.shared.world(), &self.shared.feed);
         let world = &mut *world;
         self.origins.take(SLICES_PER_TURN, |_, said| {
             said.iter().for_each(|origin| world.place(origin))
@@ -118,15 +146,15 @@ impl<S: Transport> Agent for DisplayAgent<S> {
         })?;
         let mut taken = 0;
         for layer in &mut self.layers {
-            taken += layer.take(world, now)?;
+            taken += layer.take(world, feed, now)?;
         }
-        taken += Layer::take(&mut self.states, world, now)?;
+        taken += self.states.take(world, feed, now)?;
         world.clean_up(now);
         Ok(Turn::Idle(self.pause.after(taken > 0)))
     }
 
     fn health(&self, entries: &mut Vec<HealthEntry>) {
-        let (taken, traffic) = (self.states.counts(), &self.shared.traffic);
+        let (taken, traffic) = (self.states.subscriber.counts(), &self.shared.traffic);
         let mut entry = HealthEntry::default();
         entry.set(Counter::Taken, taken.taken);
         entry.set(Counter::Lost, taken.lost);

@@ -16,6 +16,9 @@
 //! | `viewer` | state of one page, and the next picture for it |
 //! | `details`, `status` | details of single tracks, and status of the deployment, as JSON |
 //! | `ground` | projects coasts and overlays into the system frame |
+//! | `feed` | samples as they are published |
+//! | `events`, `foxglove` | these samples as server-sent events, and for Foxglove |
+//! | `seat` | limit of the number of clients |
 //! | `pages`, `assets` | HTTP server and the page's files |
 
 #![forbid(unsafe_code)]
@@ -24,6 +27,11 @@ mod agent;
 mod assets;
 mod clock;
 mod details;
+mod events;
+mod feed;
+#[cfg(test)]
+mod feed_tests;
+mod foxglove;
 mod ground;
 mod history;
 mod layers;
@@ -32,6 +40,7 @@ mod orders;
 mod pages;
 mod records;
 mod reports;
+mod seat;
 mod settings;
 #[cfg(test)]
 mod settings_tests;
@@ -54,9 +63,10 @@ use messages::FrameOrigin;
 use outgoing::Technology;
 use runtime::Now;
 use runtime::signals::Stop;
-use web::{Guard, HostName, Server, WriteAccess};
+use web::{ForeignPages, Guard, HostName, Server, WriteAccess};
 
 use crate::clock::PictureClock;
+use crate::feed::Feed;
 pub use crate::settings::{Keys, Settings};
 use crate::shared::SharedState;
 use crate::tape::Tape;
@@ -83,7 +93,7 @@ pub fn run(process: &Process, settings: &Settings) -> anyhow::Result<()> {
     );
     world.place(&origin(&process.config));
     world.set_clock(PictureClock::of(process.config.is_recorded()));
-    let shared = SharedState::new(world, overlays, Now::read);
+    let shared = SharedState::fed(world, overlays, Now::read, Feed::of(&process.config));
     let server = serve(settings, &shared)?;
     say(&server, settings);
     let sight = (shared, server.counts().clone());
@@ -174,6 +184,10 @@ fn serve(settings: &Settings, shared: &std::sync::Arc<SharedState>) -> anyhow::R
             token,
             path: operator::ORDER,
             login: operator::LOGIN,
+        }),
+        foreign: Some(ForeignPages {
+            path: foxglove::FOXGLOVE,
+            sites: settings.foxglove_sites.clone(),
         }),
     };
     let listener = listen(settings)?;

@@ -17,43 +17,20 @@ use web::tokio::time::{MissedTickBehavior, interval, timeout};
 
 use crate::assets::asset;
 use crate::details;
+use crate::events;
+use crate::foxglove;
 use crate::ground;
 use crate::operator;
 use crate::orders;
+use crate::seat::{PATIENCE, Parting, Seat, WAITING_MAX};
 use crate::shared::SharedState;
 use crate::status;
 use crate::viewer::Viewer;
 use crate::wire::{LAYER_AGE_S, MESSAGE_MAX, RATE_HZ, SELECT_MAX, Wish};
 use crate::world::World;
 
-/// Maximum number of pages at a time.
-pub(crate) const PAGES_MAX: u64 = 32;
-/// Maximum time to send a message and to acknowledge a picture. A page in the background is slow, not dead.
-const PATIENCE: Duration = Duration::from_secs(30);
-/// Maximum size of queued messages, bytes, beside the operating system's buffers.
-const WAITING_MAX: usize = 16 << 20;
 /// Time between two status messages, nanoseconds.
 const STATUS_NS: i64 = 1_000_000_000;
-
-/// Seat of a connected page; its drop frees the seat.
-struct Seat(Arc<SharedState>);
-
-impl Seat {
-    /// Takes a seat; `None` if all are taken.
-    fn take(shared: &Arc<SharedState>) -> Option<Self> {
-        let pages = &shared.traffic.pages;
-        let taken = pages.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |pages| {
-            (pages < PAGES_MAX).then_some(pages + 1)
-        });
-        taken.ok().map(|_| Self(Arc::clone(shared)))
-    }
-}
-
-impl Drop for Seat {
-    fn drop(&mut self) {
-        self.0.traffic.pages.fetch_sub(1, Ordering::Relaxed);
-    }
-}
 
 /// Creates the router of all pages of `shared`.
 pub(crate) fn router(shared: Arc<SharedState>) -> Router {
@@ -67,6 +44,8 @@ pub(crate) fn router(shared: Arc<SharedState>) -> Router {
         .route("/", get(|| async { file("index.html") }))
         .route("/{name}", get(|Path(name): Path<String>| async move { file(&name) }))
         .route("/ws", get(socket))
+        .route(foxglove::FOXGLOVE, get(foxglove::foxglove))
+        .route(events::EVENTS, get(events::events))
         .route("/coast", get(coast))
         .route("/api/overlays.json", get(overlays))
         .route("/api/tracks.json", get(text(details::tracks)))
@@ -159,19 +138,10 @@ async fn socket(State(shared): State<Arc<SharedState>>, upgrade: WebSocketUpgrad
         .read_buffer_size(MESSAGE_MAX)
         .max_write_buffer_size(WAITING_MAX)
         .on_upgrade(move |socket| async move {
-            if look_on(socket, &seat.0).await == Parting::Refused {
-                shared.traffic.refused.fetch_add(1, Ordering::Relaxed);
+            if look_on(socket, seat.shared()).await == Parting::Refused {
+                seat.count_refused();
             }
         })
-}
-
-/// Reason for the end of a page's connection.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Parting {
-    /// Closed by the page.
-    Left,
-    /// Refused: a browser was too slow, or its message could not be read.
-    Refused,
 }
 
 /// Serves one page until the connection ends.
@@ -364,4 +334,4 @@ fn hello(world: &World) -> Message {
 
 #[cfg(test)]
 #[path = "pages_tests.rs"]
-mod tests;
+pub(crate) mod tests;

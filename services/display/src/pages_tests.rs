@@ -15,12 +15,13 @@ use serde_json::{Value, json};
 use web::{Guard, Server};
 
 use super::*;
+use crate::seat::PAGES_MAX;
 use crate::world::SourceFact;
 
 /// Time limit of a test for an expected event.
-const LONG: Duration = Duration::from_secs(30);
+pub(crate) const LONG: Duration = Duration::from_secs(30);
 
-fn now() -> Now {
+pub(crate) fn now() -> Now {
     Now {
         mono_ns: 5_000_000_000,
         utc_ns: 1_700_000_000_000_000_000,
@@ -67,7 +68,7 @@ fn header(incarnation: u64) -> BatchHeader {
     }
 }
 
-fn track(number: u32, east_m: f64) -> SystemTrack {
+pub(crate) fn track(number: u32, east_m: f64) -> SystemTrack {
     let mut track = SystemTrack {
         track_number: number,
         reference_time_ns: now().utc_ns,
@@ -221,14 +222,21 @@ fn get_json(server: &Server, path: &str) -> Value {
 }
 
 /// Page that implements WebSocket by hand.
-struct Socket(TcpStream);
+pub(crate) struct Socket(TcpStream);
 
 impl Socket {
     fn open(server: &Server) -> Result<Self, String> {
+        Self::open_at(server, "/ws", "")
+    }
+
+    /// Opens the WebSocket at `path`, with further lines of the request's head.
+    pub(crate) fn open_at(server: &Server, path: &str, lines: &str) -> Result<Self, String> {
         let mut stream = TcpStream::connect(server.address()).unwrap();
         stream.set_read_timeout(Some(LONG)).unwrap();
-        let request = "GET /ws HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\
-                       Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n";
+        let request = format!(
+            "GET {path} HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\
+             Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n{lines}\r\n"
+        );
         stream.write_all(request.as_bytes()).unwrap();
         let mut head = Vec::new();
         while !head.ends_with(b"\r\n\r\n") {
@@ -245,7 +253,7 @@ impl Socket {
     }
 
     /// Returns the next message: its kind and content. `None` at the end.
-    fn receive(&mut self) -> Option<(u8, Vec<u8>)> {
+    pub(crate) fn receive(&mut self) -> Option<(u8, Vec<u8>)> {
         let mut head = [0; 2];
         self.0.read_exact(&mut head).ok()?;
         let length = match head[1] {
@@ -303,12 +311,12 @@ impl Socket {
         let _ = self.0.write_all(&frame);
     }
 
-    fn wish(&mut self, wish: &Value) {
+    pub(crate) fn wish(&mut self, wish: &Value) {
         self.send(1, wish.to_string().as_bytes());
     }
 }
 
-fn until(what: &str, condition: impl Fn() -> bool) {
+pub(crate) fn until(what: &str, condition: impl Fn() -> bool) {
     for _ in 0..3_000 {
         if condition() {
             return;

@@ -35,6 +35,9 @@ settings::settings! {
         operator_token: Option<String> = None, usually "none: no orders";
         /// Further names of this machine in requests, besides its address and localhost.
         hosts: Vec<HostName> = Vec::new(), usually "none";
+        /// Sites whose pages may open the WebSocket for Foxglove (`/foxglove`), as in "https://app.foxglove.dev";
+        /// programs that are no browsers need none.
+        foxglove_sites: Vec<String> = Vec::new(), usually "none";
         /// Length of the stored past of the picture.
         history_s: u32 = 600, in [0, 86_400];
         /// Greatest memory for the past, megabytes; the oldest states are dropped first.
@@ -62,6 +65,14 @@ impl Settings {
                 let what =
                     format!("needs {TOKEN_MIN} letters, digits, - or _, or more; `openssl rand -hex 16` makes one");
                 return Err(SettingsError::new(key, what));
+            }
+        }
+        for site in &self.foxglove_sites {
+            let parts = site.split_once("://");
+            if !parts.is_some_and(|(scheme, name)| !scheme.is_empty() && !name.contains(['/', ' '])) {
+                let what =
+                    format!("\"{site}\" is no site; write it without a path, as in \"https://app.foxglove.dev\"");
+                return Err(SettingsError::new("foxglove_sites", what));
             }
         }
         match &self.operator_token {

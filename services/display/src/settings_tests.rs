@@ -40,6 +40,10 @@ fn a_display_that_others_can_reach_must_be_asked_for_and_has_a_token() {
             "display.token: needs 16",
         ),
         (
+            "listen = \"127.0.0.1:8900\"\nfoxglove_sites = [\"https://app.example/\"]",
+            "display.foxglove_sites: \"https://app.example/\" is no site",
+        ),
+        (
             "listen = \"127.0.0.1:8900\"\nhosts = [\"a b\"]",
             "display.hosts: \"a b\" is no name",
         ),
@@ -51,6 +55,7 @@ fn a_display_that_others_can_reach_must_be_asked_for_and_has_a_token() {
     for lines in [
         "listen = \"127.0.0.1:8900\"",
         "listen = \"[::1]:8900\"",
+        "listen = \"[::1]:8900\"\nfoxglove_sites = [\"https://app.example\", \"file://\"]",
         &format!("listen = \"0.0.0.0:8900\"\ninsecure = true\n{token}"),
     ] {
         assert!(read(lines).unwrap().services.display, "{lines}");

@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use runtime::Now;
 
+use crate::feed::Feed;
 use crate::orders::OrderQueue;
 use crate::status::Audience;
 use crate::world::World;
@@ -20,6 +21,8 @@ pub(crate) struct SharedState {
     /// Reads the clocks.
     pub(crate) clock: fn() -> Now,
     pub(crate) traffic: TrafficCounts,
+    /// Samples as they are published.
+    pub(crate) feed: Arc<Feed>,
 }
 
 /// Counts of pages and pictures.
@@ -33,14 +36,20 @@ pub(crate) struct TrafficCounts {
 }
 
 impl SharedState {
-    /// Creates the shared state of a world and the files of its overlays.
+    /// Creates the shared state of a world and the files of its overlays, without published samples.
     pub(crate) fn new(world: World, overlays: Vec<PathBuf>, clock: fn() -> Now) -> Arc<Self> {
+        Self::fed(world, overlays, clock, Feed::default())
+    }
+
+    /// Creates the shared state of a world, the files of its overlays, and the samples as they are published.
+    pub(crate) fn fed(world: World, overlays: Vec<PathBuf>, clock: fn() -> Now, feed: Feed) -> Arc<Self> {
         Arc::new(Self {
             world: Mutex::new(world),
             overlays,
             orders: OrderQueue::default(),
             clock,
             traffic: TrafficCounts::default(),
+            feed: Arc::new(feed),
         })
     }
 

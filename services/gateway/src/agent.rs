@@ -114,6 +114,10 @@ impl<S: Transport> GatewayAgent<S> {
                     let reports = SystemReports::new(gateway.table()?, sac, sic, config.frame, &sources, block_bytes)?
                         .with_height(gateway.heights)
                         .with_tracks(capacity);
+                    let reports = match gateway.target_identification {
+                        true => reports.with_target_identification(),
+                        false => reports,
+                    };
                     let picture = OutgoingPicture::open(bus, &topic, incarnation, user, capacity, reports)?;
                     let [of_system, of_sensors] = STATUS_CATEGORIES.map(registry::default_edition);
                     let (of_system, of_sensors) = of_system.zip(of_sensors).context("CAT065 and CAT063 have tables")?;
@@ -177,6 +181,7 @@ fn system_source(source: &Source) -> SystemSource {
     SystemSource {
         number: source.number,
         technology: source.technology,
+        code: source.model.sac_sic.map(|(sac, sic)| [sac, sic]),
     }
 }
 

@@ -97,6 +97,9 @@ settings::settings! {
         /// Largest size of a datagram, bytes: by default the room of an Ethernet frame beside the headers of IPv4 and
         /// UDP, at most the limit of IPv4.
         block_bytes: usize = 1472, in [256, 65_507];
+        /// Send the call sign in I062/245, too, for receivers that know an edition before 1.16 only. Later editions
+        /// have the call sign in I062/380 alone.
+        target_identification: bool = false;
         /// Reference of the heights of system tracks; selects the items for heights.
         heights: HeightReference = HeightReference::Barometric;
     }
@@ -173,6 +176,7 @@ impl Settings {
             ("edition", self.edition.is_some()),
             ("sac", self.sac.is_some()),
             ("sic", self.sic.is_some()),
+            ("target_identification", self.target_identification),
         ];
         if let Some((key, _)) = given.into_iter().find(|(_, is_given)| *is_given) {
             let what = "is for ASTERIX, and format = \"cot\" sends the fused picture: leave one of the two out";

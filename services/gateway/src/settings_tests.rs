@@ -197,6 +197,10 @@ fn cursor_on_target_has_keys_of_its_own() {
         (&[cot, at, "ttl = 3"], "ttl: is about datagrams"),
         (&[cot, to, "sac = 1"], "sac: is for ASTERIX"),
         (
+            &[cot, to, "target_identification = true"],
+            "target_identification: is for ASTERIX",
+        ),
+        (
             &[cot, to, "refresh_s = 40.0"],
             "stale_s: must be longer than refresh_s, 40",
         ),

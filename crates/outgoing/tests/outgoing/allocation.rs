@@ -82,6 +82,7 @@ fn sending_system_tracks_does_not_allocate() {
     let sources = [SystemSource {
         number: 1,
         technology: Technology::ModeS,
+        code: Some([1, 3]),
     }];
     for table in registry::editions(62) {
         let mut sender = SystemReports::new(table, 1, 2, world.system, &sources, 1400).unwrap();

@@ -6,8 +6,8 @@
 use asterix::Category;
 use asterix::categories::*;
 use messages::{
-    Contribution, Covariance, Identity, SensorTrack, SystemTrack, TrackState, alert_bits, contribution_bits,
-    sensor_track_bits as bits,
+    Contribution, Covariance, Identity, IdentityAges, SensorTrack, SystemTrack, TrackState, alert_bits,
+    contribution_bits, sensor_track_bits as bits,
 };
 use outgoing::{
     Condition, SensorReports, SensorStatus, StatusReports, SystemReports, SystemSource, SystemStatus, Technology,
@@ -53,6 +53,16 @@ fn cat062() {
         state: TrackState::Confirmed as u8,
         source_count: 1,
         contribution_count: 1,
+        // Half a second old: a report with a level, after another one with the code.
+        trigger_source: 1,
+        time_of_measurement_ns: TIME_NS - 500_000_000,
+        level: 1400,
+        level_valid: 1,
+        level_age_ms: 500,
+        identity_ages: IdentityAges {
+            mode_3a_ms: 1000,
+            ..IdentityAges::default()
+        },
         ..SystemTrack::default()
     };
     track.contributions[0] = Contribution {
@@ -64,6 +74,7 @@ fn cat062() {
     let sources = [SystemSource {
         number: 1,
         technology: Technology::ModeS,
+        code: Some([0x14, 0x01]),
     }];
     let mut sender = SystemReports::new(&CAT062_V1_18, 0x14, 0x2A, world().system, &sources, 1400).unwrap();
     let sent = block(|send| {
@@ -72,8 +83,8 @@ fn cat062() {
     });
     assert_lines(
         &sent,
-        "3E 00 2B                  category 062, 43 octets
-         9F 5E                     010 070 105 100 185, 060 380 040 080 290
+        "3E 00 37                  category 062, 55 octets
+         9F 5F 61 02               010 070 105 100 185, 060 380 040 080 290, 295 136, 340
          14 2A                     010
          00 01 00                  070: 2 s
          00 80 00 00 00 20 00 00   105: 2^23 and 2^21 times 180/2^25 degrees
@@ -83,7 +94,10 @@ fn cat062() {
          80 4C A7 B3               380: ADR
          00 11                     040
          81 21 01 01 40            080: MON; TSB; none; none; SDS 1
-         10 04                     290: MDS, 4 quarters",
+         10 04                     290: MDS, 4 quarters
+         90 02 04                  295: MFL, 2 quarters; MDA, 4
+         05 78                     136: 1400 quarters
+         90 14 01 05 78            340: SID; MDC, 1400 quarters",
     );
 }
 

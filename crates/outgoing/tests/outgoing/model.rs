@@ -2,8 +2,8 @@
 
 use frames::{Geodetic, SensorFrame, SystemFrame};
 use messages::{
-    CONTRIBUTIONS_MAX, Contribution, Covariance, Identity, Movement, SensorTrack, SystemTrack, TrackState,
-    contribution_bits,
+    CONTRIBUTIONS_MAX, Contribution, Covariance, Identity, IdentityAges, Movement, SensorTrack, SystemTrack,
+    TrackState, contribution_bits,
 };
 use proptest::prelude::*;
 
@@ -214,6 +214,19 @@ prop_compose! {
     }
 }
 
+/// Source and age (ms) of the last report; level, whether it is known, its age; age of the code. Ages are those of the
+/// report, or other ones.
+fn measured() -> impl Strategy<Value = (u16, u32, i16, u8, u32, u32)> {
+    let source = prop_oneof![4 => 0..SOURCES, 1 => Just(messages::NO_SOURCE)];
+    let level = prop_oneof![5 => -60..6000i16, 1 => any::<i16>()];
+    let other = || prop_oneof![1 => Just(None), 1 => prop_oneof![10_000..60_000u32, 10_000..u32::MAX].prop_map(Some)];
+    let ages = (0..9_000u32, other(), other());
+    (source, level, 0..2u8, ages).prop_map(|(source, level, is_known, (report_ms, level_ms, code_ms))| {
+        let [level_ms, code_ms] = [level_ms, code_ms].map(|age_ms| age_ms.unwrap_or(report_ms));
+        (source, report_ms, level, is_known, level_ms, code_ms)
+    })
+}
+
 prop_compose! {
     /// A system track with one of a few numbers, so that histories come about.
     pub(crate) fn system_track()(reference_ns in time_ns())(
@@ -224,13 +237,21 @@ prop_compose! {
         reference_time_ns in Just(reference_ns), rates in prop::array::uniform3(0..3u8),
         pressure_offset_m in -500.0..500.0f32, altitude_m in -600.0..6e3f32, has_qnh in any::<bool>(),
         climb_rate_mps in -40.0..40.0f32, climb_sigma_mps in 0.01..20.0f32, turn_rate_radps in -0.05..0.05f32,
+        measured in measured(),
     ) -> SystemTrack {
+        let (trigger_source, report_ms, level, level_valid, level_age_ms, mode_3a_ms) = measured;
         let mut listed = [Contribution::default(); CONTRIBUTIONS_MAX];
         listed[..contributions.len()].copy_from_slice(&contributions);
         SystemTrack {
             reference_time_ns, track_number, identity, position_m, velocity_mps, covariance, state, alerts,
             height_valid, on_ground, movement, climb_rate_mps, turn_rate_radps,
             pressure_offset_m,
+            trigger_source,
+            time_of_measurement_ns: reference_time_ns - i64::from(report_ms) * 1_000_000,
+            level,
+            level_valid,
+            level_age_ms,
+            identity_ages: IdentityAges { mode_3a_ms, ..IdentityAges::default() },
             altitude_m,
             qnh_hpa: if has_qnh { 1_003.0 } else { 0.0 },
             pressure_offset_sigma_m: if rates[2] > 0 { 30.0 } else { 0.0 },

@@ -808,12 +808,12 @@ fn what_can_not_be_sent_is_named_with_what_can() {
         "CAT063 ed 1.6 can not be sent here; choose one of CAT048, CAT020, CAT021 and CAT010"
     );
     let radar = registry::default_edition(48).unwrap();
-    for octets in [0, 127, 65_536] {
+    for octets in [0, 147, 65_536] {
         let error = sender(radar, octets).unwrap_err();
         assert_eq!(error, OutgoingError::BlockSize { octets });
-        assert!(error.to_string().contains("choose 128 to 65535"), "{error}");
+        assert!(error.to_string().contains("choose 148 to 65535"), "{error}");
     }
-    assert_eq!((sender(radar, 128), sender(radar, 65_535)), (Ok(()), Ok(())));
+    assert_eq!((sender(radar, 148), sender(radar, 65_535)), (Ok(()), Ok(())));
 }
 
 #[test]

@@ -61,10 +61,10 @@ fn sensors_are_reported_one_by_one_in_every_edition() {
         })
         .collect();
     for table in registry::editions(63) {
-        let mut sender = StatusReports::new(of_system, table, 3, 4, 130).unwrap();
+        let mut sender = StatusReports::new(of_system, table, 3, 4, 150).unwrap();
         let mut blocks = vec![];
         sender.sensors(NOW_NS, &sensors, &mut |block| blocks.push(block.to_vec()));
-        assert!(blocks.len() > 1 && blocks.iter().all(|block| block.len() <= 130));
+        assert!(blocks.len() > 1 && blocks.iter().all(|block| block.len() <= 150));
         let found: Vec<NamedRecord> = blocks.iter().flat_map(|block| records(table, block)).collect();
         assert_eq!(found.len(), sensors.len());
         for (record, sensor) in found.iter().zip(&sensors) {

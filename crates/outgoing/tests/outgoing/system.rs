@@ -28,6 +28,11 @@ fn technology(source: u16) -> Technology {
         .map_or(Technology::Other, |(kind, _)| *kind)
 }
 
+/// Codes of a source: the first source has none.
+fn code(source: u16) -> Option<[u8; 2]> {
+    (source > 0).then_some([9, source as u8])
+}
+
 /// A source of every kind; the last of the numbers is not listed.
 fn sources(kinds: &[bool]) -> Vec<SystemSource> {
     let listed = (0..SOURCES - 1).filter(|number| kinds.get(usize::from(*number)).copied().unwrap_or(true));
@@ -35,6 +40,7 @@ fn sources(kinds: &[bool]) -> Vec<SystemSource> {
         .map(|number| SystemSource {
             number,
             technology: technology(number),
+            code: code(number),
         })
         .collect()
 }
@@ -83,7 +89,7 @@ impl Case {
             .unwrap()
             .with_height(self.height);
         if self.with_tentative {
-            sender = sender.with_tentative();
+            sender = sender.with_tentative().with_target_identification();
         }
         let mut histories = HashMap::<u32, History>::new();
         let mut sent_before = 0;
@@ -173,10 +179,11 @@ impl Case {
         self.check_motion(sent, track, up);
         self.check_height(sent, track);
         self.check_identity(sent, track);
+        self.check_measured(sent, track);
         self.check_status(sent, expected);
         self.check_ages(sent, expected);
         self.check_accuracies(sent, track);
-        for absent in ["015", "136", "295", "340", "390", "510", "RE", "SP"] {
+        for absent in ["015", "390", "510", "RE", "SP"] {
             assert!(!sent.has(&[absent]), "{}: {absent}", sent.table);
         }
     }
@@ -239,7 +246,42 @@ impl Case {
         assert_eq!(sent.has(&["380", "ADR"]), identity.address().is_some());
         sent.is(&["380", "ADR"], identity.address().unwrap_or(0));
         assert_eq!(sent.text(&["380", "ID"]), call_sign.as_deref());
-        assert!(!sent.has(&["245"]));
+        // Asked for together with tentative tracks, to try both.
+        let old = call_sign.filter(|_| self.with_tentative);
+        assert_eq!(sent.text(&["245", "CHR"]), old.as_deref());
+        sent.is(&["245", "STI"], 0u64);
+    }
+
+    /// I062/136, 295 and 340.
+    fn check_measured(&self, sent: &Sent<'_>, track: &SystemTrack) {
+        let level = (track.level_valid != 0).then_some(f64::from(track.level) / 4.0);
+        let allowed = level.filter(|level| (-15.0..=1500.0).contains(level));
+        sent.near_if(&["136"], allowed, 0.25);
+        let seconds = |age_ms: u32| (f64::from(age_ms) / 1e3).min(63.75);
+        sent.near_if(&["295", "MFL"], level.map(|_| seconds(track.level_age_ms)), 0.25);
+        let mode_3a = model::code(&track.identity);
+        let code_age_ms = track.identity_ages.mode_3a_ms;
+        sent.near_if(&["295", "MDA"], mode_3a.as_ref().map(|_| seconds(code_age_ms)), 0.25);
+        let trigger = track.trigger_source;
+        let is_listed = trigger < SOURCES - 1 && self.has_kind.get(usize::from(trigger)).copied().unwrap_or(true);
+        let sensor = code(trigger).filter(|_| is_listed && technology(trigger) != Technology::AdsB);
+        assert_eq!(sent.has(&["340"]), sensor.is_some(), "{}", sent.table);
+        let Some([sac, sic]) = sensor else { return };
+        sent.is(&["340", "SID", "SAC"], sac);
+        sent.is(&["340", "SID", "SIC"], sic);
+        let age_ms = (track.reference_time_ns - track.time_of_measurement_ns) / 1_000_000;
+        let is_new = |value_ms: u32| i64::from(value_ms) == age_ms;
+        let new_level = allowed.filter(|_| is_new(track.level_age_ms));
+        sent.near_if(&["340", "MDC", "LMC"], new_level, 0.25);
+        let new_code = mode_3a.filter(|_| is_new(code_age_ms));
+        assert_eq!(sent.text(&["340", "MDA", "MODE3A"]).map(str::to_owned), new_code);
+        let kind = match technology(trigger) {
+            Technology::Primary => 1u64,
+            Technology::Secondary => 2,
+            _ => 0,
+        };
+        sent.is(&["340", "TYP", "TYP"], kind);
+        assert!(!sent.has(&["340", "POS"]) && !sent.has(&["340", "HEIGHT"]));
     }
 
     fn check_status(&self, sent: &Sent<'_>, expected: &Expected<'_>) {

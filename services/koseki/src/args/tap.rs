@@ -52,6 +52,9 @@ pub(crate) struct Tap {
     /// Numbers for codes, bits and sources, and no latitude and longitude
     #[arg(long)]
     pub(crate) raw: bool,
+    /// Print the JSON Schema of the topic's lines, and end; no instance needs to run
+    #[arg(long, conflicts_with_all = ["format", "csv", "asterix", "count", "instance", "socket"])]
+    pub(crate) schema: bool,
     /// System area code of the sender, in CAT062
     #[arg(long, value_name = "SAC", default_value_t = 0)]
     pub(crate) sac: u8,

@@ -3,25 +3,23 @@
 //! A tap is a normal reader: it delays no process, and reports its own losses.
 
 mod blocks;
-mod lines;
-mod names;
 
 use std::io::{self, Write};
 use std::time::Duration;
 
 use anyhow::bail;
-use bus::{Bus, Payload, ReceiveOutcome, SharedMemory, WaitMode, Woken};
+use bus::{Bus, Payload, ReceiveOutcome, Root, SharedMemory, WaitMode, Woken};
 use messages::{Topic, Visitor};
 use net::LineServer;
 use offline::Usage;
 use runtime::clock::{instant, mono_ns};
 use runtime::signals::Stop;
+use sample_text::{LineFormat, LineWriter, SampleNames};
 
 use crate::args::{Tap, TapFormat, TapSocket};
+use crate::config::Config;
 use crate::instances;
 use blocks::TapBlocks;
-use lines::{LineFormat, LineWriter};
-use names::Names;
 
 /// Longest wait between two checks for connections or the deployment's end.
 const LOOK: Duration = Duration::from_millis(100);
@@ -95,6 +93,16 @@ impl LineDestination {
     }
 }
 
+/// Returns the names of a running instance.
+///
+/// # Errors
+/// If its configuration cannot be read.
+fn names_of(root: &Root) -> anyhow::Result<SampleNames> {
+    let config = Config::of_running(root.path())?;
+    let sources = config.sources.iter().map(|source| source.name.clone());
+    Ok(SampleNames::new(sources.collect(), config.frame))
+}
+
 struct TapReader<'a> {
     tap: &'a Tap,
 }
@@ -103,6 +111,11 @@ impl Visitor for TapReader<'_> {
     type Output = anyhow::Result<()>;
 
     fn visit<T: Payload>(self, topic: Topic<T>) -> anyhow::Result<()> {
+        if self.tap.schema {
+            let schema = sample_text::json_schema(&T::LAYOUT, !self.tap.raw);
+            println!("{schema:#}");
+            return Ok(());
+        }
         let root = instances::running_or_only(self.tap.instance.as_deref())?;
         let stop = Stop::on_signals()?;
         let bus = Bus::<SharedMemory>::open(&root, "tap")?;
@@ -112,7 +125,7 @@ impl Visitor for TapReader<'_> {
                     TapFormat::Csv => LineFormat::Csv,
                     _ => LineFormat::Json,
                 };
-                let names = (!self.tap.raw).then(|| Names::of_running(&root)).transpose()?;
+                let names = (!self.tap.raw).then(|| names_of(&root)).transpose()?;
                 SampleForm::Lines(LineWriter::new(&T::LAYOUT, format, names))
             }
             TapFormat::Cat062 => match TapBlocks::open(self.tap, &bus, &stop)? {

@@ -5,11 +5,11 @@ use std::io::Write as _;
 use messages::layout::{ALL, Layout, Sample as _, SampleField};
 use messages::{PlatformState, SystemTrack, platform_state_bits};
 
-use super::names::{Names, Word};
+use crate::names::{SampleNames, Word};
 
 /// Form of a line.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum LineFormat {
+pub enum LineFormat {
     /// A JSON object.
     Json,
     /// Values between commas; the first line names them.
@@ -17,18 +17,20 @@ pub(super) enum LineFormat {
 }
 
 /// Columns of a position on the earth; the flight level of system tracks is that of the transponder.
-const PLACES: [&str; 4] = ["latitude", "longitude", "height_m", "flight_level"];
+pub(crate) const PLACES: [&str; 4] = ["latitude", "longitude", "height_m", "flight_level"];
 
 /// Writes samples of one layout.
-pub(super) struct LineWriter {
+#[derive(Debug)]
+pub struct LineWriter {
     layout: &'static Layout,
     format: LineFormat,
     /// Words for codes, bits and sources; `None`: all numbers stay numbers.
-    names: Option<Names>,
+    names: Option<SampleNames>,
 }
 
 impl LineWriter {
-    pub(super) fn new(layout: &'static Layout, format: LineFormat, names: Option<Names>) -> Self {
+    /// Returns a writer of samples with this layout; without `names`, all numbers stay numbers.
+    pub fn new(layout: &'static Layout, format: LineFormat, names: Option<SampleNames>) -> Self {
         Self { layout, format, names }
     }
 
@@ -57,8 +59,8 @@ impl LineWriter {
         self.place(&vec![0; self.layout.size]).is_some()
     }
 
-    /// Head before the lines.
-    pub(super) fn head(&self) -> Vec<u8> {
+    /// Returns the head before the lines: the columns of CSV.
+    pub fn head(&self) -> Vec<u8> {
         match self.format {
             LineFormat::Json => Vec::new(),
             LineFormat::Csv => {
@@ -72,8 +74,8 @@ impl LineWriter {
         }
     }
 
-    /// Appends the line of a sample.
-    pub(super) fn write(&self, sample: &[u8], text: &mut Vec<u8>) {
+    /// Appends the line of a sample, given as the bytes of its layout.
+    pub fn write(&self, sample: &[u8], text: &mut Vec<u8>) {
         match self.format {
             LineFormat::Json => {
                 self.object(self.layout, sample, text);
@@ -168,12 +170,12 @@ impl LineWriter {
     }
 }
 
-fn layout_of(element: &str) -> Option<&'static Layout> {
+pub(crate) fn layout_of(element: &str) -> Option<&'static Layout> {
     ALL.iter().find(|layout| layout.name == element)
 }
 
 /// Returns the fields with content.
-fn fields(layout: &Layout) -> impl Iterator<Item = &'static SampleField> + use<> {
+pub(crate) fn fields(layout: &Layout) -> impl Iterator<Item = &'static SampleField> + use<> {
     let is_spare = |field: &&SampleField| field.name == "spare" || field.name.starts_with("reserved");
     layout.fields.iter().filter(move |field| !is_spare(field))
 }
@@ -269,7 +271,7 @@ mod tests {
 
     use super::*;
 
-    fn line(format: LineFormat, track: SystemTrack, names: Option<Names>) -> String {
+    fn line(format: LineFormat, track: SystemTrack, names: Option<SampleNames>) -> String {
         let mut text = Vec::new();
         LineWriter::new(&SystemTrack::LAYOUT, format, names).write(SystemTrack::octets(&[track]), &mut text);
         String::from_utf8(text).unwrap()
@@ -306,9 +308,9 @@ mod tests {
         assert_eq!(json.as_object().map(serde_json::Map::len), Some(named.count()));
     }
 
-    fn names() -> Names {
+    fn names() -> SampleNames {
         let origin = Geodetic::from_degrees(45.0, 9.0, 0.0).unwrap();
-        Names::new(
+        SampleNames::new(
             ["north", "south", "west", "wam"].map(str::to_owned).to_vec(),
             SystemFrame::at(origin),
         )

@@ -2,19 +2,16 @@
 
 use std::collections::BTreeMap;
 
-use bus::Root;
 use frames::SystemFrame;
 use messages::NO_SOURCE;
 use messages::layout::{ALL, CodeGroup, code_groups};
 
-use crate::config::Config;
-
 /// Fields that hold the number of a source.
-const SOURCES: [&str; 4] = ["source", "other_source", "trigger_source", "selected_source"];
+pub(crate) const SOURCES: [&str; 4] = ["source", "other_source", "trigger_source", "selected_source"];
 
 /// What is needed to write numbers as words.
-#[derive(Debug)]
-pub(super) struct Names {
+#[derive(Clone, Debug)]
+pub struct SampleNames {
     /// By the names of the sample and of the field.
     codes: BTreeMap<(&'static str, &'static str), CodeGroup>,
     sources: Vec<String>,
@@ -22,7 +19,7 @@ pub(super) struct Names {
 }
 
 /// A number in words.
-pub(super) enum Word<'a> {
+pub(crate) enum Word<'a> {
     /// A single word.
     One(&'a str),
     /// The bits that are set.
@@ -31,19 +28,10 @@ pub(super) enum Word<'a> {
     Nothing,
 }
 
-impl Names {
-    /// Returns the names of a running instance.
-    ///
-    /// # Errors
-    /// If its configuration cannot be read.
-    pub(super) fn of_running(root: &Root) -> anyhow::Result<Self> {
-        let config = Config::of_running(root.path())?;
-        let sources = config.sources.iter().map(|source| source.name.clone());
-        Ok(Self::new(sources.collect(), config.frame))
-    }
-
-    /// Names for an instance with these sources; positions in `frame` are also written as latitude and longitude.
-    pub(super) fn new(sources: Vec<String>, frame: SystemFrame) -> Self {
+impl SampleNames {
+    /// Returns the words for an instance with these sources; positions in `frame` are also
+    /// written as latitude and longitude.
+    pub fn new(sources: Vec<String>, frame: SystemFrame) -> Self {
         let groups = code_groups();
         let fields = ALL
             .iter()
@@ -58,7 +46,7 @@ impl Names {
 
     /// Returns the words for the value of a field of a sample; `None` if it is a plain number, or has a code of another
     /// version.
-    pub(super) fn word(&self, sample: &'static str, field: &'static str, value: u64) -> Option<Word<'_>> {
+    pub(crate) fn word(&self, sample: &'static str, field: &'static str, value: u64) -> Option<Word<'_>> {
         if SOURCES.contains(&field) {
             return match usize::try_from(value).ok().and_then(|place| self.sources.get(place)) {
                 Some(name) => Some(Word::One(name)),
@@ -75,8 +63,11 @@ impl Names {
         Some(Word::One(code.word))
     }
 
-    /// Returns latitude, longitude (degrees) and height (m) of a position in the system frame.
-    pub(super) fn place(&self, position_m: [f64; 3]) -> [f64; 3] {
+    /// Returns latitude, longitude (degrees) and height (m) of a position in the system frame; NaN for an unknown one.
+    pub(crate) fn place(&self, position_m: [f64; 3]) -> [f64; 3] {
+        if !position_m.iter().all(|coordinate| coordinate.is_finite()) {
+            return [f64::NAN; 3];
+        }
         let place = self.frame.to_geodetic(position_m);
         [place.latitude_deg(), place.longitude_deg(), place.height_m()]
     }
