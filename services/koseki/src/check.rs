@@ -18,6 +18,7 @@ use tracking::turn_time::Basis;
 use crate::args::{self, Check};
 use crate::check_trackers;
 use crate::config::Config;
+use crate::link::{self, LinkFindings};
 use crate::recordings::{self, Depth, RecordingFindings};
 
 /// Nanoseconds in a second.
@@ -30,16 +31,92 @@ const PERIOD_DOUBT: f64 = 0.15;
 /// # Errors
 /// If the configuration or a recording cannot be used.
 pub(crate) fn run(check: &Check) -> anyhow::Result<()> {
-    let config = Config::read(&check.config, &check.set)?;
     let data = args::data_folder(check.data.clone());
-    let found = recordings::inspect(&config, &data, Depth::Records)?;
-    display::check_overlays(config.parts.display(), &config.frame, &data).map_err(Usage)?;
+    let sides = [Some(&check.config), check.other.as_ref()].into_iter().flatten();
+    let sides: Vec<Side<'_>> = sides
+        .map(|path| Side::read(path, check, &data))
+        .collect::<anyhow::Result<_>>()?;
+    let has_links = sides.iter().any(|side| !side.config.links.is_empty());
+    let links = match has_links || sides.len() > 1 {
+        true => {
+            let paths: Vec<&Path> = sides.iter().map(|side| side.path).collect();
+            link::examine(&paths, &check.set)?
+        }
+        false => LinkFindings::default(),
+    };
+    refuse(&links, check.json)?;
     let free_bytes = bus::free_space().ok();
     if check.json {
-        let summary = json(&check.config, &config, &found, free_bytes);
-        return crate::print(&(serde_json::to_string_pretty(&summary)? + "\n"));
+        let mut all: Vec<Value> = sides.iter().map(|side| side.json(free_bytes, &links)).collect();
+        let all = match all.len() {
+            1 => all.remove(0),
+            _ => Value::Array(all),
+        };
+        return crate::print(&(serde_json::to_string_pretty(&all)? + "\n"));
     }
-    crate::print(&summary(&check.config, &config, &found, free_bytes))
+    let mut text: Vec<String> = sides.iter().map(|side| side.summary(free_bytes)).collect();
+    text.push(summary_of_links(&links));
+    text.retain(|part| !part.is_empty());
+    crate::print(&text.join("\n"))
+}
+
+/// A configuration that is sound by itself, with the findings in its recordings.
+struct Side<'a> {
+    path: &'a Path,
+    config: Config,
+    found: Vec<RecordingFindings>,
+}
+
+impl<'a> Side<'a> {
+    fn read(path: &'a Path, check: &Check, data: &Path) -> anyhow::Result<Self> {
+        let config = Config::read(path, &check.set)?;
+        let found = recordings::inspect(&config, data, Depth::Records)?;
+        display::check_overlays(config.parts.display(), &config.frame, data).map_err(Usage)?;
+        Ok(Self { path, config, found })
+    }
+
+    fn summary(&self, free_bytes: Option<u64>) -> String {
+        summary(self.path, &self.config, &self.found, free_bytes)
+    }
+
+    fn json(&self, free_bytes: Option<u64>, links: &LinkFindings) -> Value {
+        let mut all = json(self.path, &self.config, &self.found, free_bytes);
+        if let Some(warnings) = all["warnings"].as_array_mut() {
+            let file = self.path.display().to_string();
+            // A warning that names no file concerns this machine.
+            let is_of = |text: &&String| text.starts_with(&file) || text.starts_with("koseki-link");
+            warnings.extend(links.warnings.iter().filter(is_of).map(|text| json!(text)));
+        }
+        all
+    }
+}
+
+/// Refuses with a line for each mistake.
+fn refuse(links: &LinkFindings, is_json: bool) -> anyhow::Result<()> {
+    let Some((last, others)) = links.refused.split_last() else {
+        return Ok(());
+    };
+    if is_json {
+        let all = json!({ "sound": false, "refused": links.refused, "warnings": links.warnings });
+        crate::print(&(serde_json::to_string_pretty(&all)? + "\n"))?;
+    }
+    for other in others {
+        runtime::notice(format_args!("koseki: {other}"));
+    }
+    Err(Usage(last.clone()).into())
+}
+
+fn summary_of_links(links: &LinkFindings) -> String {
+    let mut text = String::new();
+    let rows = links
+        .links
+        .iter()
+        .map(|each| ("link", format!("{}: {}", each.name, each.text)));
+    for (title, row) in rows.chain(links.warnings.iter().map(|warning| ("warning", warning.clone()))) {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{title:<12} {row}");
+    }
+    text
 }
 
 /// The summary for programs.
