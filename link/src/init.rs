@@ -40,8 +40,8 @@ pub(crate) struct Init {
     /// The centre that connects: NAME, NAME=HOST, FILE.toml or FILE.toml=HOST
     #[arg(value_name = "EAST")]
     east: String,
-    /// Folder in which the folders of both centres and of the authority are made
-    #[arg(long, value_name = "FOLDER", default_value = ".")]
+    /// Folder in which the folders of both centres and of the authority are made [default: the current one]
+    #[arg(long, value_name = "FOLDER", hide_default_value = true, default_value = "")]
     out: PathBuf,
     /// Port at which the west listens
     #[arg(long, value_name = "PORT", default_value_t = 7447, value_parser = clap::value_parser!(u16).range(1..))]

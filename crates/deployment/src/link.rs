@@ -129,7 +129,8 @@ impl Link {
             |deployment: &str| self.peers.is_empty() || self.peers.iter().any(|peer| peer.gives() == deployment);
         if let Some(received) = self.receive.iter().find(|received| !gives(&received.deployment)) {
             let what = format!(
-                "no [[link.peer]] may give the topics of \"{0}\"; give the one that does deployment = \"{0}\"",
+                "no [[link.peer]] may give the topics of \"{0}\"; give the one that does deployment = \"{0}\", or correct \
+                 receive.deployment",
                 received.deployment
             );
             return Err(SettingsError::new("peer.deployment", what));
