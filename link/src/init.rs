@@ -41,8 +41,8 @@ pub(crate) struct Init {
     #[arg(value_name = "EAST")]
     east: String,
     /// Folder in which the folders of both centres and of the authority are made [default: the current one]
-    #[arg(long, value_name = "FOLDER", hide_default_value = true, default_value = "")]
-    out: PathBuf,
+    #[arg(long, value_name = "FOLDER")]
+    out: Option<PathBuf>,
     /// Port at which the west listens
     #[arg(long, value_name = "PORT", default_value_t = 7447, value_parser = clap::value_parser!(u16).range(1..))]
     port: u16,
@@ -254,7 +254,8 @@ pub(crate) fn run(init: &Init) -> anyhow::Result<()> {
     west.join(first, &east.name, "listen", &listens)?;
     east.join(second, &west.name, "connect", &connects)?;
     let texts = [west.checked()?, east.checked()?];
-    let folders = [west.name.as_str(), &east.name, "authority"].map(|name| init.out.join(name));
+    let out = init.out.as_deref().unwrap_or(Path::new(""));
+    let folders = [west.name.as_str(), &east.name, "authority"].map(|name| out.join(name));
     if let Some(there) = folders.iter().find(|folder| folder.symlink_metadata().is_ok()) {
         let there = there.display();
         let what = format!("{there} exists, and nothing is overwritten; remove it, or give another folder with --out");
