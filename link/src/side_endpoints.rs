@@ -129,7 +129,7 @@ fn explain([west, east]: [&Side; 2], found: &mut Findings) {
     };
     let listens = |side: &Side| all(side, |link| &link.listen);
     for (side, other) in [(west, east), (east, west)] {
-        for (index, link) in side.links().filter(|(_, link)| !link.connect.is_empty()) {
+        if let Some((index, link)) = side.links().find(|(_, link)| !link.connect.is_empty()) {
             let (there, file) = (listens(other).join(", "), other.file());
             let what = match there.is_empty() {
                 true => format!(
@@ -166,13 +166,12 @@ fn meet(pair: [End<'_>; 2], host: Option<&str>, sound: &Sound, found: &mut Findi
         let (side, index, link) = *own;
         let at = |key: &str, what: String| side.at(&format!("link[{index}].{key}"), what);
         let (there, _, others) = *other;
-        if let (Some(shown), Some(judge)) = (of(own), of(other)) {
-            if let Some(fault) = shown.fault_at(judge, host, credentials::utc()) {
-                let file = link.certificate.as_deref().unwrap_or_default();
-                found
-                    .refused
-                    .push(at("certificate", format!("{file} {fault} ({})", there.file())));
-            }
+        if let (Some(shown), Some(judge)) = (of(own), of(other))
+            && let Some(fault) = shown.fault_at(judge, host, credentials::utc())
+        {
+            let file = link.certificate.as_deref().unwrap_or_default();
+            let what = format!("{file} {fault} ({})", there.file());
+            found.refused.push(at("certificate", what));
         }
         let names = [
             of(own).map(|credentials| credentials.own.common_name.as_str()),
