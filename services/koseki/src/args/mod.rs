@@ -423,7 +423,7 @@ http://127.0.0.1:9464/metrics.";
 const LINK_EXAMPLES: &str = "\
 Examples:
   koseki link init west=west.example east=east.example    two centres: configurations, certificates, authority
-  koseki link renew west/west.toml east/east.toml         new certificates and keys
+  koseki link renew west/west.toml east/east.toml --authority authority    new certificates and keys
   koseki link --config config/west.toml --name to-east    a link of a running deployment
 
 `koseki link init --help` and `koseki link renew --help` show the options of these commands.
