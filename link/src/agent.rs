@@ -266,8 +266,8 @@ impl Agent for LinkAgent {
     }
 }
 
-/// Writes the certificate that ends soon, the missing peers, and distance and clock offset of the present peers, to `entry`, which is added to
-/// `entries`. Peers without room in a note get further entries, an entry per peer.
+/// Writes the certificate that ends soon, the missing peers, and distance and clock offset of the present peers, to
+/// `entry`, which is added to `entries`. Peers without room in a note get further entries, an entry per peer.
 pub(crate) fn peers(
     entries: &mut Vec<HealthEntry>,
     mut entry: HealthEntry,

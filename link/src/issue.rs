@@ -85,8 +85,8 @@ impl Authority {
         Self::with(pem, &key, statement.until).with_context(|| format!("--authority {}", folder.display()))
     }
 
-    /// A certificate of `common_name` for `hosts`, for either side of a connection, with a new key. The certificate ends no
-    /// later than the authority.
+    /// A certificate of `common_name` for `hosts`, for either side of a connection, with a new key. The certificate
+    /// ends no later than the authority.
     pub(crate) fn issue(&self, common_name: &str, hosts: &[String], days: u32) -> anyhow::Result<Issued> {
         let until = OffsetDateTime::from(credentials::utc()) + Duration::from_secs(u64::from(days) * 86_400);
         let until = until.min(self.until);

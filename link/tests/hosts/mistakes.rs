@@ -1,8 +1,8 @@
 //! Mistakes that people make in the configurations of two centres, each planted in a pair that is sound: `koseki check`
 //! has to refuse each with the file or the key, the value, and what to do.
 //!
-//! [`EDITS`] are mistakes in the text, [`FILES`] those in the files that a link names. Mistakes of feeds have a table of
-//! their own where feeds are tested.
+//! [`EDITS`] are mistakes in the text, [`FILES`] those in the files that a link names. Mistakes of feeds have a table
+//! of their own where feeds are tested.
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt as _;
