@@ -16,6 +16,7 @@ use zenoh::query::{Query, Queryable};
 use zenoh::{Session, Wait as _};
 
 use crate::clocks::{self, Comparison, PeerClocks};
+use crate::expiry::ExpiryWatch;
 use crate::feed;
 use crate::gate::Gates;
 use crate::history::{self, MessageHistory, ReaderPosition, SharedHistory};
@@ -43,6 +44,7 @@ pub(crate) struct LinkAgent {
     compare_ns: i64,
     /// Deployments that something is to come from.
     expected: Vec<String>,
+    expiry: ExpiryWatch,
     /// Before the session.
     _answers: Vec<Queryable<()>>,
     _token: LivelinessToken,
@@ -119,6 +121,7 @@ impl LinkAgent {
             own_clock,
             compare_ns: i64::MIN,
             expected,
+            expiry: ExpiryWatch::of(link),
             _answers: picture.into_iter().chain([clock]).chain(histories).collect(),
             _token: token,
             session,
@@ -222,6 +225,7 @@ impl Agent for LinkAgent {
             self.compare_ns = now.mono_ns + COMPARE_NS;
             self.clocks.ask(&self.session, &self.own_clock);
         }
+        self.expiry.look(now);
         let mut more = false;
         for lane in &mut self.lanes {
             more |= lane.turn(now, &self.outbox)?;
@@ -256,18 +260,20 @@ impl Agent for LinkAgent {
             entry,
             &self.clocks.present(Now::read()),
             &self.expected,
+            self.expiry.note(),
             &self.session,
         );
     }
 }
 
-/// Writes the missing peers, and distance and clock offset of the present peers, to `entry`, which is added to
-/// `entries`. Peers without room in a note get further entries, an entry per peer.
+/// Writes the certificate that ends soon, the missing peers, and distance and clock offset of the present peers, to
+/// `entry`, which is added to `entries`. Peers without room in a note get further entries, an entry per peer.
 pub(crate) fn peers(
     entries: &mut Vec<HealthEntry>,
     mut entry: HealthEntry,
     present: &[(String, String, Comparison)],
     expected: &[String],
+    expiry: Option<&str>,
     session: &Session,
 ) {
     // Connected, and without an answer: the access control of the other link gives nothing.
@@ -295,7 +301,9 @@ pub(crate) fn peers(
         Some(cause) => format!("{name} is not there: {cause}"),
         None => format!("{name} is not there"),
     });
-    let notes: Vec<String> = missing.chain(there).chain(refused::notes()).collect();
+    entry.set(Counter::ExpiringCertificates, expiry.iter().len() as u64);
+    let expiry = expiry.into_iter().map(str::to_owned);
+    let notes: Vec<String> = expiry.chain(missing).chain(there).chain(refused::notes()).collect();
     entry.note = notes.join(", ");
     entries.push(entry);
     entries.extend(notes.into_iter().zip(0..).map(|(note, source)| HealthEntry {

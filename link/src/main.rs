@@ -6,20 +6,29 @@
 
 mod access;
 mod agent;
+mod check;
 mod clocks;
+mod credentials;
+mod expiry;
 mod feed;
 mod frame;
 mod gate;
 mod history;
 mod in_order;
 mod inbound;
+mod init;
+mod issue;
 mod keys;
 mod mirror;
 mod outbound;
 mod outbox;
 mod picture;
 mod refused;
+mod renew;
 mod session;
+mod side_endpoints;
+mod side_places;
+mod sides;
 mod stamps;
 mod stand_in;
 mod wire;
@@ -49,6 +58,14 @@ enum LinkCommand {
     /// Show a deployment of another host as an instance here, for displays, gateways and other readers
     #[command(after_help = MIRROR_EXAMPLES)]
     Mirror(Mirror),
+    /// Make two centres that exchange tracks: their configurations, certificates and authority
+    #[command(after_help = init::EXAMPLES)]
+    Init(init::Init),
+    /// Renew the certificates of links
+    #[command(after_help = renew::EXAMPLES)]
+    Renew(renew::Renew),
+    /// Check the links of a configuration, or of both that a link joins; `koseki check` calls this
+    Check(check::Check),
     /// Write the man pages into a folder, for packages
     #[command(hide = true)]
     Man {
@@ -125,6 +142,9 @@ fn main() -> ExitCode {
     let done = match command {
         LinkCommand::Join(join) => run(join),
         LinkCommand::Mirror(mirror) => mirror::run(mirror),
+        LinkCommand::Init(init) => init::run(&init),
+        LinkCommand::Renew(renew) => renew::run(&renew),
+        LinkCommand::Check(check) => check::run(&check),
         LinkCommand::Man { out } => man_pages(&out),
     };
     match done {

@@ -22,6 +22,7 @@ use zenoh::Session;
 
 use crate::Mirror;
 use crate::clocks::PeerClocks;
+use crate::expiry::ExpiryWatch;
 use crate::in_order::{InOrder, SlicePublisher};
 use crate::inbound::{Arrival, Inbound, InboundCounts, Inlet, Question, Wanted};
 use crate::picture::NewestStates;
@@ -38,7 +39,7 @@ const COMPARE_NS: i64 = 1_000_000_000;
 
 /// Wrong use of the command line.
 #[derive(Debug)]
-pub(crate) struct UsageError(String);
+pub(crate) struct UsageError(pub(crate) String);
 
 impl std::fmt::Display for UsageError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -118,6 +119,7 @@ fn reflect(config: Deployment, options: Options, link: &Link, topics: &[String])
         clocks,
         compare_ns: i64::MIN,
         deployment,
+        expiry: ExpiryWatch::of(link),
         session,
     };
     println!(
@@ -329,12 +331,14 @@ struct MirrorAgent {
     clocks: PeerClocks,
     compare_ns: i64,
     deployment: Arc<String>,
+    expiry: ExpiryWatch,
     session: Session,
 }
 
 impl Agent for MirrorAgent {
     fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
         self.inbound.check()?;
+        self.expiry.look(now);
         if now.mono_ns >= self.compare_ns {
             self.compare_ns = now.mono_ns + COMPARE_NS;
             self.clocks.ask(&self.session, "");
@@ -354,6 +358,7 @@ impl Agent for MirrorAgent {
             entry,
             &self.clocks.present(Now::read()),
             expected,
+            self.expiry.note(),
             &self.session,
         );
     }

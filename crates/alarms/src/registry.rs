@@ -216,6 +216,10 @@ alarms! {
         "The recording of {process} lacks {count}{of}: {cause}.",
         "On a full disk, free space or set `keep_gb`. Of a recorder that ended, read the last output on standard error. \
          Give a recorder that is too slow more of the machine.";
+    CertificateExpires = 44, "certificate-expires", Major, raise 0 s, clear 10 s,
+        "A certificate of {process} ends within 30 days, or has ended: {note}.",
+        "Renew it with `koseki link renew`, copy the files to their host, and end the link's process: the launcher \
+         starts the link again, with the new files. Peers refuse an expired certificate.";
 }
 
 #[cfg(test)]

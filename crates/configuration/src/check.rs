@@ -23,7 +23,7 @@ use deployment::{Deployment, Input, Link, ReportOrder, Services, Source, SystemT
 use sources::Processing;
 
 /// The checked deployment that `raw`, read from `path`, describes, with the settings of its algorithms.
-pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<(Deployment, Engine, Vec<Processing>)> {
+pub(super) fn check(path: &Path, mut raw: DeploymentTable) -> Checked<(Deployment, Engine, Vec<Processing>)> {
     check_name("name", &raw.name)?;
     let frame = SystemFrame::at(place("frame", &raw.frame)?);
     if raw.sources.is_empty() && raw.trackers.is_empty() {
@@ -76,6 +76,8 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<(Deployment, E
     let behind: Vec<Source> = sources.iter().chain(&trackers.sensors).cloned().collect();
     let receivers = network.receivers(&behind, &wide_area_sensors).map_err(located)?;
     deployment::check_links(&raw.links, &sources, &wide_area_sensors)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    raw.links.iter_mut().for_each(|link| link.take_files_from(folder));
     let first_day_ns = first_day(&raw, &sources)?;
     let scenario = check_scenario(&raw, &sources, &wide_area_sensors)?;
     // What a link brings has its source's progress with it.

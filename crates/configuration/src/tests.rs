@@ -37,7 +37,7 @@ fn the_shipped_configurations_are_sound() {
 fn a_link_that_others_can_reach_says_who_they_are() {
     let read = |lines: &str| {
         let text = format!("{}\n[[link]]\nname = \"out\"\n{lines}", barcelona());
-        Config::parse(Path::new("test.toml"), &text, &[]).map_err(|error| error.to_string())
+        Config::parse(Path::new("site/test.toml"), &text, &[]).map_err(|error| error.to_string())
     };
     let local = "listen = [\"tcp/127.0.0.1:7447\"]";
     let tls = "listen = [\"tls/[::]:7447\"]\nauthority = \"a\"\ncertificate = \"b\"\nprivate_key = \"c\"";
@@ -69,6 +69,7 @@ fn a_link_that_others_can_reach_says_who_they_are() {
         assert!(error.contains(said), "{lines}: {error}");
     }
     let link = &read(&format!("{tls}\n{peer}")).unwrap().links[0];
+    assert_eq!(link.authority.as_deref(), Some("site/a"), "beside the configuration");
     assert_eq!(
         (link.peers[0].name.as_str(), link.peers[0].read(link)),
         ("centre", link.send.as_slice())

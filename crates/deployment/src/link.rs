@@ -4,7 +4,7 @@
 
 use std::collections::BTreeSet;
 use std::net::{IpAddr, SocketAddr};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use messages::{SensorTrack, Streamed as _, WideArea};
 use settings::SettingsError;
@@ -30,7 +30,8 @@ settings::settings! {
         /// Size of the queue for the network, megabytes. In a full queue, a newer state of a system track replaces an
         /// older state; of other samples the newest are dropped. Both are counted.
         queue_mb: u32 = 16, in [1, 4096];
-        /// Certificate of the authority that signed the others' certificates, a file in PEM.
+        /// Certificate of the authority that signed the others' certificates, a file in PEM. Relative paths of a link
+        /// begin in the folder of the configuration.
         authority: Option<String> = None;
         /// Certificate that this host shows, a file in PEM.
         certificate: Option<String> = None;
@@ -128,12 +129,28 @@ impl Link {
             |deployment: &str| self.peers.is_empty() || self.peers.iter().any(|peer| peer.gives() == deployment);
         if let Some(received) = self.receive.iter().find(|received| !gives(&received.deployment)) {
             let what = format!(
-                "no [[link.peer]] may give the topics of \"{0}\"; give the one that does deployment = \"{0}\"",
+                "no [[link.peer]] may give the topics of \"{0}\"; give the one that does deployment = \"{0}\", or correct \
+                 receive.deployment",
                 received.deployment
             );
             return Err(SettingsError::new("peer.deployment", what));
         }
         Ok(())
+    }
+
+    /// Takes the files that the link names from `folder`, unless their paths are absolute.
+    pub fn take_files_from(&mut self, folder: &Path) {
+        let files = [
+            &mut self.authority,
+            &mut self.certificate,
+            &mut self.private_key,
+            &mut self.password_file,
+            &mut self.users_file,
+        ];
+        for file in files.into_iter().flatten() {
+            // Both are text, so that the whole is.
+            *file = folder.join(&*file).to_string_lossy().into_owned();
+        }
     }
 
     /// Size of the queue for the network, bytes.

@@ -393,6 +393,8 @@ counters! {
         "System tracks under the number that their target had before it was silent.";
     SmoothingDropped = "smoothing_dropped", Process by [Fusion],
         "States and measurements not smoothed because the smoothing thread of fusion was too slow.";
+    ExpiringCertificates (117) = "expiring_certificates", Level by [],
+        "Level: certificates of a link, or of its authority, that expire within 30 days or have expired.";
     PlatformJumps (118) = "platform_jumps", AdapterRemark by [Adapter],
         "States of a platform that differ from the states before by more than any motion.";
     PlatformSilentMs = "platform_silent_ms", Level by [],

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use rcgen::{BasicConstraints, CertificateParams, CertifiedIssuer, DnType, IsCa, KeyPair, date_time_ymd};
+use time::OffsetDateTime;
 
 use crate::host::Host;
 
@@ -18,6 +19,22 @@ impl Authority {
         Self(CertifiedIssuer::self_signed(params, own).unwrap())
     }
 
+    /// Its certificate, PEM.
+    pub(crate) fn pem(&self) -> String {
+        self.0.pem()
+    }
+
+    /// A certificate of `name` for `hosts` that is valid until then, and its key, both PEM.
+    pub(crate) fn signed(&self, until: OffsetDateTime, name: &str, hosts: &[&str]) -> (String, String) {
+        let hosts: Vec<String> = hosts.iter().map(|host| (*host).to_owned()).collect();
+        let mut params = CertificateParams::new(hosts).unwrap();
+        params.not_after = until;
+        params.distinguished_name.push(DnType::CommonName, name);
+        let own = KeyPair::generate().unwrap();
+        let certificate = params.signed_by(&own, &self.0).unwrap();
+        (certificate.pem(), own.serialize_pem())
+    }
+
     /// Keys of a link's configuration for whoever is called `name` on `host`, and trusts `trusted`.
     pub(crate) fn certify(&self, host: &Host, name: &str, trusted: &Self) -> String {
         self.certify_until(2096, host, name, trusted)
@@ -25,19 +42,15 @@ impl Authority {
 
     /// The same, valid until this year begins.
     pub(crate) fn certify_until(&self, year: i32, host: &Host, name: &str, trusted: &Self) -> String {
-        let mut params = CertificateParams::new(vec!["127.0.0.1".to_owned()]).unwrap();
-        params.not_after = date_time_ymd(year, 1, 1);
-        params.distinguished_name.push(DnType::CommonName, name);
-        let own = KeyPair::generate().unwrap();
-        let certificate = params.signed_by(&own, &self.0).unwrap();
+        let (certificate, own) = self.signed(date_time_ymd(year, 1, 1), name, &["127.0.0.1"]);
         let write = |what: &str, text: String| -> PathBuf {
             let path = host.path(&format!("{name}-{what}.pem"));
             fs::write(&path, text).unwrap();
             path
         };
         let authority = write("authority", trusted.0.pem());
-        let certificate = write("certificate", certificate.pem());
-        let key = write("key", own.serialize_pem());
+        let certificate = write("certificate", certificate);
+        let key = write("key", own);
         format!("authority = {authority:?}\ncertificate = {certificate:?}\nprivate_key = {key:?}\n")
     }
 }

@@ -93,16 +93,25 @@ impl Host {
     pub(crate) fn up(&self, name: &str, config: &str, options: &[&str]) -> Deployment {
         let path = self.path(&format!("{name}.toml"));
         std::fs::write(&path, config).unwrap();
+        self.up_at(name, &path, options)
+    }
+
+    /// Starts the deployment in the folder `name`, which has its configuration.
+    pub(crate) fn up_from(&self, name: &str, options: &[&str]) -> Deployment {
+        self.up_at(name, Path::new(&format!("{name}/{name}.toml")), options)
+    }
+
+    fn up_at(&self, name: &str, path: &Path, options: &[&str]) -> Deployment {
         let said = self.path(&format!("{name}.txt"));
         let output = File::create(&said).unwrap();
         let mut command = self.koseki();
         command
             .arg("up")
-            .arg(&path)
+            .arg(path)
             .arg("--data")
             .arg(recordings())
             .args(options);
-        command.args(["--out", name]).stdin(Stdio::null());
+        command.args(["--out", &format!("records-{name}")]).stdin(Stdio::null());
         command.stdout(output.try_clone().unwrap()).stderr(output);
         Deployment {
             launcher: command.spawn().unwrap(),
@@ -122,7 +131,7 @@ impl Host {
 
     /// The system tracks that the last start of a deployment has recorded.
     pub(crate) fn system_tracks(&self, name: &str) -> String {
-        std::fs::read_to_string(self.path(name).join("latest/system_tracks.csv")).unwrap()
+        std::fs::read_to_string(self.path(&format!("records-{name}")).join("latest/system_tracks.csv")).unwrap()
     }
 }
 

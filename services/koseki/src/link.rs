@@ -1,39 +1,106 @@
-//! `koseki link`: finds the program `koseki-link`, and executes it.
+//! `koseki link`: finds the program `koseki-link`, and executes it; `koseki check` asks it about links.
 //!
 //! The connection of hosts needs more than a hundred further crates, which a single machine does not need; therefore
 //! it is built separately.
 
 use std::os::unix::process::CommandExt as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::Context as _;
+use anyhow::{Context as _, bail};
 use messages::ProcessKind;
+use offline::Usage;
+use serde::Deserialize;
 
-use crate::args::{self, Serve};
+use crate::args::{self, LinkArgs, LinkFiles, Serve};
 
 const PROGRAM: &str = "koseki-link";
+const NOT_THERE: &str = "koseki-link is not at $KOSEKI_LINK, beside koseki, in link/target or in PATH: install the \
+                         package, or build it with cargo build --release --manifest-path link/Cargo.toml";
 
-/// Becomes the link that `serve` names.
+/// Becomes the link, or the command on files of links, that `link` names.
 ///
 /// # Errors
 /// If the configuration has no such link, or the program is nowhere.
-pub(crate) fn run(serve: Serve) -> anyhow::Result<()> {
+pub(crate) fn run(link: LinkArgs) -> anyhow::Result<()> {
+    let LinkArgs { files, serve } = link;
+    match (files, serve) {
+        (Some(LinkFiles::Init(passed)), _) => execute(Command::new(program()?).arg("init").args(passed.arguments)),
+        (Some(LinkFiles::Renew(passed)), _) => execute(Command::new(program()?).arg("renew").args(passed.arguments)),
+        (None, Some(serve)) => join(serve),
+        (None, None) => {
+            let what = "koseki link needs --config with a configuration, or init or renew; --help shows examples";
+            Err(Usage(what.to_owned()).into())
+        }
+    }
+}
+
+fn execute(command: &mut Command) -> anyhow::Result<()> {
+    let refusal = command.exec();
+    Err(refusal).with_context(|| format!("starting {}", command.get_program().display()))
+}
+
+fn join(serve: Serve) -> anyhow::Result<()> {
     let (config, options) = args::deployment(&serve.config, serve.shared)?;
     let name = super::process_name(ProcessKind::Link, serve.name, &config)?;
-    let program = find().with_context(|| {
-        format!(
-            "{PROGRAM} is not at $KOSEKI_LINK, beside koseki, in link/target or in PATH: build it with cargo build \
-             --release --manifest-path link/Cargo.toml"
-        )
-    })?;
-    let mut command = Command::new(&program);
+    let mut command = Command::new(program()?);
     command.arg("join").arg("--config").arg(&serve.config);
     command.args(["--name", &name, "--instance", &options.instance]);
     command.args(options.overrides.iter().map(|set| format!("--set={set}")));
     command.args(serve.launcher.map(|launcher| format!("--launcher={launcher}")));
-    let refusal = command.exec();
-    Err(refusal).with_context(|| format!("starting {}", program.display()))
+    execute(&mut command)
+}
+
+fn program() -> anyhow::Result<PathBuf> {
+    find().context(NOT_THERE)
+}
+
+/// Findings of `koseki-link` about links.
+#[derive(Debug, Default, Deserialize)]
+pub(crate) struct LinkFindings {
+    /// Mistakes with which a link does not work: file, key, value and remedy.
+    pub(crate) refused: Vec<String>,
+    /// Doubts.
+    pub(crate) warnings: Vec<String>,
+    /// The links.
+    pub(crate) links: Vec<FoundLink>,
+}
+
+/// A link, in words.
+#[derive(Debug, Deserialize)]
+pub(crate) struct FoundLink {
+    pub(crate) name: String,
+    pub(crate) text: String,
+}
+
+/// Asks `koseki-link` about the links of one configuration, or of both at the ends of a link. Without the program, one
+/// configuration gets a warning.
+///
+/// # Errors
+/// If the program fails, or two configurations are given without the program.
+pub(crate) fn examine(configs: &[&Path], overrides: &[String]) -> anyhow::Result<LinkFindings> {
+    let program = match find() {
+        Some(program) => program,
+        None if configs.len() > 1 => return Err(Usage(NOT_THERE.to_owned()).into()),
+        None => {
+            let warnings = vec![format!("{NOT_THERE}; without it, no link starts, and none was checked")];
+            return Ok(LinkFindings {
+                warnings,
+                ..LinkFindings::default()
+            });
+        }
+    };
+    let mut command = Command::new(&program);
+    command.arg("check").args(configs).arg("--json");
+    command.args(overrides.iter().map(|set| format!("--set={set}")));
+    let output = command
+        .output()
+        .with_context(|| format!("starting {}", program.display()))?;
+    if !output.status.success() {
+        let error = String::from_utf8_lossy(&output.stderr);
+        bail!("{}: {}", program.display(), error.trim());
+    }
+    serde_json::from_slice(&output.stdout).with_context(|| format!("reading what {} found", program.display()))
 }
 
 /// Returns the path of the program; `None` if not found.

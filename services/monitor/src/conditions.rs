@@ -110,6 +110,9 @@ impl Conditions {
             if counters[Counter::MissingPeers] > 0 {
                 round.find(AlarmKind::PeerMissing, subject, Finding::Bad, &values);
             }
+            if counters[Counter::ExpiringCertificates] > 0 {
+                round.find(AlarmKind::CertificateExpires, subject, Finding::Bad, &values);
+            }
             let off_ms = counters[Counter::HostClockOffUs] as f64 / 1e3;
             if let Some(finding) = above(off_ms, self.limits.host_clock_ms) {
                 let [process, note] = values;

@@ -133,7 +133,13 @@ impl KeyValue for Shares {
             return Ok(());
         }
         let mut sources = Vec::new();
-        KeyValue::read(&mut sources, node, range, at)?;
+        KeyValue::read(&mut sources, node, range, at).map_err(|error| match node.get_ref().as_str() {
+            Some(word) => SettingsError {
+                what: format!("\"{word}\" is not known; write \"{UNKNOWN}\", or a list as in [\"radar\"]"),
+                ..error
+            },
+            None => error,
+        })?;
         *self = Self::With(sources);
         Ok(())
     }

@@ -14,6 +14,7 @@ mod tap;
 mod usage;
 mod values;
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -171,9 +172,9 @@ pub(crate) enum Command {
     /// Run a gateway in a running deployment: tracks to other systems, in ASTERIX
     #[command(after_help = SERVE_EXAMPLES)]
     Gateway(Serve),
-    /// Run a link to deployments on other hosts, in a running deployment: finds and starts koseki-link
+    /// Join deployments on several hosts: make two centres, renew certificates, run a link (by koseki-link)
     #[command(after_help = LINK_EXAMPLES)]
-    Link(Serve),
+    Link(LinkArgs),
     /// Show the track picture in browsers: run the display in a running deployment, or show a recording
     #[command(after_help = DISPLAY_EXAMPLES)]
     Display(DisplayArgs),
@@ -243,6 +244,10 @@ Examples:
   koseki check config/barcelona.toml
   koseki check config/barcelona.toml --data /var/recordings --set fusion.core=1
   koseki check config/barcelona.toml --json
+  koseki check west/west.toml east/east.toml      both sides of a link
+
+Of two configurations, the command finds what contradicts itself between them: topics, `shares`, endpoints, certificates,
+peers, coordinates, regions. Links are checked by koseki-link; without it, two configurations are refused.
 
 The command starts no process. A mistake is reported in a line on standard error, with file, line or byte, value and
 remedy; the exit code is then 2.";
@@ -253,6 +258,9 @@ pub(crate) struct Check {
     /// Configuration to validate, a TOML file
     #[arg(value_name = "CONFIG")]
     pub(crate) config: PathBuf,
+    /// Configuration of the deployment at the other end of a link
+    #[arg(value_name = "OTHER", conflicts_with = "set")]
+    pub(crate) other: Option<PathBuf>,
     /// Print the summary as JSON
     #[arg(long)]
     pub(crate) json: bool,
@@ -420,7 +428,11 @@ http://127.0.0.1:9464/metrics.";
 
 const LINK_EXAMPLES: &str = "\
 Examples:
-  koseki link --config config/west.toml --name to-east
+  koseki link init west=west.example east=east.example    two centres: configurations, certificates, authority
+  koseki link renew west/west.toml east/east.toml --authority authority    new certificates and keys
+  koseki link --config config/west.toml --name to-east    a link of a running deployment
+
+`koseki link init --help` and `koseki link renew --help` show the options of these commands.
 
 `koseki up` starts a link for each [[link]] of the configuration. The program koseki-link is built separately
 (cargo build --release --manifest-path link/Cargo.toml). Search order: $KOSEKI_LINK, the folder of koseki, link/target of
@@ -442,6 +454,36 @@ pub(crate) struct Serve {
     /// Process number of the launcher; this process ends with the launcher
     #[arg(long, value_name = "PID", hide = true)]
     pub(crate) launcher: Option<u32>,
+}
+
+/// `koseki link`.
+#[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true)]
+pub(crate) struct LinkArgs {
+    #[command(subcommand)]
+    pub(crate) files: Option<LinkFiles>,
+    #[command(flatten)]
+    pub(crate) serve: Option<Serve>,
+}
+
+/// Commands on the files of links, which koseki-link executes.
+#[derive(Debug, Subcommand)]
+#[command(disable_help_subcommand = true)]
+pub(crate) enum LinkFiles {
+    /// Make two centres that exchange tracks: their configurations, certificates and authority
+    #[command(disable_help_flag = true)]
+    Init(PassedOn),
+    /// Renew the certificates of links
+    #[command(disable_help_flag = true)]
+    Renew(PassedOn),
+}
+
+/// Arguments for koseki-link.
+#[derive(Debug, Args)]
+pub(crate) struct PassedOn {
+    /// Arguments; --help shows them
+    #[arg(value_name = "ARGUMENTS", trailing_var_arg = true, allow_hyphen_values = true)]
+    pub(crate) arguments: Vec<OsString>,
 }
 
 /// `koseki display`.

@@ -691,6 +691,24 @@ fn a_link_that_misses_a_peer_or_hears_a_wrong_clock_is_told() {
 }
 
 #[test]
+fn a_certificate_of_a_link_that_ends_soon_is_told_until_it_is_renewed() {
+    let link = "name = \"in\"\nconnect = [\"tcp/127.0.0.1:7447\"]\n";
+    let mut site = Site::new(&[&format!("link=[{{{}}}]", link.trim().replace('\n', ", "))]);
+    let say = |site: &mut Site, expiring: u64, note: &str| {
+        let said = site.say(ProcessKind::Link, "in", NO_SOURCE);
+        said.counters[Counter::ExpiringCertificates] = expiring;
+        *said = said.with_note(note);
+    };
+    say(&mut site, 1, "certificate expires on 2026-12-24");
+    site.pass(2);
+    let ends = "A certificate of link in ends within 30 days, or has ended: certificate expires on 2026-12-24.";
+    assert_eq!(site.standing(), [ends]);
+    say(&mut site, 0, "west 1.0 ms away");
+    site.pass(12);
+    assert_eq!(site.standing(), [""; 0]);
+}
+
+#[test]
 fn a_process_that_says_nothing_any_more_hangs() {
     let mut site = Site::new(&[]);
     let silent = |site: &mut Site| site.health.clear();
