@@ -217,6 +217,7 @@ impl RawScan {
             sigmas: None,
             platform_m,
             platform: DetectionPlatform::default(),
+            height: None,
             reply: TransponderReply::default(),
             truth: None,
         };

@@ -117,6 +117,7 @@ impl Columns for DetectionColumns {
             sigmas: self.sigmas(row, kind, range_rate_mps.is_some())?,
             platform_m,
             platform: self.on_board.read(row)?,
+            height: None,
             reply: self.reply.read(row)?,
             truth: self.truth(row)?,
         })
@@ -279,6 +280,7 @@ mod tests {
             sigmas: Some([50.0, 50.0, 0.0, 0.0]),
             platform_m: [0.0; 3],
             platform: DetectionPlatform::default(),
+            height: None,
             reply: TransponderReply::default(),
             truth: Some(DetectionTruth::Target(3)),
         };
@@ -428,6 +430,7 @@ mod tests {
                     sigmas,
                     platform_m,
                     platform: DetectionPlatform::default(),
+                    height: None,
                     reply: TransponderReply::default(),
                     truth,
                 }

@@ -37,10 +37,22 @@ pub struct Detection {
     pub platform_m: [f64; 3],
     /// Motion and attitude of the platform that carries the sensor, as far as the detection states them.
     pub platform: DetectionPlatform,
+    /// Height that the report of a radar on board states beside slant range and bearing, until the platform's state is
+    /// known and the elevation follows from it. `None` in samples and rows.
+    pub height: Option<StatedHeight>,
     /// Values that the target's transponder stated.
     pub reply: TransponderReply,
     /// Truth, if known: for scoring, never for tracking.
     pub truth: Option<DetectionTruth>,
+}
+
+/// Height of a target, as its report states it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StatedHeight {
+    /// Height above the ellipsoid, or up in the system frame where there is no place on the globe, metres.
+    pub height_m: f64,
+    /// Its standard deviation, metres.
+    pub sigma_m: f64,
 }
 
 /// Values of a detection that the target's transponder stated; most detections have some of them or none.
@@ -133,6 +145,7 @@ impl Sampled for Detection {
                 sigma_m: (sample.valid & bits::PLATFORM_SIGMA != 0).then_some(sample.platform_sigma_m),
                 attitude_sigmas_rad: sample.attitude_sigmas_rad,
             },
+            height: None,
             reply: TransponderReply {
                 identity: sample.identity,
                 ages: sample.identity_ages,
@@ -178,6 +191,7 @@ mod tests {
                         sigma_m: sigmas.map(|_| 4.0),
                         attitude_sigmas_rad: [0.01, 0.02, 0.0],
                     },
+                    height: None,
                     reply: TransponderReply {
                         identity: Identity::default().with_address(0x4c_a7b3).with_mode_3a(0o7421),
                         ages: IdentityAges {

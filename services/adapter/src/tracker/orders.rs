@@ -167,6 +167,7 @@ impl Designations {
             sigmas: Some([sigma, sigma, sigma_up, 0.0]),
             platform_m: [0.0; 3],
             platform: DetectionPlatform::default(),
+            height: None,
             reply: TransponderReply::default(),
             truth: None,
         })
