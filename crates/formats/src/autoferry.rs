@@ -218,6 +218,7 @@ impl RawScan {
             platform_m,
             platform: DetectionPlatform::default(),
             height: None,
+            velocity: None,
             reply: TransponderReply::default(),
             truth: None,
         };

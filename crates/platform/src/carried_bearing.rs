@@ -32,6 +32,7 @@ impl Mount {
             platform_m: bearing.platform_m,
             platform: DetectionPlatform::default(),
             height: None,
+            velocity: None,
             reply: TransponderReply::default(),
             truth: None,
         };

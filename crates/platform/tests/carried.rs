@@ -38,6 +38,7 @@ fn detection(kind: DetectionKind, [range_m, bearing, elevation]: [f64; 3], sigma
         platform_m: [0.0; 3],
         platform: DetectionPlatform::default(),
         height: None,
+        velocity: None,
         reply: TransponderReply::default(),
         truth: None,
     }

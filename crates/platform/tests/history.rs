@@ -182,6 +182,7 @@ fn detection(time_ns: i64, detection_id: u32) -> Detection {
         platform_m: [0.0; 3],
         platform: DetectionPlatform::default(),
         height: None,
+        velocity: None,
         reply: TransponderReply::default(),
         truth: None,
     }

@@ -421,6 +421,7 @@ fn detection(
         platform_m: [0.0; 3],
         platform: DetectionPlatform::default(),
         height: None,
+        velocity: None,
         reply: TransponderReply::default(),
         truth: Some(truth),
     }

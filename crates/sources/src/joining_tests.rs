@@ -17,6 +17,7 @@ fn detection(sensor_id: u32, scan: u32, time_ns: i64) -> SensorEvent {
         platform_m: [0.0; 3],
         platform: DetectionPlatform::default(),
         height: None,
+        velocity: None,
         reply: TransponderReply::default(),
         truth: None,
     })

@@ -141,6 +141,7 @@ mod tests {
                 platform_m: [east, 0.0, 0.0],
                 platform: DetectionPlatform::default(),
                 height: None,
+                velocity: None,
                 reply: TransponderReply::default(),
                 truth: None,
             };

@@ -51,6 +51,7 @@ fn seen(time_s: f64) -> Detection {
         platform_m: [0.0; 3],
         platform: DetectionPlatform::default(),
         height: None,
+        velocity: None,
         reply: TransponderReply::default(),
         truth: None,
     }

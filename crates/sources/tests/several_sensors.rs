@@ -52,6 +52,7 @@ fn scan(number: u32, time_ns: i64, places_m: &[[f64; 2]]) -> Vec<SensorEvent> {
         platform_m: [0.0; 3],
         platform: DetectionPlatform::default(),
         height: None,
+        velocity: None,
         reply: TransponderReply::default(),
         truth: None,
     };

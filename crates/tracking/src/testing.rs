@@ -20,6 +20,7 @@ pub(crate) fn position(time_ns: i64, east: f64, north: f64) -> Detection {
         platform_m: [0.0; 3],
         platform: DetectionPlatform::default(),
         height: None,
+        velocity: None,
         reply: TransponderReply::default(),
         truth: None,
     }

@@ -341,6 +341,7 @@ fn detection(sensor_id: u32, number: u32, plot: &RadarPlot) -> Detection {
         platform_m: plot.site_m,
         platform: DetectionPlatform::default(),
         height: None,
+        velocity: None,
         reply: TransponderReply {
             identity: plot.identity,
             level: plot.level,

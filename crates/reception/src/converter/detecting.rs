@@ -131,6 +131,7 @@ impl Converter {
             platform_m,
             platform: DetectionPlatform::default(),
             height: None,
+            velocity: None,
             reply: self.reply(observation),
             truth: None,
         }

@@ -47,6 +47,7 @@ fn scan(second: i64, state: &mut u64) -> Vec<Detection> {
             platform_m: [-500.0, -500.0, 0.0],
             platform: DetectionPlatform::default(),
             height: None,
+            velocity: None,
             reply: TransponderReply::default(),
             truth: None,
         }
@@ -67,6 +68,7 @@ fn scan(second: i64, state: &mut u64) -> Vec<Detection> {
             }
             Detection {
                 height: None,
+                velocity: None,
                 reply: TransponderReply {
                     identity,
                     ..TransponderReply::default()
