@@ -20,7 +20,7 @@ use std::f64::consts::TAU;
 use frames::{FrameChange, SystemFrame};
 use observations::{Detection, DetectionKind, DetectionPlatform, QUANTITIES_MAX};
 
-use crate::height::{Rise, direction_to};
+use crate::height::{Rise, elevation_to};
 use crate::mount::{Bearings, Mount};
 use crate::pose::{NoState, Pose};
 use crate::rotation::{Attitude, IDENTITY, Matrix, dot, product, scaled, sum, times};
@@ -71,8 +71,8 @@ struct Polar {
 }
 
 /// A direction in the system frame, with derivatives.
-pub(crate) struct Direction {
-    pub(crate) unit: [f64; 3],
+struct Direction {
+    unit: [f64; 3],
     bearing_rad: f64,
     elevation_rad: f64,
     by_bearing: [f64; 2],
@@ -367,7 +367,9 @@ impl Polar {
             return None;
         }
         let at = |elevation_rad| Direction::in_the_plane(axes, self.bearing_rad, elevation_rad);
-        direction_to(height, range_m, place_m, frame, at)
+        let unit_at = |elevation_rad| at(elevation_rad).map(|direction| direction.unit);
+        let (elevation_rad, rise) = elevation_to(height, range_m, place_m, frame, unit_at)?;
+        Some((at(elevation_rad)?, rise))
     }
 }
 

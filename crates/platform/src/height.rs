@@ -12,8 +12,6 @@
 use frames::SystemFrame;
 use observations::StatedHeight;
 
-use crate::carried::Direction;
-
 /// Most steps to the elevation; each is a step of Newton's method, which needs three.
 const STEPS_MAX: usize = 6;
 /// Difference of height at which the elevation is found, metres.
@@ -32,26 +30,26 @@ pub(crate) struct Rise {
     pub(crate) by_up: f64,
 }
 
-/// The direction to the target at the end of the range, in its stated height, from the sensor's place; `at` gives the
-/// direction at an elevation. `None` if no direction leads to this height.
-pub(crate) fn direction_to(
+/// Elevation of the target at the end of the range, in its stated height, from the sensor's place; `unit_at` gives the
+/// unit vector of the direction at an elevation. `None` if no direction leads to this height.
+pub(crate) fn elevation_to(
     height: StatedHeight,
     range_m: f64,
     place_m: [f64; 3],
     frame: Option<&SystemFrame>,
-    at: impl Fn(f64) -> Option<Direction>,
-) -> Option<(Direction, Rise)> {
+    unit_at: impl Fn(f64) -> Option<[f64; 3]>,
+) -> Option<(f64, Rise)> {
     let height_of = |point: [f64; 3]| frame.map_or(point[2], |frame| frame.to_geodetic(point).height_m());
     let mut sine = (height.height_m - height_of(place_m)) / range_m;
     if sine.is_nan() || sine.abs() >= 1.0 {
         return None;
     }
     for _ in 0..STEPS_MAX {
-        let direction = at(sine.asin())?;
-        let end = std::array::from_fn(|axis| place_m[axis] + range_m * direction.unit[axis]);
+        let unit = unit_at(sine.asin())?;
+        let end = std::array::from_fn(|axis| place_m[axis] + range_m * unit[axis]);
         let missing_m = height.height_m - height_of(end);
         if missing_m.abs() <= FOUND_M {
-            return Some((direction, Rise::of(height, range_m, sine)));
+            return Some((sine.asin(), Rise::of(height, range_m, sine)));
         }
         sine += missing_m / range_m;
         if sine.is_nan() || sine.abs() >= 1.0 {
