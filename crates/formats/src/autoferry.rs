@@ -217,6 +217,8 @@ impl RawScan {
             sigmas: None,
             platform_m,
             platform: DetectionPlatform::default(),
+            height: None,
+            velocity: None,
             reply: TransponderReply::default(),
             truth: None,
         };

@@ -4,7 +4,7 @@
 //! standard deviations are in the `s` columns with the same numbers. Values not measured by a kind must be empty: a
 //! value there indicates mixed-up columns. A row states all of its standard deviations or none. The values that the
 //! target's transponder stated follow in optional columns (`replies`), and so do those of a moving platform
-//! (`on_board`).
+//! (`on_board`), and the velocity of a designated target (`designated_velocity`).
 
 use std::io::{self, Read, Write};
 
@@ -13,6 +13,7 @@ use observations::{Detection, DetectionKind, DetectionTruth, QUANTITIES_MAX};
 
 use crate::cells::{Cell, Time};
 use crate::columns::columns;
+use crate::designated_velocity::VelocityPlaces;
 use crate::on_board::{OnBoardPlaces, OnBoardRow};
 use crate::replies::{ReplyPlaces, ReplyRow};
 use crate::rows::{Columns, Reference, Row, RowReader, RowWriter};
@@ -82,6 +83,7 @@ pub struct DetectionColumns {
     first_day_ns: i64,
     at: DetectionPlaces,
     on_board: OnBoardPlaces,
+    velocity: VelocityPlaces,
     reply: ReplyPlaces,
 }
 
@@ -117,6 +119,8 @@ impl Columns for DetectionColumns {
             sigmas: self.sigmas(row, kind, range_rate_mps.is_some())?,
             platform_m,
             platform: self.on_board.read(row)?,
+            height: None,
+            velocity: self.velocity.read(row)?,
             reply: self.reply.read(row)?,
             truth: self.truth(row)?,
         })
@@ -130,6 +134,7 @@ impl DetectionColumns {
             first_day_ns,
             at: DetectionPlaces::find(table)?,
             on_board: OnBoardPlaces::find(table)?,
+            velocity: VelocityPlaces::find(table)?,
             reply: ReplyPlaces::find(table)?,
         })
     }
@@ -279,6 +284,8 @@ mod tests {
             sigmas: Some([50.0, 50.0, 0.0, 0.0]),
             platform_m: [0.0; 3],
             platform: DetectionPlatform::default(),
+            height: None,
+            velocity: None,
             reply: TransponderReply::default(),
             truth: Some(DetectionTruth::Target(3)),
         };
@@ -428,6 +435,8 @@ mod tests {
                     sigmas,
                     platform_m,
                     platform: DetectionPlatform::default(),
+                    height: None,
+                    velocity: None,
                     reply: TransponderReply::default(),
                     truth,
                 }

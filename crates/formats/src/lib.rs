@@ -25,6 +25,7 @@ mod columns;
 pub mod containers;
 pub mod cues_csv;
 pub mod decisions_csv;
+mod designated_velocity;
 pub mod detections_csv;
 pub mod foreign;
 pub mod nmea;

@@ -49,6 +49,7 @@
 #define KOSEKI_SENSOR_DETECTION_PLATFORM_ATTITUDE UINT64_C(0x10) /* `platform_attitude_rad` and `attitude_sigmas_rad` are known. */
 #define KOSEKI_SENSOR_DETECTION_PLATFORM_SIGMA UINT64_C(0x20) /* `platform_sigma_m` is known. */
 #define KOSEKI_SENSOR_DETECTION_MARK UINT64_C(0x40) /* The sample is no detection but a mark of the sensor's time: `kind` holds a `DetectionMark` code. */
+#define KOSEKI_SENSOR_DETECTION_TARGET_VELOCITY UINT64_C(0x80) /* Of a designation: `platform_velocity_mps` is the velocity of the target east and north, and the last of */
 #define KOSEKI_SENSOR_BEARING_EMITTER UINT64_C(0x1) /* `emitter_id` is known: the sensor distinguishes transmitters. */
 #define KOSEKI_SENSOR_BEARING_HEADING UINT64_C(0x2) /* `heading_rad` is known. */
 #define KOSEKI_SENSOR_BEARING_FREQUENCY UINT64_C(0x4) /* `frequency_hz` was measured. */

@@ -51,6 +51,7 @@ SENSOR_DETECTION_PLATFORM_VELOCITY = 0x8  # `platform_velocity_mps` is known.
 SENSOR_DETECTION_PLATFORM_ATTITUDE = 0x10  # `platform_attitude_rad` and `attitude_sigmas_rad` are known.
 SENSOR_DETECTION_PLATFORM_SIGMA = 0x20  # `platform_sigma_m` is known.
 SENSOR_DETECTION_MARK = 0x40  # The sample is no detection but a mark of the sensor's time: `kind` holds a `DetectionMark` code.
+SENSOR_DETECTION_TARGET_VELOCITY = 0x80  # Of a designation: `platform_velocity_mps` is the velocity of the target east and north, and the last of
 SENSOR_BEARING_EMITTER = 0x1  # `emitter_id` is known: the sensor distinguishes transmitters.
 SENSOR_BEARING_HEADING = 0x2  # `heading_rad` is known.
 SENSOR_BEARING_FREQUENCY = 0x4  # `frequency_hz` was measured.

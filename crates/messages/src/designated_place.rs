@@ -2,7 +2,7 @@
 //!
 //! An order has one word and one number besides its source. A place has two or three numbers, so it is the word, in the
 //! form of the command line: records, lists and the event log show it as the operator has written it, and no sample
-//! changes its layout.
+//! changes its layout. Course and speed of the target may follow in the same word.
 
 /// Place that an order names.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,20 +25,43 @@ pub enum DesignatedPlace {
     },
 }
 
+/// Course and speed of a target, behind its place in an order.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DesignatedCourse {
+    /// Course over ground, degrees clockwise from north at the place, or from the system frame's.
+    pub course_deg: f64,
+    /// Speed over ground, metres per second.
+    pub speed_mps: f64,
+    /// Standard deviation of the velocity east and north, metres per second; `None` if it is not stated.
+    pub sigma_mps: Option<f64>,
+}
+
 /// Farthest coordinate of a place in the system frame, metres.
 const FARTHEST_M: f64 = 1e6;
 /// Greatest height of a place, metres.
 const HIGHEST_M: f64 = 1e5;
+/// Greatest speed, and greatest standard deviation of a velocity, metres per second.
+const FASTEST_MPS: f64 = 1e4;
+/// Least standard deviation of a velocity, metres per second.
+const SIGMA_MIN_MPS: f64 = 1e-3;
 
 impl DesignatedPlace {
     /// Form of a place on command lines.
-    pub const WORDS: &str = "LATITUDE,LONGITUDE[,HEIGHT]";
+    pub const WORDS: &str = "LATITUDE,LONGITUDE[,HEIGHT][@COURSE/SPEED[/SIGMA]]";
     /// Form of a place, in one sentence.
     pub const FORM: &str = "write LATITUDE,LONGITUDE[,HEIGHT] in degrees and metres, or EASTm,NORTHm[,UPm] with the \
-                            letter m, in at most 32 characters";
+                            letter m; @COURSE/SPEED[/SIGMA] in degrees and m/s may follow; at most 32 characters \
+                            in all";
 
-    /// Reads a place; `None` if the text is none.
-    pub fn read(text: &str) -> Option<Self> {
+    /// Reads a place, with the target's course if one follows; `None` if the text is none.
+    pub fn read(text: &str) -> Option<(Self, Option<DesignatedCourse>)> {
+        match text.split_once('@') {
+            None => Some((Self::read_place(text)?, None)),
+            Some((place, course)) => Some((Self::read_place(place)?, Some(DesignatedCourse::read(course)?))),
+        }
+    }
+
+    fn read_place(text: &str) -> Option<Self> {
         let mut words = text.split(',');
         let [first, second] = [words.next()?, words.next()?];
         let third = words.next();
@@ -74,6 +97,34 @@ impl DesignatedPlace {
     }
 }
 
+impl DesignatedCourse {
+    fn read(text: &str) -> Option<Self> {
+        let mut words = text.split('/');
+        let course_deg = number(words.next()?).filter(|course| (0.0..=360.0).contains(course))?;
+        let speed_mps = number(words.next()?).filter(|speed| (0.0..=FASTEST_MPS).contains(speed))?;
+        let sigma_mps = match words.next() {
+            None => None,
+            Some(word) => Some(number(word).filter(|sigma| (SIGMA_MIN_MPS..=FASTEST_MPS).contains(sigma))?),
+        };
+        words.next().is_none().then_some(Self {
+            course_deg,
+            speed_mps,
+            sigma_mps,
+        })
+    }
+
+    /// Velocity to the right of north and along north, metres per second.
+    pub fn velocity_mps(&self) -> [f64; 2] {
+        let (sine, cosine) = self.course_deg.to_radians().sin_cos();
+        [self.speed_mps * sine, self.speed_mps * cosine]
+    }
+
+    /// Standard deviation of the velocity, metres per second: a tenth of the speed and at least 1 m/s if none is stated.
+    pub fn sigma_mps(&self) -> f64 {
+        self.sigma_mps.unwrap_or_else(|| (0.1 * self.speed_mps).max(1.0))
+    }
+}
+
 /// A number in plain digits: no `inf`, `nan` or exponent.
 fn number(word: &str) -> Option<f64> {
     let is_plain = word.bytes().all(|byte| byte.is_ascii_digit() || b"+-.".contains(&byte));
@@ -91,14 +142,30 @@ mod tests {
             longitude_deg: -10.65,
             height_m,
         };
-        assert_eq!(DesignatedPlace::read("59.43,-10.65"), Some(globe(None)));
-        assert_eq!(DesignatedPlace::read("59.43,-10.65,120"), Some(globe(Some(120.0))));
+        let read = |text| DesignatedPlace::read(text).map(|(place, _)| place);
+        assert_eq!(read("59.43,-10.65"), Some(globe(None)));
+        assert_eq!(read("59.43,-10.65,120"), Some(globe(Some(120.0))));
         let frame = |up_m| DesignatedPlace::Frame {
             plane_m: [1200.0, -300.5],
             up_m,
         };
-        assert_eq!(DesignatedPlace::read("1200m,-300.5m"), Some(frame(None)));
-        assert_eq!(DesignatedPlace::read("1200m,-300.5m,80m"), Some(frame(Some(80.0))));
+        assert_eq!(read("1200m,-300.5m"), Some(frame(None)));
+        assert_eq!(read("1200m,-300.5m,80m"), Some(frame(Some(80.0))));
+    }
+
+    #[test]
+    fn a_course_may_follow_a_place() {
+        let course = |text| DesignatedPlace::read(text).unwrap().1;
+        assert_eq!(course("59.43,-10.65"), None);
+        let stated = course("59.43123,-10.65123@270/8.5/1.5").unwrap();
+        assert_eq!(
+            (stated.course_deg, stated.speed_mps, stated.sigma_mps()),
+            (270.0, 8.5, 1.5)
+        );
+        let [east, north] = stated.velocity_mps();
+        assert!((east + 8.5).abs() < 1e-9 && north.abs() < 1e-9);
+        assert_eq!(course("0m,0m,80m@90/200").unwrap().sigma_mps(), 20.0);
+        assert_eq!(course("0m,0m@90/2").unwrap().sigma_mps(), 1.0);
     }
 
     #[test]
@@ -121,6 +188,16 @@ mod tests {
             "0,0,200000",
             "a,b",
             "1;2",
+            "1,2@",
+            "1,2@90",
+            "1,2@90/",
+            "1,2@361/5",
+            "1,2@-1/5",
+            "1,2@90/-5",
+            "1,2@90/20000",
+            "1,2@90/5/0",
+            "1,2@90/5/1/1",
+            "1,2@90/5@90/5",
         ] {
             assert_eq!(DesignatedPlace::read(text), None, "{text}");
         }

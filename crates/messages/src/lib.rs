@@ -60,7 +60,7 @@ pub use conversion::Conversion;
 pub use counters::{COUNTERS_MAX, Counter, CounterClass, Counters};
 pub use covariance::{AXES, COVARIANCE_LEN, Covariance, STATE_LEN};
 pub use decision::{Decision, DecisionKind};
-pub use designated_place::DesignatedPlace;
+pub use designated_place::{DesignatedCourse, DesignatedPlace};
 pub use extent::Extent;
 pub use frame_origin::FrameOrigin;
 pub use health::{Health, HealthName, LifeState, NO_SOURCE};

@@ -23,6 +23,9 @@ bits! {
         PLATFORM_SIGMA = 1 << 5;
         /// The sample is no detection but a mark of the sensor's time: `kind` holds a `DetectionMark` code.
         MARK = 1 << 6;
+        /// Of a designation: `platform_velocity_mps` is the velocity of the target east and north, and the last of
+        /// `sigmas` its standard deviation. Not together with `RANGE_RATE`.
+        TARGET_VELOCITY = 1 << 7;
     }
 }
 

@@ -37,10 +37,47 @@ pub struct Detection {
     pub platform_m: [f64; 3],
     /// Motion and attitude of the platform that carries the sensor, as far as the detection states them.
     pub platform: DetectionPlatform,
+    /// Height that the report of a radar on board states beside slant range and bearing, until the platform's state is
+    /// known and the elevation follows from it. `None` in samples and rows.
+    pub height: Option<StatedHeight>,
+    /// Velocity of a designated target; other detections than designations make no use of it. In samples it takes the
+    /// place of the platform's velocity.
+    pub velocity: Option<StatedVelocity>,
     /// Values that the target's transponder stated.
     pub reply: TransponderReply,
     /// Truth, if known: for scoring, never for tracking.
     pub truth: Option<DetectionTruth>,
+}
+
+/// Height of a target, as its report states it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StatedHeight {
+    /// Height above the ellipsoid, or up in the system frame where there is no place on the globe, metres.
+    pub height_m: f64,
+    /// Its standard deviation, metres.
+    pub sigma_m: f64,
+}
+
+/// Velocity of a target, as its designation states it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StatedVelocity {
+    /// East and north in the system frame, metres per second.
+    pub velocity_mps: [f32; 2],
+    /// Standard deviation of each, metres per second.
+    pub sigma_mps: f64,
+}
+
+impl StatedVelocity {
+    /// What a sample states: `None` without numbers that a velocity and its standard deviation can have.
+    fn of_sample(sample: &SensorDetection) -> Option<Self> {
+        let ([east, north, _], [.., sigma_mps]) = (sample.platform_velocity_mps, sample.sigmas);
+        let is_stated = sample.valid & bits::TARGET_VELOCITY != 0 && sample.valid & bits::RANGE_RATE == 0;
+        let fits = is_stated && east.is_finite() && north.is_finite() && sigma_mps > 0.0 && sigma_mps.is_finite();
+        fits.then_some(Self {
+            velocity_mps: [east, north],
+            sigma_mps,
+        })
+    }
 }
 
 /// Values of a detection that the target's transponder stated; most detections have some of them or none.
@@ -84,6 +121,18 @@ impl Sampled for Detection {
     type Sample = SensorDetection;
 
     fn sample(&self, source: u16, stages: StageTimes) -> SensorDetection {
+        let velocity = self.velocity.filter(|_| self.range_rate_mps.is_none());
+        let mut sigmas = self.sigmas.unwrap_or_default();
+        if let Some(stated) = velocity {
+            sigmas[QUANTITIES_MAX] = stated.sigma_mps;
+        }
+        let of_target = velocity.map(
+            |StatedVelocity {
+                 velocity_mps: [east, north],
+                 ..
+             }| [east, north, 0.0],
+        );
+        let platform_velocity_mps = self.platform.velocity_mps.filter(|_| of_target.is_none());
         SensorDetection {
             time_of_measurement_ns: self.time_of_measurement_ns,
             stages,
@@ -91,21 +140,22 @@ impl Sampled for Detection {
             detection_id: self.detection_id,
             values: self.values,
             range_rate_mps: self.range_rate_mps.unwrap_or_default(),
-            sigmas: self.sigmas.unwrap_or_default(),
+            sigmas,
             platform_m: self.platform_m,
             source,
             kind: self.kind.code(),
             valid: flag(self.range_rate_mps.is_some(), bits::RANGE_RATE)
                 | flag(self.sigmas.is_some(), bits::SIGMAS)
                 | flag(self.reply.level.is_some(), bits::LEVEL)
-                | flag(self.platform.velocity_mps.is_some(), bits::PLATFORM_VELOCITY)
+                | flag(of_target.is_some(), bits::TARGET_VELOCITY)
+                | flag(platform_velocity_mps.is_some(), bits::PLATFORM_VELOCITY)
                 | flag(self.platform.attitude_rad.is_some(), bits::PLATFORM_ATTITUDE)
                 | flag(self.platform.sigma_m.is_some(), bits::PLATFORM_SIGMA),
             identity: self.reply.identity,
             identity_ages: self.reply.ages,
             level: self.reply.level.unwrap_or_default(),
             level_age_ms: self.reply.level_age_ms,
-            platform_velocity_mps: self.platform.velocity_mps.unwrap_or_default(),
+            platform_velocity_mps: of_target.or(platform_velocity_mps).unwrap_or_default(),
             platform_attitude_rad: self.platform.attitude_rad.unwrap_or_default(),
             platform_sigma_m: self.platform.sigma_m.unwrap_or_default(),
             attitude_sigmas_rad: self.platform.attitude_sigmas_rad,
@@ -117,6 +167,11 @@ impl Sampled for Detection {
         if sample.valid & bits::MARK != 0 {
             return None;
         }
+        let velocity = StatedVelocity::of_sample(sample);
+        let mut sigmas = sample.sigmas;
+        if sample.valid & bits::TARGET_VELOCITY != 0 && sample.valid & bits::RANGE_RATE == 0 {
+            sigmas[QUANTITIES_MAX] = 0.0;
+        }
         Some(Self {
             time_of_measurement_ns: sample.time_of_measurement_ns,
             sensor_id: sensor_id(sample.source),
@@ -125,14 +180,18 @@ impl Sampled for Detection {
             kind: DetectionKind::from_code(sample.kind)?,
             values: sample.values,
             range_rate_mps: (sample.valid & bits::RANGE_RATE != 0).then_some(sample.range_rate_mps),
-            sigmas: (sample.valid & bits::SIGMAS != 0).then_some(sample.sigmas),
+            sigmas: (sample.valid & bits::SIGMAS != 0).then_some(sigmas),
             platform_m: sample.platform_m,
             platform: DetectionPlatform {
-                velocity_mps: (sample.valid & bits::PLATFORM_VELOCITY != 0).then_some(sample.platform_velocity_mps),
+                velocity_mps: (sample.valid & (bits::PLATFORM_VELOCITY | bits::TARGET_VELOCITY)
+                    == bits::PLATFORM_VELOCITY)
+                    .then_some(sample.platform_velocity_mps),
                 attitude_rad: (sample.valid & bits::PLATFORM_ATTITUDE != 0).then_some(sample.platform_attitude_rad),
                 sigma_m: (sample.valid & bits::PLATFORM_SIGMA != 0).then_some(sample.platform_sigma_m),
                 attitude_sigmas_rad: sample.attitude_sigmas_rad,
             },
+            height: None,
+            velocity,
             reply: TransponderReply {
                 identity: sample.identity,
                 ages: sample.identity_ages,
@@ -178,6 +237,8 @@ mod tests {
                         sigma_m: sigmas.map(|_| 4.0),
                         attitude_sigmas_rad: [0.01, 0.02, 0.0],
                     },
+                    height: None,
+                    velocity: None,
                     reply: TransponderReply {
                         identity: Identity::default().with_address(0x4c_a7b3).with_mode_3a(0o7421),
                         ages: IdentityAges {
@@ -196,6 +257,19 @@ mod tests {
                 let sample = detection.sample(4, stages);
                 assert_eq!(Detection::of_sample(&sample), Some(detection));
                 assert_eq!(sample.stages.ingested_ns, 9);
+                // The velocity of a designated target has no field of its own.
+                let designation = Detection {
+                    range_rate_mps: None,
+                    sigmas: sigmas.map(|[a, b, c, _]| [a, b, c, 0.0]),
+                    platform: DetectionPlatform::default(),
+                    velocity: Some(StatedVelocity {
+                        velocity_mps: [-3.5, 8.0],
+                        sigma_mps: 0.3,
+                    }),
+                    ..detection
+                };
+                let found = Detection::of_sample(&designation.sample(4, stages));
+                assert_eq!(found, Some(designation));
                 assert_eq!(Detection::of_sample(&SensorDetection { kind: 6, ..sample }), None);
             }
         }

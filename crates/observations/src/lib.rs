@@ -20,7 +20,9 @@ mod wide_area;
 
 pub use alerts::Alerts;
 pub use bearing::Bearing;
-pub use detection::{Detection, DetectionPlatform, DetectionTruth, QUANTITIES_MAX, TransponderReply};
+pub use detection::{
+    Detection, DetectionPlatform, DetectionTruth, QUANTITIES_MAX, StatedHeight, StatedVelocity, TransponderReply,
+};
 pub use messages::{DetectionKind, Quantity};
 pub use observation::{Axes, Observation, Plane, Position, Quality, RADIUS95_SIGMAS, ServiceMessage, TRUNCATION_NS};
 pub use sensor_event::SensorEvent;

@@ -10,6 +10,8 @@
 //! h(ψ) in the horizontal plane with h·(R·M·∂d/∂b) = 0, and the assumed elevation's error moves ψ as this equation
 //! demands.
 //!
+//! Where a height is stated, the elevation follows from it ([`crate::height`]).
+//!
 //! Limits: the tangent is good for errors of a few degrees. A direction without a range has no enlargement by errors of
 //! the position, which depend on the range.
 
@@ -18,6 +20,7 @@ use std::f64::consts::TAU;
 use frames::{FrameChange, SystemFrame};
 use observations::{Detection, DetectionKind, DetectionPlatform, QUANTITIES_MAX};
 
+use crate::height::{Rise, elevation_to};
 use crate::mount::{Bearings, Mount};
 use crate::pose::{NoState, Pose};
 use crate::rotation::{Attitude, IDENTITY, Matrix, dot, product, scaled, sum, times};
@@ -95,21 +98,32 @@ impl Mount {
         let polar = Polar::of(detection, &sigmas).ok_or(Refusal::NoDirection)?;
         let attitude = self.attitude(pose)?;
         let axes = Axes::of(self, pose, attitude.as_ref(), frame);
-        let direction = Direction::of(&polar, &axes).ok_or(Refusal::NoDirection)?;
         let place = self.place(pose, attitude.as_ref());
+        let (direction, rise) = polar
+            .in_stated_height(detection, &axes, place.position_m, frame)
+            .or_else(|| Some((Direction::of(&polar, &axes)?, Rise::default())))
+            .ok_or(Refusal::NoDirection)?;
 
         let mut errors = Errors::default();
         for [range, bearing, elevation] in polar.columns {
-            let turned = direction.moved(bearing, elevation);
+            let turned = direction.moved(bearing, elevation + rise.by_range * range);
             errors.push([range, turned[0], turned[1]]);
         }
-        if polar.elevation_rad.is_none() {
-            let sigma = self.elevation_sigma_deg.rad();
-            errors.push([0.0, direction.by_elevation[0] * sigma, 0.0]);
+        match rise.sigma_rad {
+            Some(sigma) => {
+                let turned = direction.moved(0.0, sigma);
+                errors.push([0.0, turned[0], turned[1]]);
+            }
+            None if polar.elevation_rad.is_none() => {
+                let sigma = self.elevation_sigma_deg.rad();
+                errors.push([0.0, direction.by_elevation[0] * sigma, 0.0]);
+            }
+            None => {}
         }
         let seen = polar.range_m.map(|range_m| Seen {
             range_m,
             direction: &direction,
+            rise,
         });
         if let Some(seen) = &seen {
             for axis in 0..3 {
@@ -131,13 +145,20 @@ impl Mount {
             rate_mps + dot(velocity, direction.unit)
         });
         let covariance = errors.covariance();
+        let has_elevation = polar.elevation_rad.is_some() || rise.sigma_rad.is_some();
         let carried = Carried {
             detection: Detection {
                 platform: DetectionPlatform {
                     attitude_rad: self.fixed_attitude(detection, attitude.as_ref()),
                     ..detection.platform
                 },
-                ..self.detection(detection, &polar, &direction, place.position_m, range_rate, &covariance)
+                ..self.detection(
+                    (detection, polar.range_m, has_elevation),
+                    &direction,
+                    place.position_m,
+                    range_rate,
+                    &covariance,
+                )
             },
             covariance,
         };
@@ -210,8 +231,7 @@ impl Mount {
 
     fn detection(
         &self,
-        measured: &Detection,
-        polar: &Polar,
+        (measured, range_m, has_elevation): (&Detection, Option<f64>, bool),
         direction: &Direction,
         place_m: [f64; 3],
         range_rate_mps: Option<f64>,
@@ -220,13 +240,14 @@ impl Mount {
         use DetectionKind::{Bearing, BearingElevation, RangeBearing, RangeBearingElevation};
         let sigma = |place: usize| covariance[place][place].sqrt();
         let bearing_rad = direction.bearing_rad.rem_euclid(TAU);
-        let range_m = polar.range_m.unwrap_or_default();
+        let has_range = range_m.is_some();
+        let range_m = range_m.unwrap_or_default();
         let rate = if range_rate_mps.is_some() {
             sigma(RANGE_RATE)
         } else {
             0.0
         };
-        let (kind, values, sigmas) = match (polar.range_m.is_some(), polar.elevation_rad.is_some()) {
+        let (kind, values, sigmas) = match (has_range, has_elevation) {
             (true, true) => (
                 RangeBearingElevation,
                 [range_m, bearing_rad, direction.elevation_rad],
@@ -246,6 +267,7 @@ impl Mount {
             range_rate_mps,
             sigmas: Some([sigmas[0], sigmas[1], sigmas[2], rate]),
             platform_m: place_m,
+            height: None,
             ..*measured
         }
     }
@@ -330,6 +352,25 @@ impl Polar {
         let fit = polar.range_m.is_none_or(|range_m| range_m > VERTICAL);
         fit.then_some(polar)
     }
+
+    /// The direction to a target that states its height, from the sensor's place; `None` without a height, and where no
+    /// direction leads to this height.
+    fn in_stated_height(
+        &self,
+        detection: &Detection,
+        axes: &Axes,
+        place_m: [f64; 3],
+        frame: Option<&SystemFrame>,
+    ) -> Option<(Direction, Rise)> {
+        let (height, range_m) = detection.height.zip(self.range_m)?;
+        if self.elevation_rad.is_some() {
+            return None;
+        }
+        let at = |elevation_rad| Direction::in_the_plane(axes, self.bearing_rad, elevation_rad);
+        let unit_at = |elevation_rad| at(elevation_rad).map(|direction| direction.unit);
+        let (elevation_rad, rise) = elevation_to(height, range_m, place_m, frame, unit_at)?;
+        Some((at(elevation_rad)?, rise))
+    }
 }
 
 impl Direction {
@@ -345,7 +386,7 @@ impl Direction {
                     [-sb * se, -cb * se, ce],
                 )
             }
-            None => Self::in_the_plane(axes, [sb, cb, 0.0], [cb, -sb, 0.0]),
+            None => Self::in_the_plane(axes, polar.bearing_rad, 0.0),
         }
     }
 
@@ -369,13 +410,17 @@ impl Direction {
         })
     }
 
-    /// The horizontal direction seen at a bearing in the tilted plane of the sensor; `across` is the derivative of
-    /// `along` by the bearing.
-    fn in_the_plane(axes: &Axes, along: [f64; 3], across: [f64; 3]) -> Option<Self> {
+    /// The direction with this elevation above the horizontal that is seen at a bearing in the tilted plane of the
+    /// sensor.
+    fn in_the_plane(axes: &Axes, bearing_rad: f64, elevation_rad: f64) -> Option<Self> {
+        let (sb, cb) = bearing_rad.sin_cos();
+        let (se, ce) = elevation_rad.sin_cos();
+        // The derivative of the direction by the bearing is at right angles to it, in the sensor's axes and in all.
+        let across = [cb, -sb, 0.0];
         let w = times(&axes.rotation, across);
-        let forward = times(&axes.rotation, along);
+        let forward = times(&axes.rotation, [sb, cb, 0.0]);
         let level = w[0].hypot(w[1]);
-        if level.is_nan() || level <= VERTICAL {
+        if level.is_nan() || level <= VERTICAL || ce <= VERTICAL {
             return None;
         }
         let ahead = if forward[1] * w[0] - forward[0] * w[1] >= 0.0 {
@@ -383,15 +428,26 @@ impl Direction {
         } else {
             -1.0
         };
-        let unit = [-w[1] * ahead / level, w[0] * ahead / level, 0.0];
-        // The equation h·w = 0 changes by ±|w| for each radian of ψ.
-        let slope = -1.0 / (ahead * level);
+        // Above the horizontal, the plane of the bearing leans aside.
+        let aside = -w[2] * se / (ce * level);
+        let upright = (1.0 - aside * aside).sqrt();
+        if upright.is_nan() || upright <= VERTICAL {
+            return None;
+        }
+        let horizontal = [
+            -w[1] * ahead / level * upright + w[0] / level * aside,
+            w[0] * ahead / level * upright + w[1] / level * aside,
+        ];
+        let unit = [horizontal[0] * ce, horizontal[1] * ce, se];
+        // The equation u·w = 0 changes by ±|w|, in these planes, for each radian of the bearing.
+        let slope = -1.0 / (ahead * level * upright * ce);
+        let rising = [-horizontal[0] * se, -horizontal[1] * se, ce];
         Some(Self {
             unit,
             bearing_rad: unit[0].atan2(unit[1]),
-            elevation_rad: 0.0,
+            elevation_rad,
             by_bearing: [-slope * dot(unit, forward), 0.0],
-            by_elevation: [slope * w[2], 0.0],
+            by_elevation: [slope * dot(w, rising), 1.0],
             by_angles: axes
                 .derivatives
                 .map(|derivative| [slope * dot(unit, times(&derivative, across)), 0.0]),
@@ -417,16 +473,23 @@ impl Direction {
 struct Seen<'a> {
     range_m: f64,
     direction: &'a Direction,
+    rise: Rise,
 }
 
 impl Seen<'_> {
-    /// Changes of range, bearing and elevation by a motion of the target, metres.
+    /// Changes of range, bearing and elevation by a motion of the sensor, with the target, metres. A target whose height
+    /// is stated does not rise with the sensor.
     fn from(&self, moved: [f64; 3]) -> [f64; 3] {
         let (sb, cb) = self.direction.bearing_rad.sin_cos();
         let (se, ce) = self.direction.elevation_rad.sin_cos();
         let bearing = (cb * moved[0] - sb * moved[1]) / (self.range_m * ce.max(VERTICAL));
         let elevation = dot([-sb * se, -cb * se, ce], moved) / self.range_m;
-        [dot(self.direction.unit, moved), bearing, elevation]
+        let turned = self.direction.moved(0.0, self.rise.by_up * moved[2]);
+        [
+            dot(self.direction.unit, moved),
+            bearing + turned[0],
+            elevation + turned[1],
+        ]
     }
 }
 

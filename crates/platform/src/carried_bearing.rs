@@ -31,6 +31,8 @@ impl Mount {
             sigmas: Some([bearing.sigma_rad, 0.0, 0.0, 0.0]),
             platform_m: bearing.platform_m,
             platform: DetectionPlatform::default(),
+            height: None,
+            velocity: None,
             reply: TransponderReply::default(),
             truth: None,
         };

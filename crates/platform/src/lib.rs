@@ -34,6 +34,7 @@
 mod carried;
 mod carried_bearing;
 mod channel;
+mod height;
 mod history;
 mod jumps;
 mod mount;

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use messages::DetectionKind;
-use observations::{Detection, DetectionPlatform, TransponderReply};
+use observations::{Detection, DetectionPlatform, StatedHeight, TransponderReply};
 use platform::{AngleAt, Assumed, Attitude, Bearings, History, Mount, NoState, Pose, Refusal, State};
 use proptest::prelude::*;
 use rand::SeedableRng;
@@ -37,6 +37,8 @@ fn detection(kind: DetectionKind, [range_m, bearing, elevation]: [f64; 3], sigma
         sigmas: Some(sigmas),
         platform_m: [0.0; 3],
         platform: DetectionPlatform::default(),
+        height: None,
+        velocity: None,
         reply: TransponderReply::default(),
         truth: None,
     }
@@ -176,6 +178,37 @@ proptest! {
         }
     }
 
+    /// A radar without elevation finds the point, too, where the target's height is known.
+    #[test]
+    fn a_stated_height_puts_a_plot_where_the_target_is(
+        heading in -3.1..3.1f64, tilt in prop::array::uniform2(-0.2..0.2f64), yaw in -180.0..180.0f64,
+        lever_arm_m in prop::array::uniform3(-30.0..30.0f64),
+        ground_m in 1e3..1e5f64, azimuth in -3.1..3.1f64, steepness in -0.3..1.2f64,
+    ) {
+        let target = [
+            100.0 + ground_m * azimuth.sin(),
+            200.0 + ground_m * azimuth.cos(),
+            10.0 + ground_m * steepness,
+        ];
+        let mount = Mount {
+            lever_arm_m,
+            mounting_deg: [Degrees::of(yaw), Degrees::of(1.0), Degrees::of(-2.0)],
+            ..Mount::default()
+        };
+        let at = pose([heading, tilt[0], tilt[1]], 0.005);
+        let fixed = Attitude::of([yaw.to_radians(), 1f64.to_radians(), -2f64.to_radians()]);
+        let [forward, right, up] = lever_arm_m;
+        let attitude = Attitude::of([heading, tilt[0], tilt[1]]);
+        let seen = polar(offset_seen(target, &attitude, &fixed, [right, forward, up], at.position_m));
+        let plot = in_height(detection(DetectionKind::RangeBearing, seen, [20.0, 0.01, 0.0, 0.0]), target[2]);
+        let carried = mount.carry(&plot, &at, None, None).unwrap().detection;
+        prop_assert_eq!((carried.kind, carried.height), (DetectionKind::RangeBearingElevation, None));
+        let found = point(&carried);
+        for axis in 0..3 {
+            prop_assert!((found[axis] - target[axis]).abs() < 0.1, "{found:?} {target:?}");
+        }
+    }
+
     /// A ship, and all around it, turned together: the result turns with them.
     #[test]
     fn results_turn_with_the_world(
@@ -268,6 +301,71 @@ fn bearings_from_north_are_from_the_north_at_the_platforms_place() {
     assert!(expected.abs() > 0.03, "the meridians converge");
 }
 
+/// Far from the origin of the frame, a height above the ellipsoid is not the height above the frame's plane.
+#[test]
+fn a_height_is_above_the_ellipsoid_at_the_target() {
+    let frame = frames::SystemFrame::at(frames::Geodetic::from_degrees(60.0, 5.0, 0.0).unwrap());
+    let [ship, aircraft] = [(60.8, 7.5, 40.0), (61.1, 7.0, 9000.0)]
+        .map(|(latitude, longitude, up)| frames::Geodetic::from_degrees(latitude, longitude, up).unwrap());
+    let (ship, aircraft) = (frame.to_local(ship), frame.to_local(aircraft));
+    let attitude = [0.7, 0.05, -0.1];
+    let at = Pose {
+        position_m: ship,
+        ..pose(attitude, 0.005)
+    };
+    let level = Attitude::default();
+    let seen = polar(offset_seen(aircraft, &Attitude::of(attitude), &level, [0.0; 3], ship));
+    let plot = in_height(
+        detection(DetectionKind::RangeBearing, seen, [20.0, 0.001, 0.0, 0.0]),
+        9000.0,
+    );
+    let carried = Mount::default()
+        .carry(&plot, &at, None, Some(&frame))
+        .unwrap()
+        .detection;
+    let found = point(&carried);
+    let missed_m = (0..3)
+        .map(|axis| (found[axis] - aircraft[axis]).powi(2))
+        .sum::<f64>()
+        .sqrt();
+    assert!(missed_m < 1.0, "{found:?} {aircraft:?}");
+}
+
+/// No direction leads to a height beyond the range: the height is then as unknown as without a statement.
+#[test]
+fn a_height_that_contradicts_the_range_is_not_used() {
+    let plot = detection(DetectionKind::RangeBearing, [5e3, 1.0, 0.0], [20.0, 0.01, 0.0, 0.0]);
+    let at = pose([0.5, 0.02, 0.1], 0.005);
+    let carry = |plot: &Detection| Mount::default().carry(plot, &at, None, None).unwrap();
+    assert_eq!(carry(&in_height(plot, 6e3)), carry(&plot));
+    assert_ne!(carry(&in_height(plot, 4e3)), carry(&plot));
+}
+
+/// Errors of the deck's tilt and of the ship's place do not move a target up or down whose height is known.
+#[test]
+fn a_stated_height_has_its_own_error_alone() {
+    let plot = detection(DetectionKind::RangeBearing, [5e3, 1.0, 0.0], [20.0, 0.01, 0.0, 0.0]);
+    let at = Pose {
+        position_sigma_m: 50.0,
+        ..pose([0.5, 0.02, 0.1], 0.01)
+    };
+    let carried = Mount::default()
+        .carry(&in_height(plot, 100.0), &at, None, None)
+        .unwrap();
+    let up_sigma_m = 5e3 * carried.covariance[2][2].sqrt();
+    assert!((up_sigma_m / HEIGHT_SIGMA_M - 1.0).abs() < 0.02, "{up_sigma_m}");
+}
+
+fn in_height(detection: Detection, height_m: f64) -> Detection {
+    let sigma_m = HEIGHT_SIGMA_M;
+    Detection {
+        height: Some(StatedHeight { height_m, sigma_m }),
+        ..detection
+    }
+}
+
+const HEIGHT_SIGMA_M: f64 = 30.0;
+
 struct Noise(ChaCha8Rng);
 
 impl Noise {
@@ -294,7 +392,8 @@ fn ship(time_s: f64) -> ([f64; 3], [f64; 3], [f64; 3]) {
 }
 
 /// Mean normalised squared error of each quantity count, over detections of a target from the turning, rolling ship.
-fn nees(kind: DetectionKind, seed: u64, runs: usize) -> [f64; 2] {
+/// With `stated`, targets of 0 to 0.5 rad elevation state their height.
+fn nees((kind, stated): (DetectionKind, bool), seed: u64, runs: usize) -> [f64; 2] {
     const SIGMA_RAD: f64 = 0.3 * PI / 180.0;
     let mut noise = Noise(ChaCha8Rng::seed_from_u64(seed));
     let mount = Mount {
@@ -331,7 +430,9 @@ fn nees(kind: DetectionKind, seed: u64, runs: usize) -> [f64; 2] {
         let range_m = 300.0 + 40.0 * (run % 200) as f64;
         let has_height = kind == DetectionKind::RangeBearingElevation;
         let [forward, right, up] = mount.lever_arm_m;
-        let elevation = if has_height {
+        let elevation = if stated {
+            0.05 * (run % 11) as f64
+        } else if has_height {
             0.1
         } else {
             noise.of(mount.elevation_sigma_deg.rad())
@@ -352,6 +453,10 @@ fn nees(kind: DetectionKind, seed: u64, runs: usize) -> [f64; 2] {
             time_of_measurement_ns: time_ns,
             ..detection(kind, std::array::from_fn(|k| seen[k] + noise.of(sigmas[k])), sigmas)
         };
+        let measured = match stated {
+            true => in_height(measured, target[2] + noise.of(HEIGHT_SIGMA_M)),
+            false => measured,
+        };
         let carried = mount
             .carry(&measured, &history.at(time_ns).unwrap(), None, None)
             .unwrap();
@@ -363,7 +468,7 @@ fn nees(kind: DetectionKind, seed: u64, runs: usize) -> [f64; 2] {
             circular(values[1], truth[1]),
             values[2] - truth[2],
         ];
-        let dimension = if has_height { 3 } else { 2 };
+        let dimension = if has_height || stated { 3 } else { 2 };
         whole += squared(&carried.covariance, residual, dimension) / dimension as f64;
         let share = |k: usize| residual[k] * residual[k] / carried.covariance[k][k];
         diagonal += (0..dimension).map(share).sum::<f64>() / dimension as f64;
@@ -390,9 +495,14 @@ fn squared(covariance: &[[f64; 4]; 4], residual: [f64; 3], dimension: usize) -> 
 
 #[test]
 fn errors_are_as_large_as_the_covariance_states_on_a_rolling_turning_ship() {
-    for kind in [DetectionKind::RangeBearing, DetectionKind::RangeBearingElevation] {
-        for value in nees(kind, 5, 20_000) {
-            assert!((0.9..1.1).contains(&value), "{kind:?} {value}");
+    use DetectionKind::{RangeBearing, RangeBearingElevation};
+    for case in [
+        (RangeBearing, false),
+        (RangeBearing, true),
+        (RangeBearingElevation, false),
+    ] {
+        for value in nees(case, 5, 20_000) {
+            assert!((0.9..1.1).contains(&value), "{case:?} {value}");
         }
     }
 }

@@ -181,6 +181,8 @@ fn detection(time_ns: i64, detection_id: u32) -> Detection {
         sigmas: Some([10.0, 0.01, 0.0, 0.0]),
         platform_m: [0.0; 3],
         platform: DetectionPlatform::default(),
+        height: None,
+        velocity: None,
         reply: TransponderReply::default(),
         truth: None,
     }

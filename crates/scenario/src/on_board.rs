@@ -420,6 +420,8 @@ fn detection(
         sigmas: Some([sigmas[0], sigmas[1], 0.0, 0.0]),
         platform_m: [0.0; 3],
         platform: DetectionPlatform::default(),
+        height: None,
+        velocity: None,
         reply: TransponderReply::default(),
         truth: Some(truth),
     }

@@ -16,6 +16,8 @@ fn detection(sensor_id: u32, scan: u32, time_ns: i64) -> SensorEvent {
         sigmas: None,
         platform_m: [0.0; 3],
         platform: DetectionPlatform::default(),
+        height: None,
+        velocity: None,
         reply: TransponderReply::default(),
         truth: None,
     })

@@ -140,6 +140,8 @@ mod tests {
                 sigmas: None,
                 platform_m: [east, 0.0, 0.0],
                 platform: DetectionPlatform::default(),
+                height: None,
+                velocity: None,
                 reply: TransponderReply::default(),
                 truth: None,
             };

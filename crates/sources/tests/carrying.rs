@@ -3,9 +3,11 @@
 use std::f64::consts::FRAC_PI_2;
 
 use messages::DetectionKind;
-use observations::{Detection, DetectionPlatform, SensorEvent, TransponderReply};
+use observations::{Detection, DetectionPlatform, SensorEvent, StatedHeight, TransponderReply};
 use platform::{Assumed, Mount, State};
 use sources::carrying::{CarriedSensor, Carrier, Carrying};
+use tracking::settings::SensorFacts;
+use tracking::{Settings, Tracker};
 
 const S: i64 = 1_000_000_000;
 
@@ -21,6 +23,8 @@ fn detection(time_ns: i64, number: u32) -> Detection {
         sigmas: None,
         platform_m: [0.0; 3],
         platform: DetectionPlatform::default(),
+        height: None,
+        velocity: None,
         reply: TransponderReply::default(),
         truth: None,
     }
@@ -146,4 +150,84 @@ fn a_detection_that_states_its_platform_waits_for_nothing() {
     assert!((carried.values[1] - FRAC_PI_2).abs() < 1e-6, "{carried:?}");
     assert_eq!(left[1].1, SensorEvent::Detection(detection(S, 1)));
     assert_eq!(carrying.counts().carried, 1);
+}
+
+/// Position and height of the track of an aircraft, from plots of a radar on a ship that rolls and turns.
+fn track_of_an_aircraft(states_height: bool) -> ([f64; 3], bool) {
+    const AIRCRAFT_M: [f64; 3] = [9e3, 7e3, 6e3];
+    let mut carrying = carrying(Some(0));
+    let mut settings = Settings::default();
+    settings.sensors.push(SensorFacts {
+        sensor_id: 1,
+        ..SensorFacts::default()
+    });
+    let mut tracker = Tracker::new(settings).unwrap();
+    let mut left = Vec::new();
+    for second in 0..12_u32 {
+        let time_ns = i64::from(second) * 4 * S;
+        let ship_m = [20.0 * f64::from(second), 500.0, 0.0];
+        let (heading, roll) = (0.1 * f64::from(second), 0.15 * f64::from(second).sin());
+        carrying.state(
+            0,
+            &State {
+                time_ns,
+                position_m: Some(ship_m),
+                heading_rad: Some(heading),
+                tilt_rad: Some([0.0, roll]),
+                ..State::default()
+            },
+        );
+        let target_m = [
+            AIRCRAFT_M[0] + 150.0 * 4.0 * f64::from(second),
+            AIRCRAFT_M[1],
+            AIRCRAFT_M[2],
+        ];
+        let [east, north, up] = [0, 1, 2].map(|axis| target_m[axis] - ship_m[axis]);
+        // Right and up of the deck at this heading and roll; the antenna measures in the plane of its deck.
+        let (right, ahead) = (
+            heading.cos() * east - heading.sin() * north,
+            heading.sin() * east + heading.cos() * north,
+        );
+        let (right, ahead) = (roll.cos() * right - roll.sin() * up, ahead);
+        let plot = Detection {
+            values: [
+                (east * east + north * north + up * up).sqrt() + 10.0 * f64::from(second * 7 % 5) - 20.0,
+                right.atan2(ahead),
+                0.0,
+            ],
+            scan: second,
+            height: states_height.then_some(StatedHeight {
+                height_m: target_m[2],
+                sigma_m: 15.0,
+            }),
+            ..detection(time_ns, 0)
+        };
+        carrying.take(0, SensorEvent::Detection(plot), 0, &mut |_, event, _| left.push(event));
+    }
+    carrying.states_end();
+    carrying.release(&mut |_, event, _| left.push(event));
+    for event in &left {
+        let SensorEvent::Detection(carried) = event else {
+            panic!("{event:?}");
+        };
+        tracker.scan(1, carried.time_of_measurement_ns, &[*carried]).unwrap();
+    }
+    let [track] = tracker.tracks() else {
+        panic!("{:?}", tracker.tracks());
+    };
+    let place = track.estimate.position_m();
+    let truth = [AIRCRAFT_M[0] + 150.0 * 44.0, AIRCRAFT_M[1], AIRCRAFT_M[2]];
+    ([0, 1, 2].map(|axis| place[axis] - truth[axis]), track.height_known)
+}
+
+/// A plot's height takes the slant range to the plane, and gives the track its height.
+#[test]
+fn an_aircraft_that_states_its_height_is_tracked_where_it_is() {
+    let ([east, north, up], height_known) = track_of_an_aircraft(true);
+    assert!(
+        height_known && east.hypot(north) < 200.0 && up.abs() < 40.0,
+        "{east} {north} {up}"
+    );
+    let ([east, north, _], height_known) = track_of_an_aircraft(false);
+    assert!(!height_known && east.hypot(north) > 800.0, "{east} {north}");
 }

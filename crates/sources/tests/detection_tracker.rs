@@ -50,6 +50,8 @@ fn seen(time_s: f64) -> Detection {
         sigmas: Some([50.0, 50.0, 0.0, 0.0]),
         platform_m: [0.0; 3],
         platform: DetectionPlatform::default(),
+        height: None,
+        velocity: None,
         reply: TransponderReply::default(),
         truth: None,
     }

@@ -51,6 +51,8 @@ fn scan(number: u32, time_ns: i64, places_m: &[[f64; 2]]) -> Vec<SensorEvent> {
         sigmas: Some([60.0, 60.0, 0.0, 0.0]),
         platform_m: [0.0; 3],
         platform: DetectionPlatform::default(),
+        height: None,
+        velocity: None,
         reply: TransponderReply::default(),
         truth: None,
     };

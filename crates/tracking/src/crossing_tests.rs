@@ -154,6 +154,61 @@ fn a_track_begins_where_two_rays_meet() {
     assert_eq!(tracker.counts().crossings, 1);
 }
 
+/// Two targets, of which the first camera has missed one at its first look.
+const TWO: [[f64; 2]; 2] = [[-500.0, 3000.0], [600.0, 3600.0]];
+
+fn look(tracker: &mut Tracker, number: i64, places: &[[f64; 2]]) {
+    let (camera, time_ns) = ((number % 2) as usize, number * S / 2);
+    let seen: Vec<_> = places
+        .iter()
+        .map(|place| bearing(camera, time_ns, *place, 0.0))
+        .collect();
+    tracker.scan(camera as u32 + 1, time_ns, &seen).unwrap();
+}
+
+/// A ghost that has begun before a target could, since that was missed, begins anew beside the target.
+#[test]
+fn a_further_crossing_lets_all_begin_anew() {
+    let mut tracker = Tracker::new(cameras()).unwrap();
+    look(&mut tracker, 0, &TWO[..1]);
+    look(&mut tracker, 1, &TWO);
+    assert_eq!(
+        (tracker.branches(), tracker.counts().crossings),
+        (2, 2),
+        "a target and a ghost"
+    );
+    look(&mut tracker, 2, &TWO);
+    assert_eq!((tracker.branches(), tracker.counts().crossings), (4, 6));
+    let population = tracker.latest();
+    assert!(
+        population.tracks.iter().all(|track| track.begun_ns == S),
+        "none is older"
+    );
+    // With nothing new to compare, they go on.
+    look(&mut tracker, 3, &TWO);
+    assert_eq!(tracker.counts().crossings, 6);
+}
+
+/// Two crossings on one earlier ray explain its one cause in two ways, though they have no detection of this scan in
+/// common.
+#[test]
+fn crossings_on_one_earlier_ray_exclude_each_other() {
+    let mut tracker = Tracker::new(cameras()).unwrap();
+    look(&mut tracker, 0, &TWO[..1]);
+    look(&mut tracker, 1, &TWO);
+    for number in 2..6 {
+        let places = if number % 2 == 0 { &TWO[..1] } else { &TWO };
+        look(&mut tracker, number, places);
+        let population = tracker.latest();
+        assert!(!population.hypotheses.is_empty());
+        for hypothesis in &population.hypotheses {
+            assert!(population.members_of(hypothesis).len() <= 1, "scan {number}");
+        }
+        let roots: std::collections::BTreeSet<u32> = population.tracks.iter().map(|track| track.root).collect();
+        assert!(number > 2 || roots.len() == 2, "both are compared");
+    }
+}
+
 #[test]
 fn rays_that_hardly_meet_give_no_crossing() {
     let guess = cameras().initiation;

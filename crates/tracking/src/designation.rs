@@ -6,6 +6,9 @@
 //! designation is a detection of a sensor of its own that `designates`: it comes as detections do, over a topic, as
 //! rows or in a file, it is recorded with them, and the same input gives the same tracks.
 //!
+//! A designation may state the target's velocity: the track begins with it. A fast target is else lost where the next
+//! look comes late, or a gate wide enough for every speed takes a false detection.
+//!
 //! A designated target has a confirmed track at once, unless a confirmed track is there already: an operator's place
 //! does not improve a track. Such a designation is counted and explained, so that its sender can find why no track
 //! begins. Nobody is missed by a scan of designations. With `starts = "designated"` nothing else
@@ -13,12 +16,15 @@
 
 use crate::counts::TrackerCounts;
 use crate::explanation::{Explanation, Observer, TrackEvent, TrackRecord};
+use crate::initiation::{Initiation, first_state};
+use crate::measurement::DetectionMeasurement;
 use crate::motion::TargetMotion;
 use crate::plot::{Plot, Scan};
 use crate::population::Population;
 use crate::sensor::Sensor;
 use crate::settings::Settings;
 use crate::track::Track;
+use observations::StatedVelocity;
 
 /// Makes the population after a scan of designations.
 pub(crate) fn designate(
@@ -89,7 +95,10 @@ fn followed<'a>(
 
 /// `None` of a direction alone.
 fn designated(plot: &Plot, serial: u32, population: &Population, settings: &Settings) -> Option<Track> {
-    let motion = TargetMotion::first(&plot.measurement, &settings.initiation, &settings.motion)?;
+    let motion = match plot.velocity {
+        Some(velocity) => moving(plot, velocity, settings)?,
+        None => TargetMotion::first(&plot.measurement, &settings.initiation, &settings.motion)?,
+    };
     let mut track = Track {
         number: population.next_number,
         reliability: 1.0,
@@ -97,6 +106,24 @@ fn designated(plot: &Plot, serial: u32, population: &Population, settings: &Sett
     };
     track.identity.take(&plot.identity);
     Some(track)
+}
+
+/// The motion of a target whose designation states its velocity: one assumption, not slow and fast side by side.
+fn moving(plot: &Plot, stated: StatedVelocity, settings: &Settings) -> Option<TargetMotion> {
+    let guess = Initiation {
+        speed_sigma_mps: stated.sigma_mps,
+        ..settings.initiation
+    };
+    // A range rate would be compared with a speed of 0, and the stated velocity contains it.
+    let place = DetectionMeasurement {
+        range_rate_mps: None,
+        ..plot.measurement
+    };
+    let mut state = first_state(&place, &guess)?;
+    for (axis, speed_mps) in (3..).zip(stated.velocity_mps) {
+        state.mean[axis] = f64::from(speed_mps);
+    }
+    Some(TargetMotion::begun(state, &settings.motion))
 }
 
 /// Adds a cluster of a track that is certain, and takes its root and number.
@@ -115,7 +142,7 @@ mod tests {
     use crate::initiation::Starts;
     use crate::settings::{SensorFacts, Settings};
     use crate::testing::{S, position, settings};
-    use observations::Detection;
+    use observations::{Detection, StatedVelocity};
 
     /// Sensor 2 designates, 300 m accurate.
     fn maintaining() -> Settings {
@@ -199,6 +226,35 @@ mod tests {
         };
         assert_eq!(run(true).len(), 1);
         assert_eq!(run(true), run(false));
+    }
+
+    /// A target of 200 m/s, seen ten seconds after its designation among false detections.
+    #[test]
+    fn a_designation_with_a_velocity_is_followed_where_it_goes() {
+        let run = |velocity: Option<StatedVelocity>| {
+            let mut tracker = Tracker::new(maintaining()).unwrap();
+            let named = Detection {
+                velocity,
+                ..designation(0, 0.0, 0.0)
+            };
+            tracker.scan(2, 0, &[named]).unwrap();
+            let begun = tracker.tracks()[0].estimate;
+            (10..14).for_each(|second| {
+                let seen = [[0.0, 200.0 * second as f64], [300.0, -100.0]];
+                let seen = seen.map(|[east, north]| position(second * S, east, north));
+                tracker.scan(1, second * S, &seen).unwrap();
+            });
+            (begun, tracker.tracks().first().map(|track| track.estimate.mean[1]))
+        };
+        let (begun, north) = run(Some(StatedVelocity {
+            velocity_mps: [0.0, 200.0],
+            sigma_mps: 5.0,
+        }));
+        assert_eq!(begun.velocity_mps(), [0.0, 200.0, 0.0]);
+        assert_eq!((begun.covariance.get(3, 3), begun.covariance.get(4, 4)), (25.0, 25.0));
+        assert!(north.is_some_and(|north| (north - 2600.0).abs() < 30.0), "{north:?}");
+        let (_, north) = run(None);
+        assert!(north.is_some_and(|north| (north + 100.0).abs() < 30.0), "{north:?}");
     }
 
     /// A designation of a followed target changes nothing, is counted once however often its scan is worked off, and

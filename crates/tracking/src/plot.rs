@@ -1,6 +1,6 @@
 //! Detections in the tracker's form, and the test of a scan's detections for usability.
 
-use observations::Detection;
+use observations::{Detection, StatedVelocity};
 
 use crate::counts::TrackerCounts;
 use crate::identity::PlotIdentity;
@@ -20,6 +20,8 @@ pub(crate) struct Plot {
     /// Logarithm of its weight (WA-1): 0 of nearly all.
     pub(crate) log_weight: f64,
     pub(crate) identity: PlotIdentity,
+    /// Velocity of a designated target.
+    pub(crate) velocity: Option<StatedVelocity>,
 }
 
 /// What a cluster does with a detection that others may have, too.
@@ -86,6 +88,7 @@ pub(crate) fn admit(
                 detection.time_of_measurement_ns,
                 measurement.has_height(),
             ),
+            velocity: detection.velocity,
         });
     }
 }

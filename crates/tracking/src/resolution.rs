@@ -104,6 +104,7 @@ mod tests {
             detection_id: 0,
             log_weight: 0.0,
             identity: PlotIdentity::NONE,
+            velocity: None,
             measurement: DetectionMeasurement::of(&position(0, *east, *north), None).unwrap(),
         };
         places.iter().map(plot).collect()
@@ -147,6 +148,7 @@ mod tests {
                 log_weight: 0.0,
                 measurement: bearing,
                 identity: PlotIdentity::NONE,
+                velocity: None,
             };
             3
         ];
@@ -161,6 +163,7 @@ mod tests {
             detection_id: 0,
             log_weight: 0.0,
             identity: PlotIdentity::NONE,
+            velocity: None,
             measurement: DetectionMeasurement {
                 kind: DetectionKind::RangeBearing,
                 values: [100.0, bearing, 0.0],

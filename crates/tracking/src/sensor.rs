@@ -206,6 +206,7 @@ mod tests {
             detection_id: 0,
             log_weight: 0.0,
             identity: PlotIdentity::NONE,
+            velocity: None,
             measurement: DetectionMeasurement::of(&detection, None).unwrap(),
         }
     }

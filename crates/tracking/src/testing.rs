@@ -19,6 +19,8 @@ pub(crate) fn position(time_ns: i64, east: f64, north: f64) -> Detection {
         sigmas: Some([10.0, 10.0, 0.0, 0.0]),
         platform_m: [0.0; 3],
         platform: DetectionPlatform::default(),
+        height: None,
+        velocity: None,
         reply: TransponderReply::default(),
         truth: None,
     }

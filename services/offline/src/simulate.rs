@@ -340,6 +340,8 @@ fn detection(sensor_id: u32, number: u32, plot: &RadarPlot) -> Detection {
         sigmas: Some(sigmas),
         platform_m: plot.site_m,
         platform: DetectionPlatform::default(),
+        height: None,
+        velocity: None,
         reply: TransponderReply {
             identity: plot.identity,
             level: plot.level,

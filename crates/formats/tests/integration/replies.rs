@@ -89,6 +89,8 @@ proptest! {
             sigmas: Some([5.0, 5.0, 0.0, 0.0]),
             platform_m: [0.0; 3],
             platform: DetectionPlatform::default(),
+            height: None,
+            velocity: None,
             reply,
             truth: None,
         };

@@ -20,7 +20,7 @@ use crate::PositionForm;
 use crate::accuracy::{self, Velocity};
 use crate::placing::{Height, SystemPosition, place};
 use observations::sensor_id;
-use observations::{Detection, DetectionKind, DetectionPlatform, TransponderReply};
+use observations::{Detection, DetectionKind, DetectionPlatform, StatedHeight, TransponderReply};
 use observations::{Observation, Position};
 
 impl Converter {
@@ -43,7 +43,7 @@ impl Converter {
         let height = self.reported_height(observation).map_or(Height::Unknown, Height::Known);
         let used = self.plot(observation).ok_or(Counter::RejectedNoPosition)?;
         if self.model.is_on_board {
-            return self.as_measured(observation, used, time_ns);
+            return self.as_measured(observation, used, time_ns, height);
         }
         let placed = place(&self.model, used, height)?;
         let own = accuracy::own_position(&self.model, observation, used)?;
@@ -71,8 +71,14 @@ impl Converter {
     }
 
     /// Slant range and azimuth of a radar on a platform that moves: where the platform was is not known yet, so nothing
-    /// is converted.
-    fn as_measured(&self, observation: &Observation, used: Position, time_ns: i64) -> Result<Detection, Counter> {
+    /// is converted. The target's height stays beside them. A range along the ground needs no height.
+    fn as_measured(
+        &self,
+        observation: &Observation,
+        used: Position,
+        time_ns: i64,
+        height: Height,
+    ) -> Result<Detection, Counter> {
         let (Position::Slant([range_m, azimuth_rad]) | Position::Polar([range_m, azimuth_rad])) = used else {
             return Err(Counter::RejectedNoPosition);
         };
@@ -83,7 +89,17 @@ impl Converter {
         let values = [range_m, azimuth_rad.rem_euclid(TAU), 0.0];
         let sigmas = [sigma.range_m, sigma.azimuth_rad, 0.0];
         let measured = (DetectionKind::RangeBearing, values, sigmas);
-        Ok(self.detection(observation, time_ns, measured, [0.0; 3]))
+        let stated = match (used, height) {
+            (Position::Slant(_), Height::Known(height_m)) => Some(StatedHeight {
+                height_m,
+                sigma_m: self.model.covariance.height_sigma_m,
+            }),
+            _ => None,
+        };
+        Ok(Detection {
+            height: stated,
+            ..self.detection(observation, time_ns, measured, [0.0; 3])
+        })
     }
 
     fn detection(
@@ -114,6 +130,8 @@ impl Converter {
             })),
             platform_m,
             platform: DetectionPlatform::default(),
+            height: None,
+            velocity: None,
             reply: self.reply(observation),
             truth: None,
         }

@@ -868,6 +868,19 @@ fn a_plot_of_a_radar_on_board_stays_as_measured() {
     assert_eq!(detection.kind, DetectionKind::RangeBearing);
     assert_eq!((detection.values, detection.platform_m), ([20e3, 1.0, 0.0], [0.0; 3]));
     assert_eq!(detection.sigmas, Some([40.0, 0.001, 0.0, 0.0]));
+    // The height stays beside the slant range, by Mode C or by a radar that measures it.
+    let height = |detection: Detection| detection.height.map(|height| (height.height_m, height.sigma_m));
+    assert_eq!(height(detection), Some((10_668.0, 30.0)));
+    let flat = Observation {
+        pressure_altitude_m: None,
+        ..at([20e3, 1.0])
+    };
+    let measured = Observation {
+        geometric_height_m: Some(4000.0),
+        ..flat
+    };
+    assert_eq!(converter.detect(&flat).and_then(height), None);
+    assert_eq!(converter.detect(&measured).and_then(height), Some((4000.0, 30.0)));
     assert_eq!(converter.detect(&at([converter.model.limits.range_m + 1.0, 1.0])), None);
     assert_eq!(converter.counters()[Counter::RejectedPosition], 1);
 }

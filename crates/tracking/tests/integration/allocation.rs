@@ -46,6 +46,8 @@ fn scan(second: i64, state: &mut u64) -> Vec<Detection> {
             ),
             platform_m: [-500.0, -500.0, 0.0],
             platform: DetectionPlatform::default(),
+            height: None,
+            velocity: None,
             reply: TransponderReply::default(),
             truth: None,
         }
@@ -65,6 +67,8 @@ fn scan(second: i64, state: &mut u64) -> Vec<Detection> {
                     .with_mode_3a(number as u16 / 9);
             }
             Detection {
+                height: None,
+                velocity: None,
                 reply: TransponderReply {
                     identity,
                     ..TransponderReply::default()

@@ -16,9 +16,9 @@ use std::collections::VecDeque;
 
 use bus::{Bus, BusError, SharedMemory, Subscriber};
 use deployment::Source;
-use frames::{Geodetic, SystemFrame};
+use frames::{FrameChange, Geodetic, SystemFrame};
 use messages::{DesignatedPlace, DetectionKind, Order, OrderKind, OrderState, OrderStatus};
-use observations::{Detection, DetectionPlatform, SensorEvent, TransponderReply};
+use observations::{Detection, DetectionPlatform, SensorEvent, StatedVelocity, TransponderReply};
 
 /// Longest wait for the data to come to the time of an order, nanoseconds.
 const PATIENCE_NS: i64 = 10_000_000_000;
@@ -137,7 +137,8 @@ impl Designations {
 
     /// The detection that designates the target; `None` if the order states no place.
     fn detection(&self, order: &Order, number: u32) -> Option<Detection> {
-        let ([east, north, up], has_height) = match DesignatedPlace::read(order.name())? {
+        let (place, course) = DesignatedPlace::read(order.name())?;
+        let ([east, north, up], has_height) = match place {
             DesignatedPlace::Globe {
                 latitude_deg,
                 longitude_deg,
@@ -156,6 +157,13 @@ impl Designations {
             true => (DetectionKind::Position3, up, sigma),
             false => (DetectionKind::Position2, 0.0, 0.0),
         };
+        let velocity = course.map(|course| {
+            let [east_mps, north_mps] = self.in_the_frame(&place, course.velocity_mps());
+            StatedVelocity {
+                velocity_mps: [east_mps as f32, north_mps as f32],
+                sigma_mps: course.sigma_mps(),
+            }
+        });
         Some(Detection {
             time_of_measurement_ns: order.sent_ns,
             sensor_id: 0,
@@ -167,9 +175,29 @@ impl Designations {
             sigmas: Some([sigma, sigma, sigma_up, 0.0]),
             platform_m: [0.0; 3],
             platform: DetectionPlatform::default(),
+            height: None,
+            velocity,
             reply: TransponderReply::default(),
             truth: None,
         })
+    }
+
+    /// A velocity east and north at the place, along the axes of the system frame.
+    fn in_the_frame(&self, place: &DesignatedPlace, [east_mps, north_mps]: [f64; 2]) -> [f64; 2] {
+        let DesignatedPlace::Globe {
+            latitude_deg,
+            longitude_deg,
+            ..
+        } = *place
+        else {
+            return [east_mps, north_mps];
+        };
+        let Ok(here) = Geodetic::from_degrees(latitude_deg, longitude_deg, 0.0) else {
+            return [east_mps, north_mps];
+        };
+        let [east, north, _] =
+            FrameChange::between(&SystemFrame::at(here), &self.frame).direction([east_mps, north_mps, 0.0]);
+        [east, north]
     }
 }
 
@@ -239,6 +267,28 @@ mod tests {
         assert_eq!(released(&mut designations, 5 * S + PATIENCE_NS - 1), []);
         let events = released(&mut designations, 5 * S + PATIENCE_NS);
         assert!(matches!(events[0], SensorEvent::Detection(found) if found.values == [10.0, 20.0, 30.0]));
+    }
+
+    /// North at a place far to the east is turned to the left in the frame, in the northern hemisphere.
+    #[test]
+    fn a_course_is_from_the_north_at_the_place() {
+        let mut designations = designations();
+        designations.newest_ns = 200 * S;
+        let mut velocity = |number, place| {
+            designations.take(&state(3, number, place, 100 * S), S);
+            match released(&mut designations, S)[..] {
+                [SensorEvent::Detection(found), _] => found.velocity,
+                ref events => panic!("{events:?}"),
+            }
+        };
+        assert_eq!(velocity(1, "59.0,13.0"), None);
+        let stated = velocity(2, "59.0,13.0@0/100/4").unwrap();
+        let [east_mps, north_mps] = stated.velocity_mps;
+        // Three degrees of longitude, by the sine of the latitude.
+        let turned_deg = f64::from(east_mps).atan2(f64::from(north_mps)).to_degrees();
+        assert!((turned_deg + 2.57).abs() < 0.02, "{turned_deg}");
+        assert_eq!(stated.sigma_mps, 4.0);
+        assert_eq!(velocity(3, "0m,0m@90/100").unwrap().velocity_mps[0], 100.0);
     }
 
     #[test]

@@ -42,6 +42,7 @@ Examples:
   koseki order out source=mlat --instance barcelona --operator anna
   koseki order join track=12 with=15 --instance barcelona
   koseki order designate tracker=ship place=59.4312,10.6512 sigma=300 --instance ferry
+  koseki order designate tracker=ship place=59.4312,10.6512@270/8.5 sigma=300 --instance ferry
   koseki order cancel number=3 --instance barcelona
 
 An order holds until cancelled, replaced by a newer order for the same subject, or expired. Orders survive kills of
