@@ -72,7 +72,7 @@ fn refused(what: String) -> anyhow::Error {
 fn template(name: &str, number: i64) -> String {
     let phase_s = 2 * (number - 1);
     format!(
-        r#"# The centre {name}, made by `koseki link init`. docs/hosts.md explains what joins the centres, docs/live.md how
+        r#"# The centre {name}, made by `koseki link init`. docs/hosts.md explains what joins the centres, docs/first-hour.md how
 # sensors of your own take the place of the simulated radar.
 
 name = "{name}"

@@ -119,7 +119,7 @@ impl DesignatedCourse {
         [self.speed_mps * sine, self.speed_mps * cosine]
     }
 
-    /// Standard deviation of the velocity, metres per second: a tenth of the speed and at least 1 m/s if none is stated.
+    /// Standard deviation of the velocity, metres per second; if none is stated, a tenth of the speed, at least 1 m/s.
     pub fn sigma_mps(&self) -> f64 {
         self.sigma_mps.unwrap_or_else(|| (0.1 * self.speed_mps).max(1.0))
     }

@@ -43,12 +43,14 @@ mod quantity;
 mod sensor;
 mod status;
 mod system;
+mod technology;
 mod track_numbers;
 
 pub use cot::CotEvents;
 pub use sensor::SensorReports;
 pub use status::{Condition, SensorBiases, SensorStatus, ServiceEvent, StatusReports, SystemStatus};
-pub use system::{SystemReports, SystemSource, Technology};
+pub use system::{SystemReports, SystemSource};
+pub use technology::Technology;
 
 use asterix::block::HEADER_OCTETS;
 use asterix::{BlockWriter, Category};

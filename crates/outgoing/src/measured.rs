@@ -13,7 +13,7 @@ use frames::time::NS_PER_S;
 use messages::SystemTrack;
 
 use super::items;
-use super::system::Technology;
+use super::technology::Technology;
 
 const LEVEL: Elements<1> = whole(CAT062, "136");
 

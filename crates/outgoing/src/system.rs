@@ -44,6 +44,7 @@ use super::measured::{self, ReportingSensor};
 use super::motion;
 use super::place::{self, TargetPlace};
 use super::quantity;
+use super::technology::{KINDS, Technology};
 use super::track_numbers::TrackNumbers;
 use super::{BlockOutbox, HeightReference, OutgoingCounts, OutgoingError, SendBlock, Unsent, check_category};
 use asterix::categories::CAT062;
@@ -108,33 +109,6 @@ const fn age(name: &str) -> (usize, Field) {
 
 /// Default number of tracks with a kept number, including terminated tracks.
 const TRACKS_MAX: usize = 16_384;
-settings::words! {
-    /// Technology by which a source observes.
-    pub enum Technology {
-        /// Primary radar.
-        Primary = "primary",
-        /// Secondary radar without Mode S.
-        Secondary = "secondary",
-        /// Mode S radar.
-        ModeS = "mode-s",
-        /// ADS-B by 1090 MHz extended squitter.
-        AdsB = "ads-b",
-        /// Multilateration.
-        Multilateration = "multilateration",
-        /// Something else, or several of these in one.
-        Other = "other",
-    }
-}
-
-/// Kinds of sources distinguished by CAT062; [`Technology::Other`] is not included.
-const KINDS: usize = Technology::Other as usize;
-
-impl Technology {
-    /// Bit of the kind in a set of them; 0 for no kind.
-    fn bit(self) -> u8 {
-        (1 << self as u8) & ((1 << KINDS) - 1)
-    }
-}
 
 /// Source of the system, as needed by the sender.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -477,8 +477,8 @@ struct Seen<'a> {
 }
 
 impl Seen<'_> {
-    /// Changes of range, bearing and elevation by a motion of the sensor, with the target, metres. A target whose height
-    /// is stated does not rise with the sensor.
+    /// Changes of range, bearing and elevation by a motion of the sensor, with the target, metres. A target whose
+    /// height is stated does not rise with the sensor.
     fn from(&self, moved: [f64; 3]) -> [f64; 3] {
         let (sb, cb) = self.direction.bearing_rad.sin_cos();
         let (se, ce) = self.direction.elevation_rad.sin_cos();
