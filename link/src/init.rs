@@ -25,7 +25,7 @@ const OWN_TRACKS: &str = "system/own-tracks";
 pub(crate) const EXAMPLES: &str = "\
 Examples:
   koseki link init west=west.example east=east.example
-  koseki link init west.toml=192.0.2.4 east.toml=192.0.2.9 --out /root/centres
+  koseki link init west.toml=192.0.2.4 east.toml=192.0.2.9 --out /srv/centres
 
 A centre is NAME=HOST, or FILE.toml=HOST with a configuration that exists; the file itself stays as it is. The west listens
 at its HOST; the east connects to it, and needs no HOST. Each centre's folder has its configuration, its certificate and

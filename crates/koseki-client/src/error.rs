@@ -58,7 +58,7 @@ pub enum Error {
     Fed {
         /// The topic.
         topic: String,
-        /// Who publishes.
+        /// Process that publishes.
         by: String,
     },
 

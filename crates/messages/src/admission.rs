@@ -49,7 +49,7 @@ pub struct Fault {
     pub value: String,
     /// The limit that the value violates.
     pub limit: String,
-    /// What to do.
+    /// Correction of the mistake.
     pub remedy: String,
 }
 

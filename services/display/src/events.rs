@@ -5,7 +5,6 @@
 
 use std::convert::Infallible;
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use futures_util::Stream;
@@ -75,9 +74,9 @@ pub(crate) async fn events(State(shared): State<Arc<SharedState>>, RawQuery(quer
         Ok(topics) => topics,
         Err(text) => return (StatusCode::NOT_FOUND, text).into_response(),
     };
-    let Some(seat) = Seat::take(&shared) else {
-        shared.traffic.refused.fetch_add(1, Ordering::Relaxed);
-        return (StatusCode::SERVICE_UNAVAILABLE, "Too many pages look on.\n").into_response();
+    let seat = match Seat::take(&shared) {
+        Ok(seat) => seat,
+        Err(refusal) => return *refusal,
     };
     let mut reader = FeedReader::new(&shared.feed);
     for (place, _) in &topics {

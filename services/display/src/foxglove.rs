@@ -69,9 +69,9 @@ pub(crate) async fn foxglove(State(shared): State<Arc<SharedState>>, upgrade: We
         let text = format!("The subprotocol has to be one of {}.\n", SUBPROTOCOLS.join(", "));
         return (StatusCode::BAD_REQUEST, text).into_response();
     }
-    let Some(seat) = Seat::take(&shared) else {
-        shared.traffic.refused.fetch_add(1, Ordering::Relaxed);
-        return (StatusCode::SERVICE_UNAVAILABLE, "Too many pages look on.\n").into_response();
+    let seat = match Seat::take(&shared) {
+        Ok(seat) => seat,
+        Err(refusal) => return *refusal,
     };
     upgrade
         .max_message_size(MESSAGE_MAX)

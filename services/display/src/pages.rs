@@ -128,9 +128,9 @@ fn name_of(path: &std::path::Path) -> String {
 }
 
 async fn socket(State(shared): State<Arc<SharedState>>, upgrade: WebSocketUpgrade) -> Response {
-    let Some(seat) = Seat::take(&shared) else {
-        shared.traffic.refused.fetch_add(1, Ordering::Relaxed);
-        return (StatusCode::SERVICE_UNAVAILABLE, "Too many pages look on.\n").into_response();
+    let seat = match Seat::take(&shared) {
+        Ok(seat) => seat,
+        Err(refusal) => return *refusal,
     };
     upgrade
         .max_message_size(MESSAGE_MAX)

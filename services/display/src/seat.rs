@@ -4,6 +4,9 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
+use web::axum::http::StatusCode;
+use web::axum::response::{IntoResponse, Response};
+
 use crate::shared::SharedState;
 
 /// Maximum number of pages at a time.
@@ -17,13 +20,24 @@ pub(crate) const WAITING_MAX: usize = 16 << 20;
 pub(crate) struct Seat(Arc<SharedState>);
 
 impl Seat {
-    /// Takes a seat; `None` if all are taken.
-    pub(crate) fn take(shared: &Arc<SharedState>) -> Option<Self> {
+    /// Takes a seat.
+    ///
+    /// # Errors
+    /// If all are taken: the answer to the client, whose refusal is counted.
+    pub(crate) fn take(shared: &Arc<SharedState>) -> Result<Self, Box<Response>> {
         let pages = &shared.traffic.pages;
         let taken = pages.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |pages| {
             (pages < PAGES_MAX).then_some(pages + 1)
         });
-        taken.ok().map(|_| Self(Arc::clone(shared)))
+        match taken {
+            Ok(_) => Ok(Self(Arc::clone(shared))),
+            Err(_) => {
+                shared.traffic.refused.fetch_add(1, Ordering::Relaxed);
+                Err(Box::new(
+                    (StatusCode::SERVICE_UNAVAILABLE, "Too many pages look on.\n").into_response(),
+                ))
+            }
+        }
     }
 
     /// Returns the state that the client looks at.
