@@ -6,7 +6,8 @@
 //! the file therefore lists the latest publishers that held the lock, and their lines do not count.
 //!
 //! The monitor is informed of a refusal ([`crate::refusals`]). Limits: a child that a publisher's process forks holds
-//! the lock, too. A link or an adapter that starts later is not refused; the monitor raises an alarm while both publish.
+//! the lock, too. A link or an adapter that starts later is not refused; the monitor raises an alarm while both
+//! publish.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Read as _, Seek as _, Write as _};
@@ -16,10 +17,8 @@ use messages::{Outgoing, Topic};
 
 use crate::connection::Connection;
 use crate::error::Error;
-use crate::refusals::{self, Refusal, Refused};
+use crate::refusals::{self, FOLDER, Refusal, Refused};
 
-/// Folder of the locks in the folder of an instance.
-pub(crate) const FOLDER: &str = "publishers";
 /// Most former publishers that a file lists: their lines are marked within seconds, and a topic has few lines.
 const FORMER_MAX: usize = 16;
 

@@ -1,9 +1,9 @@
 //! What processes outside of a deployment refused, for the deployment's monitor: second publishers of a source, and
 //! lines of datagrams, whose sender gets no answer.
 //!
-//! A refused process may end at once, and is no part of the deployment. It therefore adds a line to a file in the folder
-//! of the instance, which the monitor reads. Each line is appended by one write, so that processes do not disturb each
-//! other. A full file begins anew; what the monitor has not read by then is lost.
+//! A refused process may end at once, and is no part of the deployment. It therefore adds a line to a file in the
+//! folder of the instance, which the monitor reads. Each line is appended by one write, so that processes do not
+//! disturb each other. A full file begins anew; what the monitor has not read by then is lost.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
@@ -11,9 +11,10 @@ use std::path::PathBuf;
 
 use bus::Root;
 
-use crate::claim;
 use crate::clock::mono_ns;
 
+/// Folder, in that of an instance, of the files by which publishers from outside agree.
+pub(crate) const FOLDER: &str = "publishers";
 const FILE: &str = "refused";
 /// Length at which the file begins anew, octets.
 const FILE_MAX: u64 = 1 << 16;
@@ -90,7 +91,7 @@ fn word(text: &str) -> String {
 }
 
 fn path(root: &Root) -> PathBuf {
-    root.path().join(claim::FOLDER).join(FILE)
+    root.path().join(FOLDER).join(FILE)
 }
 
 /// Notes what this process refused, or was refused, in the deployment at `root`.

@@ -175,8 +175,8 @@ impl Shared {
     }
 }
 
-/// Answers a connection for which there is no place. What the client has sent is read, for some time: a connection closed
-/// before would lose the answer.
+/// Answers a connection for which there is no place. What the client has sent is read, for some time: a connection
+/// closed before would lose the answer.
 fn refuse_connection(mut stream: impl Read + Write, end: impl FnOnce() -> io::Result<()>) -> io::Result<()> {
     let limit = format!("must be at most {CONNECTIONS_MAX} connections at a time");
     let too_many = fault(
