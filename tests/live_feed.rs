@@ -7,8 +7,8 @@ use std::net::{SocketAddr, TcpStream, UdpSocket};
 use std::process::Stdio;
 use std::time::Duration;
 
-use bus::{Bus, SharedMemory, Subscriber};
-use messages::{SystemTrack, TrackState};
+use bus::{Bus, Mark, SharedMemory, Subscriber};
+use messages::{SensorDetection, SystemTrack, TrackState};
 use runtime::clock::mono_ns;
 use rustix::process::Signal;
 
@@ -140,6 +140,7 @@ fn detections_in_degrees_become_tracks_through_a_killed_feed_and_a_second_feed_i
         said.contains("has a publisher already") && said.contains(&first.pid().to_string()),
         "{said}"
     );
+    running.until_said("own has a second publisher");
     // The successor of a killed one is accepted at once: without a pause and a second attempt.
     kill(first.pid(), Signal::KILL);
     first.end();
@@ -225,9 +226,70 @@ fn datagrams_and_standard_input_feed_too_and_refusals_are_counted_by_field() {
         socket.send_to(wrong.as_bytes(), &address).unwrap();
     }
     socket.send_to(lines(&scan(0)).as_bytes(), &address).unwrap();
-    std::thread::sleep(STEP);
+    running.until_said("refuses lines of datagrams");
     let (status, said) = feed.stop();
     assert_eq!(status.code(), Some(0), "{said}");
+    running.stop();
+    home.assert_nothing_is_left("test");
+}
+
+#[test]
+fn a_connection_too_many_is_answered_before_it_is_closed_and_accepted_once_there_is_a_place() {
+    let home = Home::new();
+    let running = site(&home);
+    let address = free_address();
+    let text = address.to_string();
+    let feed = home.start(&["feed", "--instance", "test", "--source", "own", "--tcp", &text]);
+    let mut served = vec![connect(address)];
+    served.extend((1..16).map(|_| TcpStream::connect(address).unwrap()));
+    // With lines under way, which would lose the answer in a connection that is closed at once.
+    let mut one_more = TcpStream::connect(address).unwrap();
+    one_more.write_all(scan(0).repeat(100).as_bytes()).unwrap();
+    let answers: Vec<String> = BufReader::new(one_more).lines().map(Result::unwrap).collect();
+    let [answer] = &answers[..] else { panic!("{answers:?}") };
+    let answer: serde_json::Value = serde_json::from_str(answer).unwrap();
+    assert_eq!(answer["limit"], "must be at most 16 connections at a time", "{answer}");
+    assert!(answer["remedy"].as_str().unwrap().contains("end another"), "{answer}");
+    drop(served.pop());
+    until("a place is free", || {
+        let mut stream = TcpStream::connect(address).unwrap();
+        stream.write_all(b"nonsense\n").unwrap();
+        let mut answer = String::new();
+        BufReader::new(stream).read_line(&mut answer).unwrap();
+        answer.contains("must be JSON")
+    });
+    feed.stop();
+    running.stop();
+    home.assert_nothing_is_left("test");
+}
+
+#[test]
+fn a_publisher_that_comes_beside_another_unasked_raises_an_alarm() {
+    let home = Home::new();
+    let running = site(&home);
+    let address = free_address();
+    let text = address.to_string();
+    let feed = home.start(&["feed", "--instance", "test", "--source", "own", "--tcp", &text]);
+    let mut stream = connect(address);
+    // As a link does, which asks nobody.
+    let bus = Bus::<SharedMemory>::open(&home.root("test"), "link").unwrap();
+    let topic = messages::sensor_detections("own.input");
+    let mut beside = bus.publisher(&topic, mono_ns() as u64).unwrap();
+    until("the alarm is raised", || {
+        stream.write_all(scan(0).as_bytes()).unwrap();
+        let mark = Mark {
+            progress_ns: i64::MIN,
+            sent_ns: mono_ns(),
+            end: false,
+        };
+        beside.send(mark, 0, |_, _| SensorDetection::default()).unwrap();
+        std::thread::sleep(STEP);
+        running
+            .said()
+            .contains("own has a second publisher: two processes publish")
+    });
+    drop((beside, bus, stream));
+    feed.stop();
     running.stop();
     home.assert_nothing_is_left("test");
 }

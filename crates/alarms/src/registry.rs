@@ -220,6 +220,15 @@ alarms! {
         "A certificate of {process} ends within 30 days, or has ended: {note}.",
         "Renew it with `koseki link renew`, copy the files to their host, and end the link's process: the launcher \
          starts the link again, with the new files. Peers refuse an expired certificate.";
+    SecondPublisher = 45, "second-publisher", Major, raise 0 s, clear 10 s,
+        "{source} has a second publisher: {which}.",
+        "End one of the processes, or declare an external source for each: two publishers of a source double its \
+         information.";
+    LinesRefused = 46, "lines-refused", Major, raise 0 s, clear 10 s,
+        "`koseki feed` refuses lines of datagrams{of}: {reasons}.",
+        "Correct the sender: the words are the names of wrong fields, and `koseki feed --help` lists the permitted ones. \
+         `sender` counts datagrams of senders that are not listed, `length` empty and too long ones, `buffer` those that \
+         the kernel dropped. Over TCP each refused line is answered.";
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ use messages::Topic;
 
 use crate::error::BusError;
 use crate::hint::Hint;
-use crate::line::{self, Ends, Identity, Lines, OwnLine, PublisherLine};
+use crate::line::{self, Ends, Identity, LineReader, Lines, OwnLine, PublisherLine};
 use crate::log::{self, LogReader, LogWriter};
 use crate::membership::Membership;
 use crate::ports::{DropGuard, Transport};
@@ -215,9 +215,15 @@ impl<S: Transport> Bus<S> {
     /// # Errors
     /// If no process holds the topic.
     pub fn publisher_lines<T: Payload>(&self, topic: &Topic<T>) -> Result<Vec<PublisherLine>, BusError> {
-        let lines = self.lines(topic)?;
-        let of_schema = |line: &PublisherLine| line.schema == T::SCHEMA;
-        Ok(lines.map_or_else(Vec::new, |lines| lines.read().filter(of_schema).collect()))
+        Ok(self.line_reader(topic)?.read())
+    }
+
+    /// Reader of the same lines, for a process that looks again and again.
+    ///
+    /// # Errors
+    /// If no process holds the topic.
+    pub fn line_reader<T: Payload>(&self, topic: &Topic<T>) -> Result<LineReader, BusError> {
+        Ok(LineReader::new(self.lines(topic)?, T::SCHEMA))
     }
 
     fn hint<T: Payload>(&self, topic: &Topic<T>) -> Result<Hint, BusError> {

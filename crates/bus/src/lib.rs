@@ -94,7 +94,7 @@ pub use bare::{BareReceiver, BareSender, BareSettings};
 pub use batch_writer::BatchWriter;
 pub use bus::Bus;
 pub use error::{BusError, PortRole};
-pub use line::{PublisherLine, PublisherState};
+pub use line::{LineReader, PublisherLine, PublisherState};
 pub use log::{LogReader, LogWriter};
 pub use order_port::OrderPort;
 pub use outlasting::Outlasting;

@@ -84,6 +84,26 @@ pub struct PublisherLine {
     pub(crate) check: u64,
 }
 
+/// Reader of the lines of a topic's publishers.
+#[derive(Debug)]
+pub struct LineReader {
+    /// None in process.
+    lines: Option<Lines>,
+    schema: u64,
+}
+
+impl LineReader {
+    pub(crate) fn new(lines: Option<Lines>, schema: u64) -> Self {
+        Self { lines, schema }
+    }
+
+    /// Last words of the publishers, the dead ones included until their lines are needed for others.
+    pub fn read(&self) -> Vec<PublisherLine> {
+        let lines = self.lines.iter().flat_map(Lines::read);
+        lines.filter(|line| line.schema == self.schema).collect()
+    }
+}
+
 /// State of a publisher.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PublisherState {

@@ -5,8 +5,9 @@
 //! lines in shared memory ([`bus::PublisherLine`]). The line of a killed publisher lives on until the dead are removed:
 //! the file therefore lists the latest publishers that held the lock, and their lines do not count.
 //!
-//! Limits: a child that a publisher's process forks holds the lock, too. An adapter or link that starts later is not
-//! refused.
+//! The monitor is informed of a refusal ([`crate::refusals`]). Limits: a child that a publisher's process forks holds
+//! the lock, too. A link or an adapter that starts later is not refused; the monitor raises an alarm while both
+//! publish.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Read as _, Seek as _, Write as _};
@@ -16,9 +17,8 @@ use messages::{Outgoing, Topic};
 
 use crate::connection::Connection;
 use crate::error::Error;
+use crate::refusals::{self, FOLDER, Refusal, Refused};
 
-/// Folder of the locks in the folder of an instance.
-const FOLDER: &str = "publishers";
 /// Most former publishers that a file lists: their lines are marked within seconds, and a topic has few lines.
 const FORMER_MAX: usize = 16;
 
@@ -34,6 +34,25 @@ impl Claim {
     /// # Errors
     /// [`Error::Fed`] if another process publishes on the topic.
     pub(crate) fn take<T: Outgoing>(
+        root: &Root,
+        connection: &Connection,
+        topic: &Topic<T>,
+        incarnation: u64,
+    ) -> Result<Self, Error> {
+        let taken = Self::try_take(root, connection, topic, incarnation);
+        if let Err(Error::Fed { topic, by }) = &taken {
+            let refused = Refused::Publisher {
+                process: std::process::id(),
+                holder: by.clone(),
+            };
+            let name = topic.clone();
+            // The error itself reaches the caller in any case.
+            let _ = refusals::note(root, &[Refusal { name, refused }]);
+        }
+        taken
+    }
+
+    fn try_take<T: Outgoing>(
         root: &Root,
         connection: &Connection,
         topic: &Topic<T>,

@@ -42,6 +42,7 @@ mod directory;
 mod error;
 mod orders;
 mod publisher;
+pub mod refusals;
 mod subscription;
 
 pub use messages;

@@ -9,6 +9,7 @@ use messages::{Alarm, AlarmEvent, BatchHeader, SystemTrack};
 use runtime::Now;
 
 use crate::conditions::{Conditions, RoundView};
+use crate::feeders::FeederWatch;
 use crate::machine::{Machine, Room, is_gone};
 use crate::settings::Settings;
 use crate::survey::DeploymentSurvey;
@@ -25,6 +26,7 @@ pub(crate) struct AlarmDesk<S: Transport> {
     board: Board,
     conditions: Conditions,
     machine: Machine,
+    feeders: FeederWatch,
     room: Room,
     rounds: u32,
     publisher: Option<Publisher<S, Alarm>>,
@@ -53,6 +55,7 @@ impl<S: Transport> AlarmDesk<S> {
             machine: Machine {
                 folder: writes.then(|| folder.to_owned()),
             },
+            feeders: FeederWatch::new(config, bus)?,
             room: Room::default(),
             rounds: 0,
             publisher: (name == PUBLISHING).then(publish).transpose()?,
@@ -88,10 +91,12 @@ impl<S: Transport> AlarmDesk<S> {
         self.rounds = self.rounds.wrapping_add(1);
         survey.forget_guests(now, is_gone);
         let processes = survey.processes(now);
+        let feeding = self.feeders.look(now);
         let sight = RoundView {
             observed: &survey.observed,
             processes: &processes,
             room: self.room,
+            feeding: &feeding,
             now,
         };
         let mut round = self.board.round(now.mono_ns, now.utc_ns);

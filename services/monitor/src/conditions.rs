@@ -2,9 +2,11 @@
 //!
 //! Each function evaluates one kind of condition (a source's silence, counters that should not grow, the processes,
 //! …) and reports its findings for the round. The board decides on raising and clearing. This module has the conditions
-//! of processes, links and the machine; `sources` has those of the sources, `counters` those of counters.
+//! of processes, links and the machine; `sources` has those of the sources, `counters` those of counters, `feeding`
+//! those of publishers from outside.
 
 mod counters;
+mod feeding;
 mod sources;
 
 use alarms::{AlarmKind, Apart, Companions, Finding, Growth, Limits, Round, Silence, Subject, above, below};
@@ -12,6 +14,7 @@ use messages::{BatchHeader, Counter, LifeState, ProcessKind, SystemTrack};
 use observed::{Deployment, ObservedProcess, ProcessState};
 use runtime::Now;
 
+use crate::feeders::FeedFindings;
 use crate::machine::Room;
 use crate::shares::SourceShares;
 use crate::text::{elapsed, several};
@@ -26,6 +29,7 @@ pub(crate) struct RoundView<'a> {
     /// Processes of the deployment, and others with health messages.
     pub(crate) processes: &'a [ObservedProcess],
     pub(crate) room: Room,
+    pub(crate) feeding: &'a FeedFindings,
     pub(crate) now: Now,
 }
 
@@ -93,6 +97,7 @@ impl Conditions {
         self.links(sight, round);
         self.platforms(sight, round);
         self.room(sight.room, round);
+        self.feeding(sight, round);
     }
 
     /// Conditions of links to other hosts.

@@ -57,6 +57,7 @@ mod conditions;
 mod counters;
 mod display;
 mod exposition;
+mod feeders;
 mod files;
 #[cfg(test)]
 mod golden;

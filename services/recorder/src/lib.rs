@@ -21,8 +21,9 @@
 //! `all_topics_<number>.mcap` (see the crate `recording`), with the times of reception and sending, configuration
 //! and version.
 //!
-//! A full disk stops a file until there is room, with one message and a count; other files go on. The process then ends
-//! with an error when it is stopped. The note in the recorder's health names the cause of the latest loss.
+//! A full disk stops a file until there is room, with one message and a count; other files go on, also if a table
+//! cannot be made at the start. The process then ends with an error when it is stopped. The note in the recorder's
+//! health names the cause of the latest loss.
 
 #![forbid(unsafe_code)]
 

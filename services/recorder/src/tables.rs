@@ -9,7 +9,9 @@
 //! not acknowledged any row that was lost with it.
 //!
 //! A table that cannot be written disturbs no other file: its rows are counted as lost, and each second the table is
-//! tried again after its last complete row. A table that somebody has removed begins anew.
+//! tried again after its last complete row. A table that somebody has removed begins anew. The same holds for a table
+//! that cannot be made at the start; a foreign file in its place is left as it is. The exception is a table of a replay
+//! that is continued: only the table itself states the position, so the recorder ends and starts again.
 
 use std::collections::BTreeMap;
 use std::fmt::Debug;
@@ -92,23 +94,40 @@ trait TableSink: Debug {
     /// Gives up the rows that wait in memory; returns their number.
     fn give_up(&mut self) -> u64;
 
+    /// Opens the file of a table that has none yet.
+    fn open(&mut self, path: &Path) -> io::Result<()>;
+
+    /// Whether the file has been open.
+    fn is_made(&self) -> bool;
+
     /// Continues the file after the last row that the system has taken; begins the file anew if it is gone.
     fn reopen(&mut self, path: &Path) -> io::Result<()>;
 }
 
 #[derive(Debug)]
 struct TableOf<T: RecordedSample> {
-    writer: RowWriter<T::Row, BufWriter<File>>,
+    /// `None` until the file could be opened.
+    file: Option<TableFile<T>>,
     number: u16,
     frame: SystemFrame,
     first_day_ns: i64,
-    /// Gaps of a numbered table.
-    gaps: Option<Gaps>,
+    /// Whether an existing file is continued.
+    resume: bool,
+    /// Whether the rows state sample numbers.
+    is_numbered: bool,
     rows: u64,
-    /// Rows in the file, and the file's bytes up to the end of the last one.
-    whole: (u64, u64),
     /// Rows in memory.
     waiting: u64,
+}
+
+/// File of a table.
+#[derive(Debug)]
+struct TableFile<T: RecordedSample> {
+    writer: RowWriter<T::Row, BufWriter<File>>,
+    /// Gaps of a numbered table.
+    gaps: Option<Gaps>,
+    /// Rows in the file, and the file's bytes up to the end of the last one.
+    whole: (u64, u64),
 }
 
 impl Tables {
@@ -126,10 +145,11 @@ impl Tables {
         Ok(tables)
     }
 
-    /// Begins the tables of a recorder; with `resume`, continues the existing tables.
+    /// Begins the tables of a recorder; with `resume`, continues the existing tables. A table that cannot be made fails
+    /// like one that cannot be written.
     ///
     /// # Errors
-    /// If a file cannot be made or continued.
+    /// If a table of a replay cannot be continued.
     pub(crate) fn resume(config: &Deployment, folder: &Path, first_day_ns: i64, resume: bool) -> anyhow::Result<Self> {
         Self::open(config, folder, first_day_ns, Some(resume))
     }
@@ -147,15 +167,27 @@ impl Tables {
             };
             for_samples(id.stream, opening)
         };
-        let tables: Vec<TableEntry> = config.streams().map(open).collect::<Result<_, _>>()?;
-        let places = tables.iter().enumerate();
-        Ok(Self {
+        let entries: Vec<TableEntry> = config.streams().map(open).collect();
+        let places = entries.iter().enumerate();
+        let mut tables = Self {
             places: places.map(|(place, entry)| (entry.topic.clone(), place)).collect(),
-            tables,
+            tables: entries,
             looked_ns: i64::MIN,
             failures: 0,
             lost: 0,
-        })
+        };
+        for (place, (id, _)) in config.streams().enumerate() {
+            let entry = &mut tables.tables[place];
+            let Err(error) = entry.table.open(&entry.path) else {
+                continue;
+            };
+            let is_position = live == Some(true) && config.is_recorded() && id.stream.is_replayed();
+            if live.is_none() || is_position {
+                return Err(error).with_context(|| format!("opening {} for writing", entry.path.display()));
+            }
+            tables.failed(place, &error, i64::MIN);
+        }
+        Ok(tables)
     }
 
     /// Writes the rows of a part of the recording.
@@ -196,13 +228,13 @@ impl Tables {
             failure.is_tried = true;
             if let Err(error) = entry.table.reopen(&entry.path) {
                 self.lost += entry.table.rows_of(slice.octets, slice.from_sequence);
-                self.failed(slice.place, &error, slice.now);
+                self.failed(slice.place, &error, slice.now.mono_ns);
                 return;
             }
         }
         entry.is_gathering = true;
         if let Err(error) = entry.table.add(slice.octets, slice.from_sequence) {
-            self.failed(slice.place, &error, slice.now);
+            self.failed(slice.place, &error, slice.now.mono_ns);
         }
     }
 
@@ -214,24 +246,33 @@ impl Tables {
         }
         for place in 0..self.tables.len() {
             let entry = &mut self.tables[place];
+            if looks && !entry.table.is_made() {
+                match entry.table.open(&entry.path) {
+                    Ok(()) => entry.is_gathering = true,
+                    Err(error) => {
+                        self.failed(place, &error, now.mono_ns);
+                        continue;
+                    }
+                }
+            }
             if std::mem::take(&mut entry.is_gathering) {
                 match entry.table.flush() {
                     Ok(()) => entry.failing = None,
                     Err(error) => {
-                        self.failed(place, &error, now);
+                        self.failed(place, &error, now.mono_ns);
                         continue;
                     }
                 }
             }
             if looks && entry.failing.is_none() && matches!(entry.path.try_exists(), Ok(false)) {
-                self.failed(place, &ErrorKind::NotFound.into(), now);
+                self.failed(place, &ErrorKind::NotFound.into(), now.mono_ns);
             }
         }
     }
 
-    /// Notes a failure: what waits in memory is lost.
+    /// Notes a failure at `now_ns` (monotonic, nanoseconds): what waits in memory is lost.
     #[cold]
-    fn failed(&mut self, place: usize, error: &io::Error, now: Now) {
+    fn failed(&mut self, place: usize, error: &io::Error, now_ns: i64) {
         let entry = &mut self.tables[place];
         if self.failures == 0 {
             let path = entry.path.display();
@@ -244,7 +285,7 @@ impl Tables {
         entry.is_gathering = false;
         entry.failing = Some(Failure {
             kind: error.kind(),
-            retry_ns: now.mono_ns + RETRY_NS,
+            retry_ns: now_ns.saturating_add(RETRY_NS),
             is_tried: false,
         });
     }
@@ -299,43 +340,33 @@ fn file_name(stem: &str, name: &str) -> String {
 }
 
 impl ForSamples for TableBuilder<'_> {
-    type Done = anyhow::Result<TableEntry>;
+    type Done = TableEntry;
 
-    fn of<T: RecordedSample>(self, stem: &str) -> Self::Done {
-        let path = self.folder.join(file_name(stem, self.name));
-        let Opened { file, rows } = recovery::open(&path, self.resume)?;
-        let whole = (rows, file.metadata().map_or(0, |file| file.len()));
-        let file = BufWriter::new(file);
-        let gaps = || Gaps::of(&path, rows).with_context(|| format!("reading the gaps of {}", path.display()));
-        let gaps = self.is_numbered.then(gaps).transpose()?;
-        let writer = match rows {
-            0 => RowWriter::begin(file, self.first_day_ns)
-                .with_context(|| format!("opening {} for writing", path.display()))?,
-            _ => RowWriter::resume(file, self.first_day_ns),
-        };
+    fn of<T: RecordedSample>(self, stem: &str) -> TableEntry {
         let table = TableOf::<T> {
-            writer,
+            file: None,
             number: self.number,
             frame: self.frame,
             first_day_ns: self.first_day_ns,
-            gaps,
+            resume: self.resume,
+            is_numbered: self.is_numbered,
             rows: 0,
-            whole,
             waiting: 0,
         };
-        Ok(TableEntry {
+        TableEntry {
             topic: T::topic(self.name).name.as_str().to_owned(),
-            path,
+            path: self.folder.join(file_name(stem, self.name)),
             table: Box::new(table),
             is_gathering: false,
             next_sequence: None,
             failing: None,
-        })
+        }
     }
 }
 
 impl<T: RecordedSample> TableSink for TableOf<T> {
     fn add(&mut self, octets: &[u8], from_sequence: u64) -> io::Result<u64> {
+        let file = self.file.as_mut().ok_or(ErrorKind::NotFound)?;
         let mut next_sequence = 0;
         // All rows wait, whether or not an earlier one is refused: what waits is lost with a refused row.
         let mut refused = Ok(());
@@ -351,9 +382,9 @@ impl<T: RecordedSample> TableSink for TableOf<T> {
             self.waiting += 1;
             self.rows += 1;
             if refused.is_ok() {
-                refused = match &mut self.gaps {
-                    Some(gaps) => gaps.add_row(sequence).and_then(|()| self.writer.write(&row)),
-                    None => self.writer.write(&row),
+                refused = match &mut file.gaps {
+                    Some(gaps) => gaps.add_row(sequence).and_then(|()| file.writer.write(&row)),
+                    None => file.writer.write(&row),
                 };
             }
         }
@@ -361,16 +392,18 @@ impl<T: RecordedSample> TableSink for TableOf<T> {
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.writer.flush()?;
-        self.whole = (
-            self.whole.0 + std::mem::take(&mut self.waiting),
-            self.writer.get_ref().get_ref().stream_position()?,
+        let Some(file) = &mut self.file else { return Ok(()) };
+        file.writer.flush()?;
+        file.whole = (
+            file.whole.0 + std::mem::take(&mut self.waiting),
+            file.writer.get_ref().get_ref().stream_position()?,
         );
         Ok(())
     }
 
     fn numbers(&self) -> SampleNumbers {
-        self.gaps.as_ref().map_or_else(SampleNumbers::default, Gaps::numbers)
+        let gaps = self.file.as_ref().and_then(|file| file.gaps.as_ref());
+        gaps.map_or_else(SampleNumbers::default, Gaps::numbers)
     }
 
     fn rows(&self) -> u64 {
@@ -389,28 +422,50 @@ impl<T: RecordedSample> TableSink for TableOf<T> {
         lost
     }
 
+    fn open(&mut self, path: &Path) -> io::Result<()> {
+        let Opened { file, rows } = recovery::open(path, self.resume)?;
+        // From here on the file is this table's.
+        self.resume = true;
+        let whole = (rows, file.metadata()?.len());
+        let gaps = self.is_numbered.then(|| Gaps::of(path, rows)).transpose()?;
+        let file = BufWriter::new(file);
+        let writer = match rows {
+            0 => RowWriter::begin(file, self.first_day_ns)?,
+            _ => RowWriter::resume(file, self.first_day_ns),
+        };
+        self.file = Some(TableFile { writer, gaps, whole });
+        Ok(())
+    }
+
+    fn is_made(&self) -> bool {
+        self.file.is_some()
+    }
+
     fn reopen(&mut self, path: &Path) -> io::Result<()> {
+        let Some(table) = &mut self.file else {
+            return self.open(path);
+        };
         let mut options = OpenOptions::new();
         let mut file = options.write(true).create(true).truncate(false).open(path)?;
-        if file.metadata()?.len() < self.whole.1 {
-            self.whole = (0, 0);
+        if file.metadata()?.len() < table.whole.1 {
+            table.whole = (0, 0);
         }
         // Without a row, the file begins with its header again.
-        if self.whole.0 == 0 {
-            self.whole.1 = 0;
+        if table.whole.0 == 0 {
+            table.whole.1 = 0;
         }
-        let at = self.whole.1;
+        let at = table.whole.1;
         let other = BufWriter::new(file.try_clone()?);
         let writer = RowWriter::resume(other, self.first_day_ns);
         // Rows in memory are lost already: they must not go into the file late.
-        drop(std::mem::replace(&mut self.writer, writer).into_inner().into_parts());
+        drop(std::mem::replace(&mut table.writer, writer).into_inner().into_parts());
         file.set_len(at)?;
         file.seek(SeekFrom::End(0))?;
         if at == 0 {
-            self.writer = RowWriter::begin(BufWriter::new(file), self.first_day_ns)?;
+            table.writer = RowWriter::begin(BufWriter::new(file), self.first_day_ns)?;
         }
-        if self.gaps.is_some() {
-            self.gaps = Some(Gaps::of(path, self.whole.0)?);
+        if table.gaps.is_some() {
+            table.gaps = Some(Gaps::of(path, table.whole.0)?);
         }
         Ok(())
     }

@@ -468,6 +468,54 @@ mod all_topics {
     }
 
     #[test]
+    fn a_table_that_cannot_be_made_at_the_start_is_tried_again_and_disturbs_no_other_file() {
+        let mut bench = bench();
+        let out = bench.folder.path().join("out");
+        let table = out.join("sensor_tracks_a.csv");
+        std::fs::create_dir_all(&out).unwrap();
+        // Somebody's file, which is never replaced.
+        std::fs::write(&table, "mine").unwrap();
+        let mut recorder = recorder_of(&bench, &out, &[]);
+        bench.send(0..4, false);
+        recorder.turn(at(1.0)).unwrap();
+        assert_eq!(std::fs::read_to_string(&table).unwrap(), "mine");
+        assert_eq!(counted(&recorder, Counter::RecordedLost), 4);
+        let failures = counted(&recorder, Counter::RecordingFailures);
+        std::fs::remove_file(&table).unwrap();
+        // Without a row, too.
+        recorder.turn(at(2.1)).unwrap();
+        assert_eq!(bench.rows("sensor_tracks_a.csv"), 0);
+        bench.send(4..7, false);
+        recorder.turn(at(2.2)).unwrap();
+        assert_eq!(counted(&recorder, Counter::RecordedLost), 4);
+        assert_eq!(counted(&recorder, Counter::RecordingFailures), failures);
+        recorder.close(at(2.3)).unwrap_err();
+        assert_eq!(
+            (bench.rows("sensor_tracks_a.csv"), bench.rows("system_tracks.csv")),
+            (3, 7)
+        );
+        assert_eq!(survey(&out).topics[TOPIC].samples, 7);
+    }
+
+    #[test]
+    fn a_table_of_a_replay_that_cannot_be_continued_ends_the_recorder() {
+        let bench = bench();
+        let out = bench.folder.path().join("out");
+        recorder_of(&bench, &out, &[]).close(at(1.0)).unwrap();
+        let table = out.join("sensor_tracks_a.csv");
+        std::fs::remove_file(&table).unwrap();
+        std::fs::create_dir(&table).unwrap();
+        let overrides = ["recorder.format=[\"csv\", \"mcap\"]".to_owned()];
+        let config = config_with(&overrides);
+        let error = RecorderAgent::new((&config, &config.parts.recorder), &bench.bus, 1, &start(&out, "run"));
+        let error = error.unwrap_err().to_string();
+        assert!(
+            error.contains(&table.display().to_string()),
+            "only it states the position: {error}"
+        );
+    }
+
+    #[test]
     fn every_gap_ends_with_a_request_for_a_snapshot_once_files_can_be_written() {
         let mut bench = bench();
         let (out, away) = (bench.folder.path().join("out"), bench.folder.path().join("away"));

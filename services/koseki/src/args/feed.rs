@@ -30,7 +30,8 @@ degrees with names in _deg, or radians with names in _rad. Fields:
                    climb_mps; velocity_sigma_mps; state (tentative, confirmed, terminated) [default: confirmed]
 
 A refused line is not published. A connection and standard output get a JSON object for each refused line, with
-line, field, value, limit and remedy; lines in datagrams are counted by field in the summary."#;
+line, field, value, limit and remedy; so does a connection beyond 16 before it is closed. Lines in datagrams are
+counted by field in the summary and in the alarm lines-refused."#;
 
 /// `koseki feed`.
 #[derive(Debug, Args)]

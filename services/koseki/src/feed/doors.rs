@@ -1,7 +1,7 @@
 //! Where lines come from: standard input, connections and datagrams, a thread each.
 
 use std::io::{self, BufRead, BufReader, Read, Write};
-use std::net::{SocketAddr, TcpListener};
+use std::net::{Shutdown, SocketAddr, TcpListener};
 use std::os::unix::fs::{FileTypeExt as _, PermissionsExt as _};
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::Path;
@@ -16,7 +16,7 @@ use runtime::Now;
 use serde_json::json;
 
 use super::fields::fault;
-use super::inlet::Inlets;
+use super::inlet::{Inlets, Reasons};
 
 /// Longest line, bytes.
 const LINE_MAX: usize = 1 << 16;
@@ -29,6 +29,11 @@ const SILENCE_MAX: Duration = Duration::from_secs(3600);
 const PAUSE: Duration = Duration::from_millis(100);
 /// Longest wait for a datagram.
 const PATIENCE: Duration = Duration::from_millis(100);
+/// Period of reports of refused datagrams, nanoseconds.
+const REPORT_NS: i64 = 500_000_000;
+/// Longest wait for the end of what a refused client sends, and reads of it.
+const LINGER: Duration = Duration::from_millis(100);
+const LINGERING_READS: usize = 8;
 
 /// State that all threads share.
 pub(super) struct Shared {
@@ -123,18 +128,34 @@ impl Shared {
         Ok(())
     }
 
-    /// Feeds the lines of the datagrams.
+    /// Feeds the lines of the datagrams. Nobody is answered, so what is refused is reported to the deployment.
     fn feed_datagrams(&self, mut receiver: UdpReceiver) {
+        let mut refused = Reasons::default();
+        let mut reported_ns = Now::read().mono_ns;
         loop {
             let received = receiver.receive(PATIENCE, |datagram| {
                 for line in datagram.bytes.split(|octet| *octet == b'\n') {
-                    if !line.trim_ascii().is_empty() {
-                        let _ = self.take(line, datagram.received_utc_ns);
+                    if !line.trim_ascii().is_empty()
+                        && let Some(Some(fault)) = self.take(line, datagram.received_utc_ns)
+                    {
+                        refused.add(&fault.field, 1);
                     }
                 }
             });
             let _ = self.kept(Inlets::flush);
-            *lock(&self.datagrams) = receiver.counters();
+            let counters = receiver.counters();
+            let before = std::mem::replace(&mut *lock(&self.datagrams), counters);
+            refused.add("sender", counters.refused_senders - before.refused_senders);
+            refused.add(
+                "length",
+                counters.oversized + counters.empty - before.oversized - before.empty,
+            );
+            refused.add("buffer", counters.kernel_drops - before.kernel_drops);
+            let now_ns = Now::read().mono_ns;
+            if now_ns - reported_ns >= REPORT_NS {
+                reported_ns = now_ns;
+                lock(&self.inlets).report(&std::mem::take(&mut refused));
+            }
             if received.is_err() {
                 std::thread::sleep(PAUSE);
             }
@@ -154,7 +175,28 @@ impl Shared {
     }
 }
 
-/// Writes the answer to a refused line.
+/// Answers a connection for which there is no place. What the client has sent is read, for some time: a connection
+/// closed before would lose the answer.
+fn refuse_connection(mut stream: impl Read + Write, end: impl FnOnce() -> io::Result<()>) -> io::Result<()> {
+    let limit = format!("must be at most {CONNECTIONS_MAX} connections at a time");
+    let too_many = fault(
+        "connection",
+        CONNECTIONS_MAX + 1,
+        &limit,
+        "end another connection, send the lines of several sources by one, or start a further `koseki feed`",
+    );
+    refuse(&mut stream, 0, &too_many)?;
+    end()?;
+    let mut octets = [0; 4096];
+    for _ in 0..LINGERING_READS {
+        if stream.read(&mut octets)? == 0 {
+            break;
+        }
+    }
+    Ok(())
+}
+
+/// Writes the answer to a refused line; 0: to the whole connection.
 fn refuse(answers: &mut impl Write, line: u64, fault: &Fault) -> io::Result<()> {
     let Fault {
         field,
@@ -169,9 +211,6 @@ fn refuse(answers: &mut impl Write, line: u64, fault: &Fault) -> io::Result<()> 
 
 /// Serves a connection in a thread of its own.
 fn serve<S: Read + Write + Send + 'static>(shared: &Arc<Shared>, stream: S, writer: S) {
-    if !shared.enter() {
-        return;
-    }
     shared.accepted.fetch_add(1, Relaxed);
     let of_thread = Arc::clone(shared);
     let mut writer = writer;
@@ -211,11 +250,20 @@ pub(super) fn open_tcp(shared: &Arc<Shared>, address: SocketAddr, senders: Allow
                 shared.refused_senders.fetch_add(1, Relaxed);
                 continue;
             }
+            if !shared.enter() {
+                // A client that does not read its answer loses it.
+                let _ = stream
+                    .set_write_timeout(Some(LINGER))
+                    .and_then(|()| stream.set_read_timeout(Some(LINGER)))
+                    .and_then(|()| refuse_connection(&stream, || stream.shutdown(Shutdown::Write)));
+                continue;
+            }
             let limited = stream
                 .set_write_timeout(Some(WRITE_MAX))
                 .and_then(|()| stream.set_read_timeout(Some(SILENCE_MAX)));
-            if let (Ok(()), Ok(writer)) = (limited, stream.try_clone()) {
-                serve(&shared, stream, writer);
+            match (limited, stream.try_clone()) {
+                (Ok(()), Ok(writer)) => serve(&shared, stream, writer),
+                _ => shared.leave(),
             }
         }
     })?;
@@ -239,9 +287,17 @@ pub(super) fn open_unix(shared: &Arc<Shared>, path: &Path, mode: u32, group: Opt
                 std::thread::sleep(PAUSE);
                 continue;
             };
+            if !shared.enter() {
+                let _ = stream
+                    .set_write_timeout(Some(LINGER))
+                    .and_then(|()| stream.set_read_timeout(Some(LINGER)))
+                    .and_then(|()| refuse_connection(&stream, || stream.shutdown(Shutdown::Write)));
+                continue;
+            }
             let limited = stream.set_write_timeout(Some(WRITE_MAX));
-            if let (Ok(()), Ok(writer)) = (limited, stream.try_clone()) {
-                serve(&shared, stream, writer);
+            match (limited, stream.try_clone()) {
+                (Ok(()), Ok(writer)) => serve(&shared, stream, writer),
+                _ => shared.leave(),
             }
         }
     })

@@ -6,6 +6,7 @@ use std::time::Duration;
 use bus::Root;
 use deployment::Input;
 use frames::SystemFrame;
+use koseki_client::refusals::{self, Refused};
 use koseki_client::{Error, ErrorKind, Publisher};
 use messages::admission::{self, Admission, Fault};
 use messages::{Outgoing, SensorDetection, SensorTrack};
@@ -16,6 +17,28 @@ use crate::config::Config;
 
 /// Most samples that are collected before they are published.
 const GATHERED_MAX: usize = 64;
+
+/// Most reasons that are counted apart: fields are named by whoever sends the lines.
+const REASONS_MAX: usize = 32;
+
+/// Refused lines by reason, which mostly is the name of a field.
+#[derive(Debug, Default)]
+pub(super) struct Reasons(BTreeMap<String, u64>);
+
+impl Reasons {
+    pub(super) fn add(&mut self, reason: &str, count: u64) {
+        if count == 0 {
+            return;
+        }
+        let is_known = self.0.contains_key(reason) || self.0.len() < REASONS_MAX;
+        let reason = if is_known { reason } else { "others" };
+        *self.0.entry(reason.to_owned()).or_default() += count;
+    }
+
+    pub(super) fn iter(&self) -> impl Iterator<Item = (&str, u64)> {
+        self.0.iter().map(|(reason, count)| (reason.as_str(), *count))
+    }
+}
 
 /// A source that is fed from outside.
 struct Inlet {
@@ -81,7 +104,7 @@ pub(super) struct Inlets {
     clock_limit: Option<Duration>,
     pub(super) published: u64,
     /// Refused lines by field.
-    pub(super) refused: BTreeMap<String, u64>,
+    pub(super) refused: Reasons,
 }
 
 impl Inlets {
@@ -120,7 +143,7 @@ impl Inlets {
             usual: None,
             clock_limit,
             published: 0,
-            refused: BTreeMap::new(),
+            refused: Reasons::default(),
         }
     }
 
@@ -153,6 +176,23 @@ impl Inlets {
         };
         self.usual = Some(place);
         Ok(self.open(place)?)
+    }
+
+    /// Reports lines of datagrams that were refused to the deployment, whose monitor raises an alarm.
+    pub(super) fn report(&self, refused: &Reasons) {
+        let name = self.usual.map_or("", |place| &self.inlets[place].name);
+        let refusal = |(reason, count): (&str, u64)| refusals::Refusal {
+            name: name.to_owned(),
+            refused: Refused::Lines {
+                count,
+                reason: reason.to_owned(),
+            },
+        };
+        let refusals: Vec<refusals::Refusal> = refused.iter().map(refusal).collect();
+        if !refusals.is_empty() {
+            // Without the alarm, the summary has the counts.
+            let _ = refusals::note(&self.root, &refusals);
+        }
     }
 
     fn place(&self, name: &str) -> Result<usize, Fault> {
@@ -197,7 +237,7 @@ impl Inlets {
             Err(Refusal::Ended(error)) => return Err(error),
             Err(Refusal::Fault(fault)) => fault,
         };
-        *self.refused.entry(refused.field.clone()).or_default() += 1;
+        self.refused.add(&refused.field, 1);
         Ok(Some(*refused))
     }
 

@@ -141,7 +141,7 @@ impl FeedSummary {
             refused: inlets
                 .refused
                 .iter()
-                .map(|(field, lines)| (field.clone(), *lines))
+                .map(|(field, lines)| (field.to_owned(), lines))
                 .collect(),
             connections: shared.accepted.load(Relaxed),
             refused_senders: shared.refused_senders.load(Relaxed) + datagrams.refused_senders,
