@@ -115,6 +115,17 @@ pub fn feed(root: &Root, source: &str) -> Result<Box<dyn AnyPublisher>, Error> {
     )
 }
 
+/// Returns a limit for [`Publisher::limit_clock`] from seconds above 0; infinity is no limit.
+///
+/// # Errors
+/// If the number is not above 0.
+pub fn clock_limit(limit_s: f64) -> Result<Option<Duration>, Error> {
+    match limit_s {
+        limit_s if limit_s > 0.0 => Ok(Duration::try_from_secs_f64(limit_s).ok()),
+        limit_s => Err(Error::ClockLimit { limit_s }),
+    }
+}
+
 struct Subscribe<'a>(&'a Root);
 
 impl Visitor for Subscribe<'_> {

@@ -100,6 +100,13 @@ pub enum Error {
         given: &'static str,
     },
 
+    /// A limit of the clock is none.
+    #[error("the limit of the clock is {limit_s} s: it must be above 0; infinity permits all times")]
+    ClockLimit {
+        /// As given, seconds.
+        limit_s: f64,
+    },
+
     /// The origin of the system frame is not published.
     #[error(
         "instance {instance} does not publish the origin of its frame: `koseki status --instance {instance}` shows \
@@ -174,6 +181,7 @@ impl Error {
             | Self::Refused { .. }
             | Self::Observation { .. }
             | Self::OtherKind { .. }
+            | Self::ClockLimit { .. }
             | Self::Order { .. }
             | Self::Octets { .. } => ErrorKind::Argument,
             Self::Bus(BusError::InstanceName { .. } | BusError::PathTooLong { .. }) => ErrorKind::Argument,

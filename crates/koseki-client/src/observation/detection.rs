@@ -16,7 +16,7 @@ observation! {
     /// let seen = Detection::at(41.40, 2.10).height_m(900.0).sigma_m(20.0);
     /// let heard = Detection::from_sensor(41.30, 2.08).bearing_deg(37.0).bearing_sigma_deg(0.5);
     /// ```
-    pub struct Detection {
+    pub struct Detection by scan {
         numbers {
             /// Latitude of the target, WGS-84, degrees, from -90 to 90, north positive.
             latitude,

@@ -15,8 +15,8 @@ mod scans;
 mod track_report;
 
 use frames::SystemFrame;
-use messages::Outgoing;
 use messages::admission::{Admission, Fault};
+use messages::{Identity, NS_PER_S, Outgoing};
 
 pub use detection::Detection;
 pub use identity::{address_of, callsign_of, mmsi_of};
@@ -26,8 +26,26 @@ pub use track_report::TrackReport;
 /// Largest standard deviation, in the value's unit.
 const SIGMA_MAX: f64 = 1e7;
 
+/// Fields of an observation by their names: what other languages and lines of text fill in.
+pub trait Fields: Copy + Default {
+    /// Names of the fields that are numbers.
+    const NUMBERS: &'static [&'static str];
+
+    /// Returns the field called `name`, if it is a number.
+    fn number_mut(&mut self, name: &str) -> Option<&mut Option<f64>>;
+
+    /// Returns the time of measurement, UTC, nanoseconds since 1970.
+    fn time_mut(&mut self) -> &mut Option<i64>;
+
+    /// Returns the identity of the target.
+    fn identity_mut(&mut self) -> &mut Identity;
+
+    /// Returns the number of the scan, or of the track.
+    fn ordinal_mut(&mut self) -> &mut Option<u32>;
+}
+
 /// An observation that becomes a sample.
-pub trait Observation {
+pub trait Observation: Fields {
     /// What is published.
     type Sample: Outgoing + Admission;
 
@@ -45,7 +63,7 @@ pub trait Observation {
 macro_rules! observation {
     (
         $(#[doc = $of_type:literal])+
-        pub struct $name:ident {
+        pub struct $name:ident by $ordinal:ident {
             numbers { $( $(#[doc = $doc:literal])+ $number:ident, )+ }
             $( $(#[doc = $of_other:literal])+ $other:ident: $kind:ty, )+
         }
@@ -57,18 +75,30 @@ macro_rules! observation {
             $( $(#[doc = $of_other])+ pub $other: $kind, )+
         }
 
-        impl $name {
-            /// Names of the fields that are numbers.
-            pub const NUMBERS: &'static [&'static str] = &[$(stringify!($number)),+];
+        impl $crate::observation::Fields for $name {
+            const NUMBERS: &'static [&'static str] = &[$(stringify!($number)),+];
 
-            /// Returns the field called `name`, if it is a number.
-            pub fn number_mut(&mut self, name: &str) -> Option<&mut Option<f64>> {
+            fn number_mut(&mut self, name: &str) -> Option<&mut Option<f64>> {
                 $( if name == stringify!($number) {
                     return Some(&mut self.$number);
                 } )+
                 None
             }
 
+            fn time_mut(&mut self) -> &mut Option<i64> {
+                &mut self.time_ns
+            }
+
+            fn identity_mut(&mut self) -> &mut Identity {
+                &mut self.identity
+            }
+
+            fn ordinal_mut(&mut self) -> &mut Option<u32> {
+                &mut self.$ordinal
+            }
+        }
+
+        impl $name {
             $(
                 $(#[doc = $doc])+
                 #[must_use]
@@ -95,6 +125,20 @@ pub fn fault(field: &str, value: impl ToString, limit: &str, remedy: impl Into<S
 /// Returns the fault of a field that is needed and was not stated.
 pub fn missing(field: &str, remedy: &str) -> Fault {
     fault(field, "missing", "the field is needed", remedy)
+}
+
+/// Returns seconds of UTC since 1970 as nanoseconds.
+///
+/// # Errors
+/// The fault of a number that is none of seconds.
+pub fn time_ns_of(seconds: f64) -> Result<i64, Fault> {
+    if !(-4e9..=4e9).contains(&seconds) {
+        let remedy = "give the seconds of UTC since 1970, or nanoseconds as time_ns";
+        return Err(fault("time_s", seconds, "must be seconds of UTC since 1970", remedy));
+    }
+    // In two parts: a number of nanoseconds has more digits than a floating-point number.
+    let whole = seconds.floor();
+    Ok(whole as i64 * 1_000_000_000 + ((seconds - whole) * NS_PER_S).round() as i64)
 }
 
 /// Passes a standard deviation on if it is above 0.

@@ -229,6 +229,15 @@ fn identities_are_checked() {
 }
 
 #[test]
+fn seconds_become_nanoseconds_without_losing_digits() {
+    assert_eq!(time_ns_of(1_800_000_000.25), Ok(1_800_000_000_250_000_000));
+    assert_eq!(time_ns_of(-1.5), Ok(-1_500_000_000));
+    for wrong in [1.8e18, f64::NAN] {
+        assert_eq!(time_ns_of(wrong).unwrap_err().field, "time_s");
+    }
+}
+
+#[test]
 fn numbers_are_reached_by_their_names() {
     let mut detection = Detection::default();
     for (value, name) in Detection::NUMBERS.iter().enumerate() {

@@ -16,7 +16,7 @@ observation! {
     /// let report = TrackReport::of(7, 41.40, 2.10).sigma_m(30.0);
     /// let moving = report.speed_mps(120.0).course_deg(90.0).velocity_sigma_mps(3.0);
     /// ```
-    pub struct TrackReport {
+    pub struct TrackReport by track {
         numbers {
             /// Latitude of the target, WGS-84, degrees, from -90 to 90, north positive.
             latitude,

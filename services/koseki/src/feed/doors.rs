@@ -15,8 +15,8 @@ use net::{AllowedSenders, ReceiverCounters, ReceiverSettings, UdpReceiver};
 use runtime::Now;
 use serde_json::json;
 
-use super::fields::fault;
 use super::inlet::Inlets;
+use koseki_client::observation::fault;
 
 /// Longest line, bytes.
 const LINE_MAX: usize = 1 << 16;
