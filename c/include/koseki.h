@@ -129,7 +129,7 @@ typedef struct {
   size_t size;           /* Of this struct: filled in by the functions below. */
   int64_t time_ns;       /* Time of measurement, UTC, nanoseconds since 1970; 0: now. */
   int64_t track;         /* Number of the track at its sensor. */
-  int32_t state;         /* KOSEKI_TRACK_STATE_…; -1: confirmed. */
+  int32_t state;         /* KOSEKI_STATE_…; -1: confirmed. */
   uint32_t address;      /* 24-bit address of ICAO; 0: unknown. */
   uint32_t mmsi;         /* 0: unknown. */
   uint32_t reserved;

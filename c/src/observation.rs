@@ -101,7 +101,7 @@ fn report(stated: &KosekiTrackReport) -> Result<TrackReport, Fault> {
                 "state",
                 stated.state,
                 "is no code of a state",
-                "use KOSEKI_TRACK_STATE_…, or -1",
+                "use KOSEKI_STATE_…, or -1",
             )
         };
         report.state = Some(state.ok_or_else(wrong)?);

@@ -16,7 +16,7 @@ int main(void) {
       return puts(koseki_error());
     for (poll(NULL, 0, 500); koseki_receive(tracks, 0, &slice) == KOSEKI_OK; koseki_release(&slice))
       for (const KosekiSystemTrack *t = slice.samples, *end = t + slice.count; t < end; t++)
-        if (t->state == KOSEKI_TRACK_STATE_CONFIRMED)
+        if (t->state == KOSEKI_STATE_CONFIRMED)
           printf("track %u at %f %f\n", t->track_number, t->position_m[0], t->position_m[1]);
   }
 }

@@ -243,7 +243,6 @@ impl<T: Outgoing + Admission> AnyPublisher for Publisher<T> {
 /// Error of a publisher of the samples `T` that was given observations of another kind.
 fn other_kind<T: Outgoing>(given: &'static str) -> Error {
     Error::OtherKind {
-        topic: T::topic("NAME").name.as_str().to_owned(),
         takes: T::STREAM.word(),
         given,
     }

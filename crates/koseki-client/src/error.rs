@@ -90,10 +90,8 @@ pub enum Error {
     },
 
     /// The topic takes observations of another kind.
-    #[error("topic {topic} takes {takes}, not {given}: send those, or feed another external source")]
+    #[error("the source takes {takes}, not {given}: send those, or feed another external source")]
     OtherKind {
-        /// The topic.
-        topic: String,
         /// What the topic takes.
         takes: &'static str,
         /// What was given.
