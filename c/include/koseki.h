@@ -90,6 +90,119 @@ int koseki_advertise(const char *instance, const char *topic, uint64_t schema, k
  * koseki_error() names the sample, field, value, limit and remedy. */
 int koseki_publish(koseki_publisher *publisher, const void *samples, size_t count);
 
+/* Observations, as koseki_send_detections and koseki_send_track_reports take them: places in degrees, or in metres of the
+ * system frame. Make one with the functions below, then state what else is known; a number that is NAN is unknown. */
+typedef struct {
+  size_t size;           /* Of this struct: filled in by the functions below. */
+  int64_t time_ns;       /* Time of measurement, UTC, nanoseconds since 1970; 0: now. */
+  int64_t scan;         /* Number of the scan; -1: detections with one time are one scan. */
+  int32_t of_tracks;     /* Reserved. */
+  uint32_t address;      /* 24-bit address of ICAO; 0: unknown. */
+  uint32_t mmsi;         /* 0: unknown. */
+  uint32_t reserved;
+  char callsign[16];     /* Up to eight characters; "": unknown. */
+  double latitude;                /* Latitude of the target, WGS-84, degrees, from -90 to 90, north positive. */
+  double longitude;               /* Longitude of the target, WGS-84, degrees, from -180 to 180, east positive. */
+  double height_m;                /* Height of the target above the ellipsoid, metres, from -1e5 to 1e5. */
+  double east_m;                  /* Place of the target in the system frame, metres east; in place of latitude and longitude. */
+  double north_m;                 /* Place of the target in the system frame, metres north. */
+  double up_m;                    /* Place of the target in the system frame, metres up. */
+  double sigma_m;                 /* Standard deviation of the position along each horizontal axis, metres, above 0. */
+  double height_sigma_m;          /* Standard deviation of the height, metres, above 0; that of the position if not stated. */
+  double range_m;                 /* Slant range from the sensor, metres. */
+  double bearing_deg;             /* Direction from the sensor, degrees clockwise from the system frame's north, from -360 to 360. */
+  double elevation_deg;           /* Direction above the horizontal, degrees. */
+  double range_sigma_m;           /* Standard deviation of the range, metres, above 0. */
+  double bearing_sigma_deg;       /* Standard deviation of the bearing, degrees, above 0. */
+  double elevation_sigma_deg;     /* Standard deviation of the elevation, degrees, above 0. */
+  double sensor_latitude;         /* Latitude of the sensor, degrees. */
+  double sensor_longitude;        /* Longitude of the sensor, degrees. */
+  double sensor_height_m;         /* Height of the sensor above the ellipsoid, metres. */
+  double sensor_east_m;           /* Place of the sensor in the system frame, metres east; in place of latitude and longitude. */
+  double sensor_north_m;          /* Place of the sensor in the system frame, metres north. */
+  double sensor_up_m;             /* Place of the sensor in the system frame, metres up. */
+  double range_rate_mps;          /* Rate of the range, metres per second, positive away from the sensor. */
+  double range_rate_sigma_mps;    /* Standard deviation of the rate, metres per second, above 0. */
+} koseki_detection;
+
+typedef struct {
+  size_t size;           /* Of this struct: filled in by the functions below. */
+  int64_t time_ns;       /* Time of measurement, UTC, nanoseconds since 1970; 0: now. */
+  int64_t track;         /* Number of the track at its sensor. */
+  int32_t state;         /* KOSEKI_STATE_…; -1: confirmed. */
+  uint32_t address;      /* 24-bit address of ICAO; 0: unknown. */
+  uint32_t mmsi;         /* 0: unknown. */
+  uint32_t reserved;
+  char callsign[16];     /* Up to eight characters; "": unknown. */
+  double latitude;                /* Latitude of the target, WGS-84, degrees, from -90 to 90, north positive. */
+  double longitude;               /* Longitude of the target, WGS-84, degrees, from -180 to 180, east positive. */
+  double height_m;                /* Height of the target above the ellipsoid, metres, from -1e5 to 1e5. */
+  double east_m;                  /* Place of the target in the system frame, metres east; in place of latitude and longitude. */
+  double north_m;                 /* Place of the target in the system frame, metres north. */
+  double up_m;                    /* Place of the target in the system frame, metres up. */
+  double sigma_m;                 /* Standard deviation of the position along each horizontal axis, metres, above 0. */
+  double height_sigma_m;          /* Standard deviation of the height, metres, above 0; that of the position if not stated. */
+  double speed_mps;               /* Speed over ground, metres per second. */
+  double course_deg;              /* Direction of the motion, degrees clockwise from true north at the target, from -360 to 360. */
+  double climb_mps;               /* Rate of climb, metres per second. */
+  double velocity_east_mps;       /* Velocity in the system frame, metres per second east; in place of speed and course. */
+  double velocity_north_mps;      /* Velocity in the system frame, metres per second north. */
+  double velocity_up_mps;         /* Velocity in the system frame, metres per second up. */
+  double velocity_sigma_mps;      /* Standard deviation of the velocity along each axis, metres per second, above 0. */
+} koseki_track_report;
+
+/* Fill an observation in that states nothing; `size` is that of the struct. */
+void koseki_begin_detection(koseki_detection *detection, size_t size);
+void koseki_begin_track_report(koseki_track_report *report, size_t size);
+
+/* A detection at a latitude and a longitude (WGS-84, degrees), with the standard deviation of its position. */
+static inline koseki_detection koseki_detection_at(double latitude, double longitude, double sigma_m) {
+  koseki_detection detection;
+  koseki_begin_detection(&detection, sizeof detection);
+  detection.latitude = latitude;
+  detection.longitude = longitude;
+  detection.sigma_m = sigma_m;
+  return detection;
+}
+
+/* A bearing from a sensor at a latitude and a longitude (WGS-84, degrees), with its standard deviation. */
+static inline koseki_detection koseki_bearing_from(double latitude, double longitude, double bearing_deg,
+                                                   double sigma_deg) {
+  koseki_detection detection;
+  koseki_begin_detection(&detection, sizeof detection);
+  detection.sensor_latitude = latitude;
+  detection.sensor_longitude = longitude;
+  detection.bearing_deg = bearing_deg;
+  detection.bearing_sigma_deg = sigma_deg;
+  return detection;
+}
+
+/* A report of the track `track` at a latitude and a longitude (WGS-84, degrees), with the standard deviation of its
+ * position. */
+static inline koseki_track_report koseki_track_at(uint32_t track, double latitude, double longitude, double sigma_m) {
+  koseki_track_report report;
+  koseki_begin_track_report(&report, sizeof report);
+  report.track = track;
+  report.latitude = latitude;
+  report.longitude = longitude;
+  report.sigma_m = sigma_m;
+  return report;
+}
+
+/* Feeds the source called `source` with what it takes: detections or sensor tracks. A sensor of a tracker is called
+ * TRACKER.NAME. End it with koseki_unadvertise. */
+int koseki_feed(const char *instance, const char *source, koseki_publisher **handle);
+
+/* Publishes `count` observations; without a time they are of now. If one has a fault (a latitude beyond 90 degrees, a
+ * standard deviation of 0, …), none is published, and the code is KOSEKI_ARGUMENT: koseki_error() names the observation,
+ * field, value, limit and remedy. The first call waits up to a fifth of a second for the origin of the system frame. */
+int koseki_send_detections(koseki_publisher *publisher, const koseki_detection *detections, size_t count);
+int koseki_send_track_reports(koseki_publisher *publisher, const koseki_track_report *reports, size_t count);
+
+/* Sets the largest distance of a sample's time from this machine's clock, seconds above 0, by default 600; INFINITY: there
+ * is no limit. */
+int koseki_limit_clock(koseki_publisher *publisher, double limit_s);
+
 /* Ends a publisher. The handle is invalid afterwards. */
 void koseki_unadvertise(koseki_publisher *publisher);
 

@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "koseki.h"
 
@@ -127,6 +128,44 @@ public:
 
   void publish(const Sample *samples, std::size_t count) {
     if (const int code = koseki_publish(handle_, samples, count))
+      throw Error(code);
+  }
+
+  // See koseki_limit_clock.
+  void limit_clock(std::chrono::duration<double> limit) {
+    if (const int code = koseki_limit_clock(handle_, limit.count()))
+      throw Error(code);
+  }
+
+private:
+  koseki_publisher *handle_ = nullptr;
+};
+
+// Writer of a source that the configuration calls external, in degrees or metres: see koseki_feed.
+class Source {
+public:
+  Source(const std::string &instance, const std::string &source) {
+    if (const int code = koseki_feed(instance.c_str(), source.c_str(), &handle_))
+      throw Error(code);
+  }
+  Source(Source &&other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
+  Source &operator=(Source &&other) noexcept {
+    std::swap(handle_, other.handle_);
+    return *this;
+  }
+  ~Source() { koseki_unadvertise(handle_); }
+
+  void send(const std::vector<koseki_detection> &detections) {
+    if (const int code = koseki_send_detections(handle_, detections.data(), detections.size()))
+      throw Error(code);
+  }
+  void send(const std::vector<koseki_track_report> &reports) {
+    if (const int code = koseki_send_track_reports(handle_, reports.data(), reports.size()))
+      throw Error(code);
+  }
+  // See koseki_limit_clock.
+  void limit_clock(std::chrono::duration<double> limit) {
+    if (const int code = koseki_limit_clock(handle_, limit.count()))
       throw Error(code);
   }
 

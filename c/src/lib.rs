@@ -3,6 +3,8 @@
 //! A handle is a box; its close function takes the box back. Failures are codes; `koseki_error` returns the text
 //! of the calling thread's latest failure. A panic would be a fault of this library, and ends the program.
 
+mod observation;
+
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::os::fd::AsRawFd as _;
@@ -291,6 +293,23 @@ pub unsafe extern "C" fn koseki_publish(
     // SAFETY: the header requires `count` samples of the publisher's type, whose bytes are all fields.
     let octets = unsafe { std::slice::from_raw_parts(samples.cast::<u8>(), length) };
     code(publisher.0.publish(octets).map(|()| OK))
+}
+
+/// See the header.
+///
+/// # Safety
+/// As documented in the header.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn koseki_limit_clock(publisher: *mut KosekiPublisher, limit_s: f64) -> c_int {
+    // SAFETY: the header requires null or an open handle, used by one thread at a time.
+    let Some(publisher) = (unsafe { publisher.as_mut() }) else {
+        return failed(ErrorKind::Argument, "publisher is null".to_owned());
+    };
+    match by_name::clock_limit(limit_s) {
+        Ok(limit) => publisher.0.limit_clock(limit),
+        Err(error) => return failed(error.kind(), error.to_string()),
+    }
+    OK
 }
 
 /// See the header.

@@ -15,12 +15,13 @@ import asyncio
 import os
 import time
 import warnings
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Callable, Iterator
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from . import _arrow
 from . import _koseki
 from . import offline
 from .offline import Table, compare, decode, decode_columns, fuse, locate, score, simulate, smooth, track
@@ -57,6 +58,13 @@ class Tracks(np.ndarray):
     lost: int = 0
     starts_epoch: bool = False
     epoch: int = 0
+
+    @property
+    def __arrow_c_stream__(self) -> Callable[..., object]:
+        """The samples for what takes Arrow, with nested columns, where pyarrow is installed; a single field has none."""
+        if not self.dtype.names or self.ndim != 1:
+            raise AttributeError("__arrow_c_stream__")
+        return lambda requested_schema=None: _arrow.table(self).__arrow_c_stream__(requested_schema)
 
 
 class Counts(NamedTuple):
@@ -297,7 +305,7 @@ def subscribe(
     return Subscription(instance, topic, borrow=borrow, wait=wait, reconnect=reconnect)
 
 
-def read(path: str | os.PathLike[str]) -> dict[str, np.ndarray]:
+def read(path: str | os.PathLike[str]) -> dict[str, Tracks]:
     """All samples of a recording of all topics (a file of MCAP that the recorder wrote), as a record array a topic.
 
     Raises SchemaMismatch where it was recorded with another version of the samples, ValueError where it is no recording.
@@ -308,15 +316,19 @@ def read(path: str | os.PathLike[str]) -> dict[str, np.ndarray]:
         warnings.warn(f"{os.fspath(path)}: damaged parts skipped: {damaged} ({damaged_bytes} bytes)", stacklevel=2)
     if not topics:
         raise ValueError(f"{os.fspath(path)} is no recording of all topics")
-    return {topic: np.frombuffer(octets, DTYPES[sample]) for topic, (sample, octets) in topics.items()}
+    return {topic: np.frombuffer(octets, DTYPES[sample]).view(Tracks) for topic, (sample, octets) in topics.items()}
 
 
 class Publisher:
     """Writer of one topic: see `publish`."""
 
-    def __init__(self, instance: str, topic: str) -> None:
-        self._inner = _koseki.Publisher(instance, topic)
+    def __init__(
+        self, instance: str, topic: str | None = None, *, source: str | None = None, clock_limit_s: float | None = None
+    ) -> None:
+        self._inner = _koseki.Publisher(instance, topic) if source is None else _koseki.Publisher.feed(instance, source)
         self._dtype = DTYPES[self._inner.sample()]
+        if clock_limit_s is not None:
+            self._inner.limit_clock(clock_limit_s)
 
     @property
     def dtype(self) -> np.dtype:
@@ -331,6 +343,59 @@ class Publisher:
     def new(self, count: int) -> np.ndarray:
         """So many samples whose fields are all zero, which says "unknown"."""
         return np.zeros(count, self._dtype)
+
+    def send_detections(self, **columns: Any) -> None:
+        """Publishes detections in degrees or metres, as arrays or single values of these columns:
+
+        - `latitude`, `longitude` (WGS-84, degrees) and `height_m` (above the ellipsoid), or `east_m`, `north_m`, `up_m` in
+          the system frame; `sigma_m` and `height_sigma_m`, standard deviations above 0;
+        - in place of a position `bearing_deg` (clockwise from north), with `range_m` and `elevation_deg` if measured,
+          `bearing_sigma_deg`, `range_sigma_m`, `elevation_sigma_deg`, and the sensor's place: `sensor_latitude`,
+          `sensor_longitude`, `sensor_height_m`, or `sensor_east_m`, `sensor_north_m`, `sensor_up_m`;
+        - `range_rate_mps`, `range_rate_sigma_mps`; `address`, `mmsi` (integers), `callsign`;
+        - `time_s` or `time_ns` (UTC since 1970), now if not given; `scan`: detections with one time are one scan.
+
+        NaN is a value that is not known. If one detection has a fault, none is published, and a ValueError names its
+        place, field, value, limit and remedy. The first call waits up to a fifth of a second for the frame's origin.
+        """
+        self._send(False, columns)
+
+    def send_tracks(self, **columns: Any) -> None:
+        """Publishes reports of tracks in degrees or metres, as arrays or single values of these columns:
+
+        - `track`, the number of the track at its sensor, from 0 to 4294967295;
+        - the columns of a position, an identity and a time of `send_detections`;
+        - `speed_mps`, `course_deg` (clockwise from true north at the target) and `climb_mps`, or `velocity_east_mps`,
+          `velocity_north_mps` and `velocity_up_mps` in the system frame; `velocity_sigma_mps`, a standard deviation;
+        - `state`, a `TrackState`: confirmed if not given.
+
+        Errors are those of `send_detections`.
+        """
+        self._send(True, columns)
+
+    def _send(self, are_tracks: bool, columns: dict[str, Any]) -> None:
+        names = ("time_s", *_koseki.observation_numbers()[are_tracks])
+        wholes = {"time_ns": np.int64, "address": np.int64, "mmsi": np.int64, "callsign": object}
+        kinds = dict.fromkeys(names, np.float64) | wholes | dict.fromkeys(("track", "state") if are_tracks else ("scan",), np.int64)
+        for name in columns:
+            if name not in kinds:
+                raise TypeError(f"{name} is no column of these observations; there are: {', '.join(kinds)}")
+        given = {name: np.asarray(column) for name, column in columns.items() if column is not None}
+        for name, column in given.items():
+            if kinds[name] is np.int64 and column.size and column.dtype.kind not in "iu":
+                raise TypeError(f"{name} has values of {column.dtype}: give whole numbers")
+        given = {name: column.astype(kinds[name]) for name, column in given.items()}
+        shape = np.broadcast_shapes(*(column.shape for column in given.values()))
+        if len(shape) > 1:
+            raise ValueError(f"the columns have {len(shape)} dimensions: give arrays of one, or single values")
+        count = shape[0] if shape else 1
+        filled = {name: np.ascontiguousarray(np.broadcast_to(column, (count,))) for name, column in given.items()}
+        callsigns = filled.pop("callsign", None)
+        self._inner.send_observations(
+            are_tracks, count, [(name, column) for name, column in filled.items() if column.dtype == np.float64],
+            [(name, column) for name, column in filled.items() if column.dtype == np.int64],
+            None if callsigns is None else callsigns.tolist(),
+        )
 
     def send(self, samples: np.ndarray | dict[str, Any]) -> None:
         """Publishes samples: an array of `dtype`, or a dict of columns, of which those that are not given are zero.
@@ -378,12 +443,15 @@ def order(instance: str, kind: str, *, operator: str | None = None, lasts_s: flo
     return state
 
 
-def publish(instance: str, source: str | None = None, *, topic: str | None = None) -> Publisher:
-    """Feeds the source called `source`, which the configuration calls external, with sensor tracks.
+def publish(
+    instance: str, source: str | None = None, *, topic: str | None = None, clock_limit_s: float | None = None
+) -> Publisher:
+    """Feeds the source called `source`, which the configuration calls external, with detections or sensor tracks.
 
-    With `topic` another one: `sensor/TRACKER.NAME/detections` of a tracker's sensor, `wide-area/NAME/reports` or
-    `platform/NAME/state`.
+    A sensor of a tracker is called `TRACKER.NAME`. With `topic` another one: `sensor/TRACKER.NAME/detections` of a
+    tracker's sensor, `wide-area/NAME/reports` or `platform/NAME/state`. Times farther than `clock_limit_s` seconds from
+    this machine's clock are refused: above 0, by default 600; infinity permits all times.
     """
     if (source is None) == (topic is None):
         raise ValueError("name either a source or a topic")
-    return Publisher(instance, topic or f"sensor/{source}/tracks")
+    return Publisher(instance, topic, source=source, clock_limit_s=clock_limit_s)

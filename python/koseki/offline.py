@@ -110,7 +110,8 @@ def _columns(table: Any) -> list[tuple[str, Any]]:
         from ._samples import table as of_samples
 
         table = of_samples(table)
-    if not isinstance(table, Mapping) and not hasattr(table, "columns"):
+    is_frame = hasattr(table, "columns") and not (hasattr(table, "__arrow_c_stream__") and not hasattr(table, "__dataframe__"))
+    if not isinstance(table, Mapping) and not is_frame:
         import pyarrow
 
         table = pyarrow.table(table)

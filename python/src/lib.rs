@@ -4,6 +4,7 @@
 //! is dropped. Waiting releases the interpreter lock for other Python threads.
 
 mod decoding;
+mod observations;
 mod tables;
 
 use std::collections::BTreeMap;
@@ -20,6 +21,8 @@ use koseki_client::messages::Constant;
 use koseki_client::messages::OrderState;
 use koseki_client::messages::layout::{ALL, CodeGroup, Layout, Sample as _, code_groups};
 use koseki_client::{Error, ErrorKind, Orders, Root};
+use observations::Columns;
+use pyo3::buffer::PyBuffer;
 use pyo3::exceptions::{PyBufferError, PyValueError};
 use pyo3::ffi;
 use pyo3::prelude::*;
@@ -302,6 +305,40 @@ impl Publisher {
         Ok(Self(Mutex::new(Some(opened))))
     }
 
+    /// Feeds a source with what it takes.
+    #[staticmethod]
+    fn feed(py: Python<'_>, instance: &str, source: &str) -> PyResult<Self> {
+        let open = || by_name::feed(&Root::new(instance)?, source);
+        let opened = py.detach(open).map_err(failed)?;
+        Ok(Self(Mutex::new(Some(opened))))
+    }
+
+    /// Publishes observations as columns of `rows` values; with `are_tracks` reports of tracks, else detections.
+    fn send_observations(
+        &self,
+        py: Python<'_>,
+        are_tracks: bool,
+        rows: usize,
+        numbers: Vec<(String, PyBuffer<f64>)>,
+        wholes: Vec<(String, PyBuffer<i64>)>,
+        callsigns: Option<Vec<String>>,
+    ) -> PyResult<()> {
+        let columns = Columns::of(py, rows, numbers, wholes, callsigns)?;
+        let sent = py.detach(|| {
+            lock(&self.0)
+                .as_mut()
+                .map(|publisher| columns.send(are_tracks, &mut **publisher))
+        });
+        sent.ok_or_else(closed)?.map_err(failed)
+    }
+
+    /// Sets the largest distance of a time from this machine's clock, seconds.
+    fn limit_clock(&self, limit_s: f64) -> PyResult<()> {
+        let limit = by_name::clock_limit(limit_s).map_err(failed)?;
+        lock(&self.0).as_mut().ok_or_else(closed)?.limit_clock(limit);
+        Ok(())
+    }
+
     fn publish(&self, py: Python<'_>, octets: &[u8]) -> PyResult<()> {
         let published = py.detach(|| lock(&self.0).as_mut().map(|publisher| publisher.publish(octets)));
         published.ok_or_else(closed)?.map_err(failed)
@@ -351,6 +388,7 @@ fn _koseki(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<decoding::Records>()?;
     module.add_function(wrap_pyfunction!(decoding::records, module)?)?;
     module.add_function(wrap_pyfunction!(decoding::columns, module)?)?;
+    module.add_function(wrap_pyfunction!(observations::observation_numbers, module)?)?;
     module.add_function(wrap_pyfunction!(tables::run, module)?)?;
     module.add_function(wrap_pyfunction!(tables::of_samples, module)?)?;
     module.add_function(wrap_pyfunction!(codes, module)?)?;

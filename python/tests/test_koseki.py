@@ -294,6 +294,109 @@ def test_an_external_source_is_fed_and_the_end_is_told(tmp_path):
     deployment.stop()
 
 
+def _local(latitude: float, longitude: float, height_m: float, origin: tuple[float, float, float]) -> np.ndarray:
+    """East, north and up of a place over the round Earth, by the formulas of WGS-84."""
+    def ecef(latitude: float, longitude: float, height_m: float) -> np.ndarray:
+        a, e2 = 6378137.0, (2 - 1 / 298.257223563) / 298.257223563
+        n = a / np.sqrt(1 - e2 * np.sin(latitude) ** 2)
+        flat = (n + height_m) * np.cos(latitude)
+        return np.array([flat * np.cos(longitude), flat * np.sin(longitude), (n * (1 - e2) + height_m) * np.sin(latitude)])
+
+    (lat, lon), (sin, cos) = np.radians(origin[:2]), (np.sin, np.cos)
+    axes = [[-sin(lon), cos(lon), 0], [-sin(lat) * cos(lon), -sin(lat) * sin(lon), cos(lat)],
+            [cos(lat) * cos(lon), cos(lat) * sin(lon), sin(lat)]]
+    return np.array(axes) @ (ecef(*np.radians([latitude, longitude]), height_m) - ecef(lat, lon, origin[2]))
+
+
+def test_detections_in_degrees_become_fused_tracks(tmp_path):
+    deployment = Deployment("up", TOP / "examples/detections.toml", "--instance", "degrees", "--out", tmp_path)
+    source, tracks = koseki.publish("degrees", "own"), koseki.subscribe("degrees")
+    with koseki.subscribe("degrees", "sensor/own.input/detections") as sent:
+        # 100 km from the origin the Earth has fallen away by 785 m.
+        source.send_detections(latitude=[41.932, 41.4], longitude=[2.948, 2.1], height_m=[900.0, np.nan], sigma_m=20)
+        arrived = sent.receive(PATIENCE)
+    expected = _local(41.932, 2.948, 900.0, koseki.origin("degrees"))
+    assert abs(np.hypot(*expected[:2]) - 100e3) < 1e3 and expected[2] < 200.0
+    np.testing.assert_allclose(arrived["values"][0], expected, rtol=0, atol=1e-3)
+    assert arrived["scan"].tolist() == [1, 1] and arrived["detection_id"].tolist() == [1, 2]
+    assert arrived["kind"].tolist() == [koseki.DetectionKind.POSITION3, koseki.DetectionKind.POSITION2]
+    place = {"latitude": 41.0, "longitude": 2.0, "sigma_m": 20}
+    for error, text, columns in [
+        (ValueError, "observation 1 is refused.*latitude is 91: must be from -90 to 90 degrees; latitude and longitude are "
+         "exchanged", {"latitude": [41.0, 91.0]}),
+        (ValueError, "latitude is missing", {"latitude": np.nan}),
+        (ValueError, "sigma_m is 0: must be above 0", {"sigma_m": 0}),
+        (ValueError, "within 600 s", {"time_s": time.time() - 700}),
+        (ValueError, "mmsi is 0", {"mmsi": 0}),
+        (ValueError, "callsign", {"callsign": "LUFTHANSA"}),
+        (TypeError, "heigth_m is no column", {"heigth_m": 3}),
+        (TypeError, "whole numbers", {"scan": 1.5}),
+        (ValueError, "shape", {"latitude": [41.0, 42.0], "longitude": [2.0, 2.1, 2.2]}),
+    ]:
+        with pytest.raises(error, match=text):
+            source.send_detections(**place | columns)
+    with pytest.raises(ValueError, match="not reports of tracks"):
+        source.send_tracks(track=1, **place)
+    assert source.sent == 2
+    source.send_detections(bearing_deg=[10, 20], bearing_sigma_deg=0.5, sensor_latitude=41.3, sensor_longitude=2.1,
+                           callsign="DLH1", address=0x3C6589, time_ns=time.time_ns())
+    begin, end, confirmed = time.time(), time.monotonic() + PATIENCE, set()
+    while len(confirmed) < 3 and time.monotonic() < end:
+        longitude = 2.10 + 5e-4 * (time.time() - begin)
+        source.send_detections(latitude=[41.40, 41.43, 41.46], longitude=longitude, sigma_m=20)
+        time.sleep(0.2)
+        while (fused := tracks.receive(0)) is not None:
+            confirmed.update(fused["track_number"][fused["state"] == koseki.TrackState.CONFIRMED].tolist())
+    assert len(confirmed) >= 3
+    source.close()
+    with pytest.raises(ValueError, match="above 0"):
+        koseki.publish("degrees", "own", clock_limit_s=0)
+    with koseki.publish("degrees", "own", clock_limit_s=10) as source:
+        with pytest.raises(ValueError, match="within 10 s"):
+            source.send_detections(**place, time_s=time.time() - 60)
+    tracks.close()
+    deployment.stop()
+
+
+def test_tracks_in_degrees_have_a_velocity_over_ground(tmp_path):
+    deployment = Deployment("up", TOP / "examples/feed.toml", "--instance", "degrees", "--out", tmp_path)
+    with koseki.publish("degrees", "own", clock_limit_s=np.inf) as source, koseki.subscribe("degrees", "sensor/own/tracks") as sent:
+        source.send_tracks(track=[7, 8], latitude=41.3, longitude=[2.1, 5.1], height_m=0, sigma_m=30, speed_mps=100,
+                           course_deg=90, velocity_sigma_mps=3, state=koseki.TrackState.TENTATIVE, time_s=0)
+        arrived = sent.receive(PATIENCE)
+    assert arrived["track_number"].tolist() == [7, 8] and set(arrived["state"]) == {koseki.TrackState.TENTATIVE}
+    np.testing.assert_allclose(arrived["velocity_mps"][0], [100.0, 0.0, 0.0], atol=1e-5)
+    # East of the origin, east is turned by the convergence of the meridians, and points down.
+    assert arrived["velocity_mps"][1][1] > 3.0 and arrived["velocity_mps"][1][2] < -3.0
+    np.testing.assert_allclose(np.linalg.norm(arrived["velocity_mps"], axis=1), 100.0, atol=1e-5)
+    deployment.stop()
+
+
+def test_samples_are_arrow_with_nested_columns():
+    samples = np.zeros(3, koseki.DTYPES["SystemTrack"]).view(koseki.Tracks)
+    samples["track_number"], samples["position_m"] = [7, 8, 9], np.arange(9.0).reshape(3, 3)
+    samples["identity"]["callsign"][1] = list(b"DLH1    ")
+    for table in pyarrow.table(samples), polars.from_arrow(pyarrow.RecordBatchReader.from_stream(samples)).to_arrow():
+        assert table.column_names == list(samples.dtype.names)
+        assert table["track_number"].to_pylist() == [7, 8, 9]
+        assert table["position_m"].to_pylist() == samples["position_m"].tolist()
+        assert table["identity"].to_pylist()[1]["callsign"] == "DLH1"
+        assert len(table["contributions"].to_pylist()[0]) == samples.dtype["contributions"].shape[0]
+    assert not hasattr(samples["position_m"], "__arrow_c_stream__")
+
+    class Stream:
+        """What has the stream alone, and columns of its own kind."""
+
+        columns = ["no", "names"]
+
+        def __init__(self, table):
+            self.__arrow_c_stream__ = pyarrow.table(table).__arrow_c_stream__
+
+    world = koseki.simulate(seconds=20)
+    table = next(table for name, table in world.items() if name.startswith("sensor_tracks"))
+    _assert_same(koseki.fuse(Stream(dict(table))), koseki.fuse(table))
+
+
 @pytest.fixture
 def again(tmp_path):
     """Starts a deployment, as often as it is called; a test that fails leaves none to the next test."""

@@ -166,6 +166,26 @@ impl SystemFrame {
         (place.height_m(), up)
     }
 
+    /// East, north and up at a position (m), as directions in this frame, a row each: away from the origin they differ
+    /// from the frame's axes.
+    pub fn axes(&self, position_m: [f64; 3]) -> [[f64; 3]; 3] {
+        /// About 111 m, of which rounding has no part.
+        const STEP_DEG: f64 = 1e-3;
+        let place = self.to_geodetic(position_m);
+        let (latitude, height_m) = (place.latitude_deg().clamp(-89.9, 89.9), place.height_m());
+        let away = |step_deg: f64| {
+            let moved = Geodetic::from_degrees(latitude + step_deg, place.longitude_deg(), height_m);
+            moved.map_or(position_m, |moved| self.to_local(moved))
+        };
+        let north = unit(difference(away(STEP_DEG), away(-STEP_DEG)));
+        let raised = Geodetic::from_degrees(latitude, place.longitude_deg(), height_m.min(90e3) + 1e3);
+        let up = unit(difference(
+            raised.map_or(position_m, |raised| self.to_local(raised)),
+            away(0.0),
+        ));
+        [cross(north, up), north, up]
+    }
+
     pub(crate) fn ecef_to_local(&self) -> &RigidBodyTransform<Ecef, SystemEnu> {
         &self.from_ecef
     }
@@ -229,6 +249,19 @@ impl FrameChange {
     pub fn rotation(&self) -> &[[f64; 3]; 3] {
         &self.rotation
     }
+}
+
+fn difference(one: [f64; 3], other: [f64; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|axis| one[axis] - other[axis])
+}
+
+fn unit(vector: [f64; 3]) -> [f64; 3] {
+    let length = vector.iter().map(|part| part * part).sum::<f64>().sqrt();
+    vector.map(|part| if length > 0.0 { part / length } else { 0.0 })
+}
+
+fn cross([a, b, c]: [f64; 3], [x, y, z]: [f64; 3]) -> [f64; 3] {
+    [b * z - c * y, c * x - a * z, a * y - b * x]
 }
 
 pub(crate) fn metres(point: &Coordinate<SystemEnu>) -> [f64; 3] {

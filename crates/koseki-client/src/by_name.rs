@@ -10,7 +10,9 @@ use messages::admission::Admission;
 use messages::layout::Layout;
 use messages::{BatchHeader, Outgoing, PlatformState, SensorDetection, SensorTrack, Topic, Visitor, WideArea};
 
+use crate::connection::Connection;
 use crate::error::Error;
+use crate::observation::{Detection, TrackReport};
 use crate::publisher::Publisher;
 use crate::subscription::{Counts, Slice, Subscription};
 
@@ -52,6 +54,18 @@ pub trait AnyPublisher: Debug + Send {
     /// The same; also if they are no whole number of samples.
     fn publish(&mut self, octets: &[u8]) -> Result<(), Error>;
 
+    /// As [`Publisher::send`].
+    ///
+    /// # Errors
+    /// The same; also if the topic takes no detections.
+    fn send_detections(&mut self, detections: &[Detection]) -> Result<(), Error>;
+
+    /// As [`Publisher::send`].
+    ///
+    /// # Errors
+    /// The same; also if the topic takes no tracks.
+    fn send_tracks(&mut self, reports: &[TrackReport]) -> Result<(), Error>;
+
     /// As [`Publisher::limit_clock`].
     fn limit_clock(&mut self, limit: Option<Duration>);
 
@@ -77,6 +91,39 @@ pub fn subscribe(root: &Root, topic: &str) -> Result<Box<dyn AnySubscription>, E
 pub fn publisher(root: &Root, topic: &str) -> Result<Box<dyn AnyPublisher>, Error> {
     let unknown = || Error::TopicName { name: topic.to_owned() };
     messages::visit(topic, Publish { root, topic }).ok_or_else(unknown)?
+}
+
+/// Feeds the source called `source` of the deployment at `root` with what it takes: detections or sensor tracks. A
+/// sensor of a tracker is called `tracker.sensor`.
+///
+/// # Errors
+/// As [`publisher`].
+pub fn feed(root: &Root, source: &str) -> Result<Box<dyn AnyPublisher>, Error> {
+    let detections = messages::sensor_detections(source);
+    let inputs = messages::sensor_detections(&format!("{source}.input"));
+    let topics = Connection::open(root)?.bus.topics()?;
+    let is_there = |topic: &Topic<SensorDetection>| topics.iter().any(|other| other == topic.name.as_str());
+    let tracks = messages::sensor_tracks(source);
+    let takes_detections = is_there(&inputs) || (is_there(&detections) && source.contains('.'));
+    publisher(
+        root,
+        if takes_detections {
+            detections.name.as_str()
+        } else {
+            tracks.name.as_str()
+        },
+    )
+}
+
+/// Returns a limit for [`Publisher::limit_clock`] from seconds above 0; infinity is no limit.
+///
+/// # Errors
+/// If the number is not above 0.
+pub fn clock_limit(limit_s: f64) -> Result<Option<Duration>, Error> {
+    match limit_s {
+        limit_s if limit_s > 0.0 => Ok(Duration::try_from_secs_f64(limit_s).ok()),
+        limit_s => Err(Error::ClockLimit { limit_s }),
+    }
 }
 
 struct Subscribe<'a>(&'a Root);
@@ -168,6 +215,18 @@ impl<T: Outgoing + Admission> AnyPublisher for Publisher<T> {
         self.publish(&samples)
     }
 
+    fn send_detections(&mut self, detections: &[Detection]) -> Result<(), Error> {
+        let of_kind = (self as &mut dyn Any).downcast_mut::<Publisher<SensorDetection>>();
+        of_kind.ok_or_else(|| other_kind::<T>("detections"))?.send(detections)
+    }
+
+    fn send_tracks(&mut self, reports: &[TrackReport]) -> Result<(), Error> {
+        let of_kind = (self as &mut dyn Any).downcast_mut::<Publisher<SensorTrack>>();
+        of_kind
+            .ok_or_else(|| other_kind::<T>("reports of tracks"))?
+            .send(reports)
+    }
+
     fn limit_clock(&mut self, limit: Option<Duration>) {
         self.limit_clock(limit);
     }
@@ -178,5 +237,13 @@ impl<T: Outgoing + Admission> AnyPublisher for Publisher<T> {
 
     fn layout(&self) -> &'static Layout {
         &T::LAYOUT
+    }
+}
+
+/// Error of a publisher of the samples `T` that was given observations of another kind.
+fn other_kind<T: Outgoing>(given: &'static str) -> Error {
+    Error::OtherKind {
+        takes: T::STREAM.word(),
+        given,
     }
 }

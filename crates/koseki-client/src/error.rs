@@ -80,6 +80,41 @@ pub enum Error {
         fault: Box<Fault>,
     },
 
+    /// An observation cannot become a sample; none was published.
+    #[error("observation {index} is refused, and none was published: {fault}")]
+    Observation {
+        /// Place of the observation, from 0.
+        index: usize,
+        /// Field, value, limit and remedy.
+        fault: Box<Fault>,
+    },
+
+    /// The topic takes observations of another kind.
+    #[error("the source takes {takes}, not {given}: send those, or feed another external source")]
+    OtherKind {
+        /// What the topic takes.
+        takes: &'static str,
+        /// What was given.
+        given: &'static str,
+    },
+
+    /// A limit of the clock is none.
+    #[error("the limit of the clock is {limit_s} s: it must be above 0; infinity permits all times")]
+    ClockLimit {
+        /// As given, seconds.
+        limit_s: f64,
+    },
+
+    /// The origin of the system frame is not published.
+    #[error(
+        "instance {instance} does not publish the origin of its frame: `koseki status --instance {instance}` shows \
+         whether its monitor runs"
+    )]
+    NoOrigin {
+        /// The instance.
+        instance: String,
+    },
+
     /// Words are no order.
     #[error("{text}")]
     Order {
@@ -142,6 +177,9 @@ impl Error {
             Self::TopicName { .. }
             | Self::NotFed { .. }
             | Self::Refused { .. }
+            | Self::Observation { .. }
+            | Self::OtherKind { .. }
+            | Self::ClockLimit { .. }
             | Self::Order { .. }
             | Self::Octets { .. } => ErrorKind::Argument,
             Self::Bus(BusError::InstanceName { .. } | BusError::PathTooLong { .. }) => ErrorKind::Argument,
@@ -150,7 +188,7 @@ impl Error {
             Self::Bus(BusError::Full { .. }) => ErrorKind::Full,
             Self::Bus(BusError::Borrowed { .. }) => ErrorKind::Borrowed,
             Self::Fed { .. } => ErrorKind::Fed,
-            Self::Claim { .. } | Self::Bus(_) => ErrorKind::System,
+            Self::Claim { .. } | Self::NoOrigin { .. } | Self::Bus(_) => ErrorKind::System,
         }
     }
 }

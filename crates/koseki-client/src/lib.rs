@@ -5,6 +5,8 @@
 //! wide-area sensor and positions of a platform that the configuration calls `external`. [`Orders`] gives orders to
 //! fusion. All may move between threads.
 //!
+//! Feeding needs no frame and no bit: a [`Detection`] or a [`TrackReport`] has degrees and standard deviations.
+//!
 //! ```no_run
 //! use std::time::Duration;
 //!
@@ -16,6 +18,16 @@
 //!         println!("{} at {:?} m, {} lost before", track.track_number, track.position_m, slice.lost());
 //!     }
 //! }
+//! # }
+//! ```
+//!
+//! ```no_run
+//! use koseki_client::{Detection, Publisher};
+//!
+//! # fn main() -> Result<(), koseki_client::Error> {
+//! let mut source = Publisher::open("feed", "own")?;
+//! source.send(&[Detection::at(41.40, 2.10).sigma_m(20.0)])?;
+//! # Ok(())
 //! # }
 //! ```
 //!
@@ -40,16 +52,21 @@ mod clock;
 mod connection;
 mod directory;
 mod error;
+mod frame;
+pub mod observation;
 mod orders;
 mod publisher;
 pub mod refusals;
 mod subscription;
 
+pub use frames::{Geodetic, SystemFrame};
 pub use messages;
 
 pub use bus::{BORROWED_MAX, Root};
 pub use directory::{instances, sources, topics};
 pub use error::{Error, ErrorKind};
+pub use frame::frame;
+pub use observation::{Detection, TrackReport};
 pub use orders::Orders;
 pub use publisher::Publisher;
 pub use subscription::{Counts, Slice, Subscription};

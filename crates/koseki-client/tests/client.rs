@@ -4,9 +4,11 @@ use std::thread;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use bus::{Bus, Mark, Root, SharedMemory, TopicHold};
-use koseki_client::{BORROWED_MAX, ErrorKind, Publisher, Subscription, by_name};
+use koseki_client::{
+    BORROWED_MAX, Detection, Error, ErrorKind, Geodetic, Publisher, Subscription, SystemFrame, by_name,
+};
 use messages::layout::Sample as _;
-use messages::{Covariance, SensorTrack, SystemTrack};
+use messages::{Covariance, FrameOrigin, SensorTrack, SystemTrack};
 use tempfile::TempDir;
 
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -34,6 +36,10 @@ impl Deployment {
         let held = vec![
             bus.hold(&messages::system_tracks()).unwrap(),
             bus.hold(&messages::sensor_tracks("own")).unwrap(),
+            bus.hold(&messages::sensor_tracks("camera")).unwrap(),
+            bus.hold(&messages::sensor_detections("camera")).unwrap(),
+            bus.hold(&messages::sensor_detections("camera.input")).unwrap(),
+            bus.hold(&messages::frame_origin()).unwrap(),
         ];
         Self {
             root,
@@ -279,4 +285,60 @@ fn an_adapter_of_the_source_is_a_publisher_too() {
     assert_eq!(open().unwrap_err().kind(), ErrorKind::Fed);
     drop(adapter);
     open().unwrap();
+}
+
+#[test]
+fn detections_in_degrees_arrive_in_metres_of_the_published_frame() {
+    let deployment = Deployment::new();
+    let mut sent = Subscription::at(&deployment.root, &messages::sensor_detections("camera.input")).unwrap();
+    let mut origins = deployment.bus.publisher(&messages::frame_origin(), 1).unwrap();
+    let mut camera = Publisher::at(&deployment.root, "camera").unwrap();
+    // 100 km from the origin, where the Earth has fallen away by 785 m.
+    let (latitude, longitude, height_m) = (41.632, 2.848, 900.0);
+    let feeder = thread::spawn(move || {
+        let far = Detection::at(latitude, longitude).height_m(height_m).sigma_m(20.0);
+        camera.send(&[far, Detection::at(41.1, 2.1).sigma_m(20.0)]).unwrap();
+        let refused = camera.send(&[far, Detection::at(91.0, 2.0).sigma_m(20.0)]);
+        (refused, camera.sent())
+    });
+    while !feeder.is_finished() {
+        let origin = FrameOrigin {
+            latitude_deg: 41.0,
+            longitude_deg: 2.0,
+            height_m: 0.0,
+        };
+        origins.send(MARK, 1, |_, _| origin).unwrap();
+        thread::sleep(Duration::from_millis(5));
+    }
+    let (refused, count) = feeder.join().unwrap();
+    let Err(Error::Observation { index: 1, fault }) = refused else {
+        panic!("{refused:?}")
+    };
+    assert_eq!((fault.field.as_str(), count), ("latitude", 2));
+    let slice = sent.next(PATIENCE).unwrap().unwrap();
+    let place = |latitude, longitude, height_m| Geodetic::from_degrees(latitude, longitude, height_m).unwrap();
+    let expected = SystemFrame::at(place(41.0, 2.0, 0.0)).to_local(place(latitude, longitude, height_m));
+    for (value, expected) in slice[0].values.iter().zip(expected) {
+        assert!((value - expected).abs() < 1e-3, "{value} {expected}");
+    }
+    let numbers = [0, 1].map(|index| (slice[index].scan, slice[index].detection_id));
+    assert_eq!(numbers, [(1, 1), (1, 2)]);
+}
+
+#[test]
+fn a_source_is_fed_with_what_it_takes() {
+    let deployment = Deployment::new();
+    let mut camera = by_name::feed(&deployment.root, "camera").unwrap();
+    assert_eq!(camera.layout().name, "SensorDetection");
+    let refused = camera.send_tracks(&[]).unwrap_err();
+    assert!(matches!(refused, Error::OtherKind { .. }), "{refused}");
+    let own = by_name::feed(&deployment.root, "own").unwrap();
+    assert_eq!(own.layout().name, "SensorTrack");
+    let nobody = by_name::feed(&deployment.root, "nobody").unwrap_err();
+    assert_eq!(nobody.kind(), ErrorKind::NoSuchTopic);
+    assert_eq!(by_name::clock_limit(f64::INFINITY).unwrap(), None);
+    assert_eq!(by_name::clock_limit(2.0).unwrap(), Some(Duration::from_secs(2)));
+    for wrong in [0.0, -1.0, f64::NAN] {
+        assert_eq!(by_name::clock_limit(wrong).unwrap_err().kind(), ErrorKind::Argument);
+    }
 }

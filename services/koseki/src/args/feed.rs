@@ -20,7 +20,7 @@ Each line is a JSON object for one external source, which --source or the field 
 degrees with names in _deg, or radians with names in _rad. Fields:
   any source       time (2026-05-01T10:00:00.5Z), time_s or time_ns (UTC since 1970) [default: time of receipt];
                    latitude, longitude (WGS-84, degrees) and height_m (above the ellipsoid), or position_m
-                   (east, north, up in the system frame); sigma_m and height_sigma_m (standard deviations);
+                   (east, north, up in the system frame) or east_m, north_m, up_m; sigma_m and height_sigma_m (standard deviations);
                    address (hexadecimal), mmsi, callsign, mode_3a (octal digits), name
   of detections    in place of a position: range_m and bearing_deg, or bearing_deg alone, each with elevation_deg if
                    measured; range_sigma_m, bearing_sigma_deg, elevation_sigma_deg; the sensor's place as

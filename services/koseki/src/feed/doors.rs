@@ -10,12 +10,12 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use koseki_client::Error;
+use koseki_client::observation::fault;
 use messages::admission::Fault;
 use net::{AllowedSenders, ReceiverCounters, ReceiverSettings, UdpReceiver};
 use runtime::Now;
 use serde_json::json;
 
-use super::fields::fault;
 use super::inlet::{Inlets, Reasons};
 
 /// Longest line, bytes.

@@ -1,36 +1,12 @@
 //! Fields of a line: a JSON object whose fields are taken by name, so that what is left has no meaning.
 
-use frames::{Geodetic, SystemFrame};
-use messages::NS_PER_S;
+use koseki_client::observation::{fault, time_ns_of};
 use messages::admission::Fault;
 use serde_json::{Map, Value};
 
 /// The fields of a line that have not been taken yet.
 #[derive(Debug)]
 pub(super) struct Fields(Map<String, Value>);
-
-/// A position in the system frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Placed {
-    /// Metres east, north and up.
-    pub(super) position_m: [f64; 3],
-    /// Whether the height is known.
-    pub(super) has_height: bool,
-}
-
-pub(super) fn fault(field: &str, value: impl ToString, limit: &str, remedy: impl Into<String>) -> Fault {
-    Fault {
-        field: field.to_owned(),
-        value: value.to_string(),
-        limit: limit.to_owned(),
-        remedy: remedy.into(),
-    }
-}
-
-/// Fault of a field that a line needs.
-pub(super) fn missing(field: &str, remedy: &str) -> Fault {
-    fault(field, "missing", "the field is needed", remedy)
-}
 
 impl Fields {
     pub(super) fn of_line(line: &[u8]) -> Result<Self, Fault> {
@@ -101,22 +77,18 @@ impl Fields {
         Ok(Some((numbers, all.len())))
     }
 
-    /// Takes an angle in degrees (`NAME_deg`) or radians (`NAME_rad`), radians.
-    pub(super) fn angle(&mut self, name: &str) -> Result<Option<f64>, Fault> {
-        let in_degrees = format!("{name}_deg");
-        let degrees = self.number(&in_degrees)?;
-        let radians = self.number(&format!("{name}_rad"))?;
+    /// Takes an angle in degrees (`NAME_deg`) or radians (`NAME_rad`), degrees.
+    pub(super) fn angle(&mut self, name_deg: &str) -> Result<Option<f64>, Fault> {
+        let degrees = self.number(name_deg)?;
+        let radians = self.number(&name_deg.replace("_deg", "_rad"))?;
         match (degrees, radians) {
             (Some(degrees), Some(_)) => Err(fault(
-                &in_degrees,
+                name_deg,
                 degrees,
                 "must not stand beside radians",
                 "leave one out",
             )),
-            (Some(degrees), None) if degrees.abs() > 360.0 => {
-                Err(fault(&in_degrees, degrees, "must be from -360 to 360", "give degrees"))
-            }
-            (degrees, radians) => Ok(degrees.map(f64::to_radians).or(radians)),
+            (degrees, radians) => Ok(degrees.or(radians.map(f64::to_degrees))),
         }
     }
 
@@ -131,15 +103,7 @@ impl Fields {
             return Ok(Some(time_ns));
         }
         if let Some(seconds) = self.number("time_s")? {
-            let range = -4e9..=4e9;
-            if !range.contains(&seconds) {
-                return Err(fault("time_s", seconds, "must be seconds of UTC since 1970", remedy));
-            }
-            // In two parts: a number of nanoseconds has more digits than a floating-point number.
-            let whole = seconds.floor();
-            return Ok(Some(
-                whole as i64 * 1_000_000_000 + ((seconds - whole) * NS_PER_S).round() as i64,
-            ));
+            return time_ns_of(seconds).map(Some);
         }
         let Some(value) = self.take("time_ns") else {
             return Ok(None);
@@ -155,53 +119,20 @@ impl Fields {
         })
     }
 
-    /// Takes a place: `latitude`, `longitude` and `height_m` with the prefix, or `metres`, a position in the frame.
-    pub(super) fn place(&mut self, prefix: &str, metres: &str, frame: &SystemFrame) -> Result<Option<Placed>, Fault> {
-        let names = ["latitude", "longitude", "height_m"].map(|name| format!("{prefix}{name}"));
-        let latitude = self.number(&names[0])?;
-        let longitude = self.number(&names[1])?;
-        let height_m = self.number(&names[2])?;
-        let position = self.numbers::<3>(metres, 2)?;
-        let (latitude, longitude) = match (latitude, longitude, position) {
-            (None, None, None) if height_m.is_some() => return Err(missing(&names[0], "a height needs a place")),
-            (None, None, None) => return Ok(None),
-            (None, None, Some((position_m, count))) if height_m.is_none() => {
-                return Ok(Some(Placed {
-                    position_m,
-                    has_height: count == 3,
-                }));
-            }
-            (Some(latitude), Some(longitude), None) => (latitude, longitude),
-            (_, _, Some(_)) => {
-                let limit = "must not stand beside latitude, longitude and height_m";
-                return Err(fault(metres, "present", limit, "leave one of the two forms out"));
-            }
-            (None, ..) => return Err(missing(&names[0], "give both latitude and longitude")),
-            (_, None, _) => return Err(missing(&names[1], "give both latitude and longitude")),
+    /// Takes a vector in the system frame: the array `name` of two or three numbers, in place of the fields `others`.
+    pub(super) fn vector(&mut self, name: &str, others: &[&str]) -> Result<[Option<f64>; 3], Fault> {
+        let Some((values, count)) = self.numbers::<3>(name, 2)? else {
+            return Ok([None; 3]);
         };
-        check_degrees(&names, latitude, longitude)?;
-        let place = Geodetic::from_degrees(latitude, longitude, height_m.unwrap_or_default());
-        let place = place.map_err(|error| {
-            fault(
-                &names[2],
-                height_m.unwrap_or_default(),
-                &error.to_string(),
-                "give metres",
-            )
-        })?;
-        Ok(Some(Placed {
-            position_m: frame.to_local(place),
-            has_height: height_m.is_some(),
-        }))
-    }
-
-    /// Takes the standard deviation of a value, above 0.
-    pub(super) fn sigma(&mut self, name: &str) -> Result<Option<f64>, Fault> {
-        let sigma = self.number(name)?;
-        match sigma {
-            Some(sigma) if !(sigma > 0.0 && sigma <= 1e7) => Err(unusable_sigma(name, sigma)),
-            sigma => Ok(sigma),
+        if others
+            .iter()
+            .any(|other| self.0.get(*other).is_some_and(|value| !value.is_null()))
+        {
+            let limit = format!("must not stand beside {}", others.join(", "));
+            return Err(fault(name, "present", &limit, "leave one of the two forms out"));
         }
+        let [east, north, up] = values;
+        Ok([Some(east), Some(north), (count == 3).then_some(up)])
     }
 
     /// Refuses what has not been taken.
@@ -218,29 +149,6 @@ impl Fields {
             remedy,
         ))
     }
-}
-
-fn check_degrees(names: &[String; 3], latitude: f64, longitude: f64) -> Result<(), Fault> {
-    let (is_latitude, is_longitude) = (latitude.abs() <= 90.0, longitude.abs() <= 180.0);
-    if is_latitude && is_longitude {
-        return Ok(());
-    }
-    let remedy = match () {
-        () if !is_latitude && latitude.abs() <= 180.0 && longitude.abs() <= 90.0 => {
-            "latitude and longitude are exchanged"
-        }
-        () if latitude.abs() > 360.0 || longitude.abs() > 360.0 => "give metres of the system frame as position_m",
-        () => "give degrees, north and east positive",
-    };
-    Err(match is_latitude {
-        false => fault(&names[0], latitude, "must be from -90 to 90 degrees", remedy),
-        true => fault(&names[1], longitude, "must be from -180 to 180 degrees", remedy),
-    })
-}
-
-pub(super) fn unusable_sigma(name: &str, value: impl ToString) -> Fault {
-    let remedy = "state the standard deviation of the sensor's error";
-    fault(name, value, "must be above 0 and at most 1e7", remedy)
 }
 
 fn wrong_number(name: &str, value: &Value) -> Fault {

@@ -6,12 +6,13 @@ use std::time::Duration;
 use bus::Root;
 use deployment::Input;
 use frames::SystemFrame;
+use koseki_client::observation::{Observation as _, Scans, fault, missing};
 use koseki_client::refusals::{self, Refused};
 use koseki_client::{Error, ErrorKind, Publisher};
 use messages::admission::{self, Admission, Fault};
 use messages::{Outgoing, SensorDetection, SensorTrack};
 
-use super::fields::{Fields, fault, missing};
+use super::fields::Fields;
 use super::samples;
 use crate::config::Config;
 
@@ -64,34 +65,6 @@ enum Port {
     Closed,
     Tracks(Publisher<SensorTrack>, Vec<SensorTrack>),
     Detections(Publisher<SensorDetection>, Vec<SensorDetection>, Scans),
-}
-
-/// Numbers of scans that lines do not state: lines with one time are one scan.
-#[derive(Debug, Default)]
-struct Scans {
-    number: u32,
-    detections: u32,
-    time_ns: i64,
-}
-
-impl Scans {
-    fn number(&mut self, detection: &mut SensorDetection, is_stated: bool) {
-        let is_same = match is_stated {
-            true => detection.scan == self.number,
-            false => detection.time_of_measurement_ns == self.time_ns,
-        };
-        if !is_same {
-            self.number = if is_stated {
-                detection.scan
-            } else {
-                self.number.wrapping_add(1)
-            };
-            self.detections = 0;
-        }
-        self.time_ns = detection.time_of_measurement_ns;
-        self.detections += 1;
-        (detection.scan, detection.detection_id) = (self.number, self.detections);
-    }
 }
 
 /// All sources of a deployment that are fed from outside.
@@ -266,15 +239,16 @@ impl Inlets {
         let inlet = &mut self.inlets[place];
         let gathered = match (&mut inlet.port, inlet.kind) {
             (Port::Tracks(_, waiting), _) => {
-                let track = samples::track(fields, &self.frame, received_ns)?;
+                let track = samples::track(fields)?.sample(&self.frame, received_ns)?;
                 checked(admission::fault(&track, received_ns, Some(limit_ns)))?;
                 waiting.push(track);
                 waiting.len()
             }
             (Port::Detections(_, waiting, scans), InletKind::Detections { has_sigmas }) => {
-                let (mut detection, has_scan) = samples::detection(fields, &self.frame, received_ns, has_sigmas)?;
+                let stated = samples::detection(fields, has_sigmas)?;
+                let mut detection = stated.sample(&self.frame, received_ns)?;
                 checked(admission::fault(&detection, received_ns, Some(limit_ns)))?;
-                scans.number(&mut detection, has_scan);
+                stated.count(&mut detection, scans);
                 waiting.push(detection);
                 waiting.len()
             }
@@ -324,32 +298,5 @@ enum Refusal {
 impl From<Fault> for Refusal {
     fn from(fault: Fault) -> Self {
         Self::Fault(Box::new(fault))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn lines_with_one_time_are_one_scan_and_stated_scans_stay() {
-        let mut scans = Scans::default();
-        let mut numbered = |time_ns: i64, stated: Option<u32>| {
-            let mut detection = SensorDetection {
-                time_of_measurement_ns: time_ns,
-                scan: stated.unwrap_or_default(),
-                ..SensorDetection::default()
-            };
-            scans.number(&mut detection, stated.is_some());
-            (detection.scan, detection.detection_id)
-        };
-        assert_eq!(
-            [numbered(10, None), numbered(10, None), numbered(20, None)],
-            [(1, 1), (1, 2), (2, 1)]
-        );
-        assert_eq!(
-            [numbered(30, Some(77)), numbered(31, Some(77)), numbered(40, None)],
-            [(77, 1), (77, 2), (78, 1)]
-        );
     }
 }

@@ -1,3 +1,7 @@
+use frames::{Geodetic, SystemFrame};
+use koseki_client::observation::Observation as _;
+use messages::{Covariance, DetectionKind, SensorDetection, SensorTrack};
+
 use super::*;
 
 const NOW_NS: i64 = 1_800_000_000_123_456_789;
@@ -11,32 +15,35 @@ fn fields(line: &str) -> Result<Fields, Fault> {
 }
 
 fn detected(line: &str) -> Result<(SensorDetection, bool), Fault> {
-    detection(fields(line)?, &frame(), NOW_NS, false)
+    let stated = detection(fields(line)?, false)?;
+    Ok((stated.sample(&frame(), NOW_NS)?, stated.scan.is_some()))
 }
 
 fn tracked(line: &str) -> Result<SensorTrack, Fault> {
-    track(fields(line)?, &frame(), NOW_NS)
+    track(fields(line)?)?.sample(&frame(), NOW_NS)
 }
 
 #[test]
-fn degrees_become_metres_of_the_frame() {
+fn a_line_in_degrees_is_the_detection_of_the_library() {
     let (found, has_scan) =
         detected(r#"{"latitude": 41.5, "longitude": 2.5, "height_m": 900, "sigma_m": 20}"#).unwrap();
-    let place = frame().to_geodetic(found.values);
-    for (value, expected) in [(place.latitude_deg(), 41.5), (place.longitude_deg(), 2.5)] {
-        assert!((value - expected).abs() < 1e-9, "{value} {expected}");
-    }
-    assert!((place.height_m() - 900.0).abs() < 1e-3);
-    assert_eq!(found.kind, DetectionKind::Position3 as u8);
-    assert_eq!(
-        (found.sigmas, found.time_of_measurement_ns, has_scan),
-        ([20.0, 20.0, 20.0, 0.0], NOW_NS, false)
-    );
-    let (flat, _) = detected(r#"{"latitude": 41.5, "longitude": 2.5, "sigma_m": 20, "scan": 7}"#).unwrap();
-    assert_eq!(
-        (flat.kind, flat.values[2], flat.scan),
-        (DetectionKind::Position2 as u8, 0.0, 7)
-    );
+    let stated = Detection::at(41.5, 2.5).height_m(900.0).sigma_m(20.0);
+    assert_eq!((found, has_scan), (stated.sample(&frame(), NOW_NS).unwrap(), false));
+    let (_, has_scan) = detected(r#"{"latitude": 41.5, "longitude": 2.5, "sigma_m": 20, "scan": 7}"#).unwrap();
+    assert!(has_scan);
+}
+
+#[test]
+fn a_course_is_that_of_the_library() {
+    let line = r#"{"track": 1, "latitude": 41, "longitude": 5, "height_m": 0, "sigma_m": 30, "speed_mps": 100,
+        "course_deg": 90, "climb_mps": 0, "velocity_sigma_mps": 3}"#;
+    let report = TrackReport::of(1, 41.0, 5.0)
+        .height_m(0.0)
+        .sigma_m(30.0)
+        .speed_mps(100.0)
+        .course_deg(90.0);
+    let stated = report.climb_mps(0.0).velocity_sigma_mps(3.0);
+    assert_eq!(tracked(line).unwrap(), stated.sample(&frame(), NOW_NS).unwrap());
 }
 
 #[test]
@@ -86,22 +93,6 @@ fn times_are_text_seconds_or_nanoseconds() {
     ] {
         assert!(time_of(wrong).unwrap_err().field.starts_with("time"), "{wrong}");
     }
-}
-
-#[test]
-fn a_course_is_from_true_north_at_the_target() {
-    // 3 degrees of longitude east of the origin, true north is 2 degrees west of the frame's north.
-    let line = r#"{"track": 1, "latitude": 41, "longitude": 5, "height_m": 0, "sigma_m": 30, "speed_mps": 100,
-        "course_deg": 0, "climb_mps": 0, "velocity_sigma_mps": 3}"#;
-    let found = tracked(line).unwrap();
-    let later = [0, 1, 2].map(|axis| found.position_m[axis] + found.velocity_mps[axis]);
-    let (begin, end) = (frame().to_geodetic(found.position_m), frame().to_geodetic(later));
-    assert!((end.longitude_deg() - begin.longitude_deg()).abs() < 1e-9);
-    assert!(end.latitude_deg() > begin.latitude_deg() && (end.height_m() - begin.height_m()).abs() < 0.01);
-    let speed = found.velocity_mps.iter().map(|part| part * part).sum::<f64>().sqrt();
-    assert!((speed - 100.0).abs() < 1e-6);
-    assert!(found.velocity_mps[0].atan2(found.velocity_mps[1]).to_degrees() < -1.5);
-    assert!(found.valid & sensor_track_bits::VERTICAL_RATE != 0);
 }
 
 #[test]
