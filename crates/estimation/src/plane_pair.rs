@@ -11,8 +11,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::plane::{COMPONENTS, ELEMENTS, Plane, Rotation};
 
-/// The numbers of two states.
+/// The numbers of two states, aligned so that the processor takes both from memory within an arithmetic instruction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[repr(align(16))]
 pub struct Two(pub [f64; 2]);
 
 impl Two {

@@ -453,11 +453,14 @@ impl Engine {
         measurement: Option<&Measurement>,
         sink: &mut impl Sink,
     ) {
-        let system = self.tracks.sensors.get(sensor).system;
-        self.tracks.systems.get_mut(system).nis = 0.0;
-        if self.tracks.sensors.get(sensor).is_foreign {
+        let entry = self.tracks.sensors.get(sensor);
+        let (system, is_foreign) = (entry.system, entry.is_foreign);
+        let target = self.tracks.systems.get_mut(system);
+        let was_shown = target.was_shown;
+        target.nis = 0.0;
+        if is_foreign {
             self.follow_centre(sensor);
-        } else if self.tracks.systems.get(system).is_foreign {
+        } else if target.is_foreign {
             // The filter repeats another centre's estimate; this is the first local measurement.
             self.tracks.restart_filter(sensor);
             self.outbox.to(sink).input(|| self.tracks.input(sensor, None));
@@ -475,7 +478,6 @@ impl Engine {
             .compare(&self.settings, &self.tracks, (sensor, measurement));
         let out = &mut self.outbox.to(sink);
         let cause = (system, report);
-        let was_shown = self.tracks.systems.get(system).was_shown;
         self.life
             .update_existence(&self.settings, &mut self.tracks, &self.sources, cause, out);
         if !was_shown && self.tracks.systems.get(system).was_shown && !self.tracks.systems.silent.is_empty() {

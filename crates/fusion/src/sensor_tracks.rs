@@ -54,6 +54,26 @@ impl MemberLink {
     }
 }
 
+/// The sensor tracks of a system track with their entries, newest link first.
+#[derive(Clone, Debug)]
+pub(crate) struct MemberEntries<'a> {
+    entries: &'a [SensorEntry],
+    next: MemberLink,
+}
+
+impl<'a> Iterator for MemberEntries<'a> {
+    type Item = (SensorSlot, &'a SensorEntry);
+
+    #[inline]
+    fn next(&mut self) -> Option<Self::Item> {
+        // The end of the list is a place beyond any table.
+        let MemberLink(member) = self.next;
+        let entry = self.entries.get(member as usize)?;
+        self.next = entry.next;
+        Some((member, entry))
+    }
+}
+
 /// Live sensor track. Fields read by every report of the other members of its system track come first, in one cache
 /// line.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
@@ -444,6 +464,25 @@ impl SensorTracks {
     pub(crate) fn is_of(&self, slot: SensorSlot, source: u16) -> bool {
         let entry = self.get(slot);
         entry.live && entry.source == source
+    }
+
+    /// The members of a system track, of which `first` was linked last.
+    #[inline]
+    pub(crate) fn members_from(&self, first: Option<SensorSlot>) -> MemberEntries<'_> {
+        MemberEntries {
+            entries: &self.entries,
+            next: MemberLink::to(first),
+        }
+    }
+
+    /// Calls `change` with each of these members, which it may not link elsewhere.
+    #[inline]
+    pub(crate) fn for_members_from(&mut self, first: Option<SensorSlot>, mut change: impl FnMut(&mut SensorEntry)) {
+        let mut at = MemberLink::to(first);
+        while let Some(entry) = self.entries.get_mut(at.0 as usize) {
+            change(entry);
+            at = entry.next;
+        }
     }
 
     pub(crate) fn get(&self, slot: SensorSlot) -> &SensorEntry {

@@ -15,7 +15,7 @@ use crate::measurement::{FilterInput, Measurement};
 use crate::numbering;
 use crate::pressure::PressureOffsets;
 use crate::purity::Purity;
-use crate::sensor_tracks::{MemberLink, NO_SYSTEM, Role, SensorEntry, SensorSlot, SensorTracks};
+use crate::sensor_tracks::{MemberEntries, MemberLink, NO_SYSTEM, Role, SensorEntry, SensorSlot, SensorTracks};
 use crate::system_tracks::{SystemSlot, SystemTracks};
 
 /// Both tables, linked with each other.
@@ -226,24 +226,14 @@ impl Tracks {
 
     /// The sensor tracks of a system track with their entries, newest link first.
     #[inline]
-    pub(crate) fn member_entries(&self, system: SystemSlot) -> impl Iterator<Item = (SensorSlot, &SensorEntry)> {
-        let mut next = MemberLink::to(self.systems.get(system).members);
-        std::iter::from_fn(move || {
-            let member = next.get()?;
-            let entry = self.sensors.get(member);
-            next = entry.next;
-            Some((member, entry))
-        })
+    pub(crate) fn member_entries(&self, system: SystemSlot) -> MemberEntries<'_> {
+        self.sensors.members_from(self.systems.get(system).members)
     }
 
     /// Calls `change` with every sensor track of a system track, which may not link it elsewhere.
-    pub(crate) fn for_members(&mut self, system: SystemSlot, mut change: impl FnMut(&mut SensorEntry)) {
-        let mut at = self.systems.get(system).members;
-        while let Some(member) = at {
-            let entry = self.sensors.get_mut(member);
-            change(entry);
-            at = entry.next.get();
-        }
+    #[inline]
+    pub(crate) fn for_members(&mut self, system: SystemSlot, change: impl FnMut(&mut SensorEntry)) {
+        self.sensors.for_members_from(self.systems.get(system).members, change);
     }
 
     /// The sensor tracks that contribute to `system` at `now_ns`: the fresh primary ones.
@@ -389,13 +379,10 @@ impl Tracks {
             ..
         } = self;
         let entry = sensors.get(sensor);
-        let mut at = systems.get(entry.system).members;
-        while let Some(member) = at {
-            let other = sensors.get(member);
+        for (_, other) in sensors.members_from(systems.get(entry.system).members) {
             if !other.repaired {
                 dependence.compare(&entry.latest, &other.latest);
             }
-            at = other.next.get();
         }
     }
 

@@ -67,14 +67,21 @@ impl Engine {
             }
             return;
         };
-        let velocity = [filter.estimate.mean[3], filter.estimate.mean[4]];
         if self.is_astray(sensor, &innovation) {
             self.restart(sensor, sink);
             return;
         }
         let nis = innovation.squared.min(f64::from(f32::MAX));
         self.tracks.dependence.learn_innovation(source, 0.5 * nis);
-        self.tracks.systems.get_mut(system).nis = nis as f32;
+        let target = self.tracks.systems.get_mut(system);
+        target.nis = nis as f32;
+        target.contributors |= 1 << source;
+        let velocity = [target.filter.estimate.mean[3], target.filter.estimate.mean[4]];
+        let speed = (velocity[0] * velocity[0] + velocity[1] * velocity[1]).sqrt();
+        if speed > COURSE_SPEED_MIN_MPS {
+            target.course = velocity.map(|part| part / speed);
+        }
+        let is_confirmed = target.life == TrackState::Confirmed;
         if referred.is_usable {
             self.outbox.to(sink).input(|| FilterInput {
                 point_m: referred.point_m,
@@ -83,15 +90,11 @@ impl Engine {
                 ..self.tracks.input(sensor, Some(measurement))
             });
         }
-        let speed = (velocity[0] * velocity[0] + velocity[1] * velocity[1]).sqrt();
-        if speed > COURSE_SPEED_MIN_MPS {
-            self.tracks.systems.get_mut(system).course = velocity.map(|part| part / speed);
-        }
         for (residual, point) in innovation.residual_m.iter_mut().zip(referred.point_m) {
             *residual += point;
         }
         let is_misled = self.sources.registration.has_misled_filters();
-        if self.tracks.systems.get(system).life == TrackState::Confirmed && !is_misled {
+        if is_confirmed && !is_misled {
             let velocity_mps = [velocity[0], velocity[1], 0.0];
             self.sources.manoeuvres.learn(velocity_mps, &innovation);
         }
@@ -99,8 +102,6 @@ impl Engine {
         self.tracks
             .for_members(system, |member| member.share *= 1.0 - innovation.gain);
         self.tracks.sensors.get_mut(sensor).share += innovation.gain;
-        let source = self.tracks.sensors.get(sensor).source;
-        self.tracks.systems.get_mut(system).contributors |= 1 << source;
         self.points.learn(&mut self.tracks, sensor, &innovation);
         self.sources.learn_of_innovation(
             &self.settings,
