@@ -5,7 +5,7 @@ use std::fmt::Debug;
 use std::os::fd::AsFd;
 use std::time::Duration;
 
-use bus::{Payload, Root};
+use bus::{BusError, Payload, Root};
 use messages::admission::Admission;
 use messages::layout::Layout;
 use messages::{BatchHeader, Outgoing, PlatformState, SensorDetection, SensorTrack, Topic, Visitor, WideArea};
@@ -13,7 +13,7 @@ use messages::{BatchHeader, Outgoing, PlatformState, SensorDetection, SensorTrac
 use crate::connection::Connection;
 use crate::error::Error;
 use crate::observation::{Detection, TrackReport};
-use crate::publisher::Publisher;
+use crate::publisher::{INPUT, Publisher};
 use crate::subscription::{Counts, Slice, Subscription};
 
 /// A [`Subscription`] to samples of any type.
@@ -99,20 +99,27 @@ pub fn publisher(root: &Root, topic: &str) -> Result<Box<dyn AnyPublisher>, Erro
 /// # Errors
 /// As [`publisher`].
 pub fn feed(root: &Root, source: &str) -> Result<Box<dyn AnyPublisher>, Error> {
-    let detections = messages::sensor_detections(source);
-    let inputs = messages::sensor_detections(&format!("{source}.input"));
+    let name = |topic: Topic<SensorDetection>| topic.name.as_str().to_owned();
+    let detections = name(messages::sensor_detections(source));
+    let input = name(messages::sensor_detections(&format!("{source}{INPUT}")));
+    let tracks = messages::sensor_tracks(source).name.as_str().to_owned();
     let topics = Connection::open(root)?.bus.topics()?;
-    let is_there = |topic: &Topic<SensorDetection>| topics.iter().any(|other| other == topic.name.as_str());
-    let tracks = messages::sensor_tracks(source);
-    let takes_detections = is_there(&inputs) || (is_there(&detections) && source.contains('.'));
-    publisher(
-        root,
-        if takes_detections {
-            detections.name.as_str()
-        } else {
-            tracks.name.as_str()
-        },
-    )
+    let is_there = |topic: &String| topics.contains(topic);
+    // The keeper creates the topic of the origin after those of all sources.
+    let origin = messages::frame_origin().name.as_str().to_owned();
+    let takes_detections = is_there(&input) || (is_there(&detections) && source.contains('.'));
+    match [&origin, if takes_detections { &detections } else { &tracks }] {
+        [origin, _] if !is_there(origin) => Err(no_such_topic(origin)),
+        [_, tracks] if !takes_detections && !is_there(tracks) => Err(no_such_topic(tracks)),
+        [_, topic] => publisher(root, topic),
+    }
+}
+
+fn no_such_topic(topic: &str) -> Error {
+    Error::Bus(BusError::NoSuchTopic {
+        topic: topic.into(),
+        waited_ms: 0,
+    })
 }
 
 /// Returns a limit for [`Publisher::limit_clock`] from seconds above 0; infinity is no limit.

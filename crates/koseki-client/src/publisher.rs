@@ -141,7 +141,7 @@ impl<T: Outgoing + Admission> Publisher<T> {
 }
 
 /// Suffix of the sensor of a source that is fed with detections, and has a tracker.
-const INPUT: &str = ".input";
+pub(crate) const INPUT: &str = ".input";
 
 /// Returns the name in the topic of the samples with which `name` is fed.
 fn own_input<T: Outgoing>(connection: &Connection, name: &str) -> Result<String, Error> {

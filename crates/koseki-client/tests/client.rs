@@ -299,7 +299,8 @@ fn detections_in_degrees_arrive_in_metres_of_the_published_frame() {
         let far = Detection::at(latitude, longitude).height_m(height_m).sigma_m(20.0);
         camera.send(&[far, Detection::at(41.1, 2.1).sigma_m(20.0)]).unwrap();
         let refused = camera.send(&[far, Detection::at(91.0, 2.0).sigma_m(20.0)]);
-        (refused, camera.sent())
+        // It stays until its slice is received.
+        (refused, camera)
     });
     while !feeder.is_finished() {
         let origin = FrameOrigin {
@@ -310,11 +311,11 @@ fn detections_in_degrees_arrive_in_metres_of_the_published_frame() {
         origins.send(MARK, 1, |_, _| origin).unwrap();
         thread::sleep(Duration::from_millis(5));
     }
-    let (refused, count) = feeder.join().unwrap();
+    let (refused, camera) = feeder.join().unwrap();
     let Err(Error::Observation { index: 1, fault }) = refused else {
         panic!("{refused:?}")
     };
-    assert_eq!((fault.field.as_str(), count), ("latitude", 2));
+    assert_eq!((fault.field.as_str(), camera.sent()), ("latitude", 2));
     let slice = sent.next(PATIENCE).unwrap().unwrap();
     let place = |latitude, longitude, height_m| Geodetic::from_degrees(latitude, longitude, height_m).unwrap();
     let expected = SystemFrame::at(place(41.0, 2.0, 0.0)).to_local(place(latitude, longitude, height_m));
