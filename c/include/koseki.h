@@ -110,8 +110,9 @@ typedef struct {
   double sigma_m;                 /* Standard deviation of the position along each horizontal axis, metres, above 0. */
   double height_sigma_m;          /* Standard deviation of the height, metres, above 0; that of the position if not stated. */
   double range_m;                 /* Slant range from the sensor, metres. */
-  double bearing_deg;             /* Direction from the sensor, degrees clockwise from the system frame's north, from -360 to 360. */
-  double elevation_deg;           /* Direction above the horizontal, degrees. */
+  double bearing_deg;             /* Direction from the sensor, degrees clockwise, from -360 to 360: from true north at a
+                                     sensor in latitude and longitude, from the system frame's north at one in metres. */
+  double elevation_deg;           /* Direction above the horizontal of the same place, degrees. */
   double range_sigma_m;           /* Standard deviation of the range, metres, above 0. */
   double bearing_sigma_deg;       /* Standard deviation of the bearing, degrees, above 0. */
   double elevation_sigma_deg;     /* Standard deviation of the elevation, degrees, above 0. */

@@ -349,9 +349,10 @@ class Publisher:
 
         - `latitude`, `longitude` (WGS-84, degrees) and `height_m` (above the ellipsoid), or `east_m`, `north_m`, `up_m` in
           the system frame; `sigma_m` and `height_sigma_m`, standard deviations above 0;
-        - in place of a position `bearing_deg` (clockwise from north), with `range_m` and `elevation_deg` if measured,
-          `bearing_sigma_deg`, `range_sigma_m`, `elevation_sigma_deg`, and the sensor's place: `sensor_latitude`,
-          `sensor_longitude`, `sensor_height_m`, or `sensor_east_m`, `sensor_north_m`, `sensor_up_m`;
+        - in place of a position `bearing_deg`, with `range_m` and `elevation_deg` if measured, `bearing_sigma_deg`,
+          `range_sigma_m`, `elevation_sigma_deg`, and the sensor's place: `sensor_latitude`, `sensor_longitude`,
+          `sensor_height_m` (directions are clockwise from true north there), or `sensor_east_m`, `sensor_north_m`,
+          `sensor_up_m` (from the system frame's north);
         - `range_rate_mps`, `range_rate_sigma_mps`; `address`, `mmsi` (integers), `callsign`;
         - `time_s` or `time_ns` (UTC since 1970), now if not given; `scan`: detections with one time are one scan.
 

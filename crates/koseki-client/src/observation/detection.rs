@@ -36,9 +36,10 @@ observation! {
             height_sigma_m,
             /// Slant range from the sensor, metres.
             range_m,
-            /// Direction from the sensor, degrees clockwise from the system frame's north, from -360 to 360.
+            /// Direction from the sensor, degrees clockwise, from -360 to 360: from true north at a sensor in latitude and
+            /// longitude, from the system frame's north at a sensor in metres.
             bearing_deg,
-            /// Direction above the horizontal, degrees.
+            /// Direction above the horizontal of the same place, degrees.
             elevation_deg,
             /// Standard deviation of the range, metres, above 0.
             range_sigma_m,
@@ -120,18 +121,20 @@ impl Detection {
         })
     }
 
-    fn of_directions(&self, has_sensor: bool) -> Result<Measured, Fault> {
+    fn of_directions(&self, frame: &SystemFrame, sensor: Option<Placed>) -> Result<Measured, Fault> {
         let Some(bearing) = angle("bearing_deg", self.bearing_deg)? else {
             let remedy = "give latitude and longitude, a position in metres, or bearing_deg";
             return Err(missing("latitude", remedy));
         };
         let elevation = angle("elevation_deg", self.elevation_deg)?;
-        if !has_sensor {
+        let Some(sensor) = sensor else {
             return Err(missing(
                 "sensor_latitude",
                 "bearings need the sensor's place: sensor_latitude and sensor_longitude",
             ));
-        }
+        };
+        let [bearing, above] = sensor.direction(frame, [bearing, elevation.unwrap_or_default()]);
+        let elevation = elevation.map(|_| above);
         let range_sigma = sigma("range_sigma_m", self.range_sigma_m)?;
         let bearing_sigma = angle("bearing_sigma_deg", sigma("bearing_sigma_deg", self.bearing_sigma_deg)?)?;
         let elevation_sigma = sigma("elevation_sigma_deg", self.elevation_sigma_deg)?;
@@ -197,7 +200,7 @@ impl Observation for Detection {
         let sensor = self.sensor().placed(frame)?;
         let (kind, values, sigmas) = match place {
             Some(placed) => self.of_position(placed)?,
-            None => self.of_directions(sensor.is_some())?,
+            None => self.of_directions(frame, sensor)?,
         };
         let mut detection = SensorDetection {
             time_of_measurement_ns: self.time_ns.unwrap_or(now_ns),

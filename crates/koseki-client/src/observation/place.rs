@@ -23,6 +23,26 @@ pub(super) struct Placed {
     pub(super) position_m: [f64; 3],
     /// Whether the height is known.
     pub(super) has_height: bool,
+    /// Whether the place was stated in degrees.
+    pub(super) is_geographic: bool,
+}
+
+impl Placed {
+    /// Turns a direction from here (radians: clockwise from north, above the horizontal) into a direction of the system
+    /// frame. At a place in degrees, north and the horizontal are those of the place.
+    pub(super) fn direction(&self, frame: &SystemFrame, [bearing, elevation]: [f64; 2]) -> [f64; 2] {
+        if !self.is_geographic {
+            return [bearing, elevation];
+        }
+        let parts = [
+            elevation.cos() * bearing.sin(),
+            elevation.cos() * bearing.cos(),
+            elevation.sin(),
+        ];
+        let axes = frame.axes(self.position_m);
+        let [east, north, up] = [0, 1, 2].map(|axis| (0..3).map(|part| parts[part] * axes[part][axis]).sum::<f64>());
+        [east.atan2(north), up.atan2(east.hypot(north))]
+    }
 }
 
 impl Place {
@@ -57,6 +77,7 @@ impl Place {
                 up.unwrap_or_default(),
             ],
             has_height: up.is_some(),
+            is_geographic: false,
         })
     }
 
@@ -76,6 +97,7 @@ impl Place {
         Ok(Placed {
             position_m: frame.to_local(place),
             has_height: height_m.is_some(),
+            is_geographic: true,
         })
     }
 }

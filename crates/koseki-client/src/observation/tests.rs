@@ -88,19 +88,64 @@ fn metres_stay_metres() {
 fn directions_begin_at_the_sensor() {
     let sensor = Detection::from_sensor(41.0, 2.0).sensor_height_m(0.0);
     let found = detected(sensor.bearing_deg(90.0).bearing_sigma_deg(0.5)).unwrap();
-    assert_eq!((found.kind, found.values[0]), (DetectionKind::Bearing as u8, FRAC_PI_2));
+    assert_eq!(found.kind, DetectionKind::Bearing as u8);
+    assert!((found.values[0] - FRAC_PI_2).abs() < 1e-9);
     assert!((found.sigmas[0] - 0.5_f64.to_radians()).abs() < 1e-15 && found.platform_m[0].abs() < 1e-6);
     let ranged = sensor.bearing_deg(90.0).bearing_sigma_deg(0.5).range_m(900.0);
     assert_eq!(detected(ranged).unwrap_err().field, "range_sigma_m");
     let found = detected(ranged.range_sigma_m(5.0)).unwrap();
     assert_eq!(
-        (found.kind, found.values),
-        (DetectionKind::RangeBearing as u8, [900.0, FRAC_PI_2, 0.0])
+        (found.kind, found.values[0]),
+        (DetectionKind::RangeBearing as u8, 900.0)
     );
+    assert!((found.values[1] - FRAC_PI_2).abs() < 1e-9);
     let rated = ranged.range_sigma_m(5.0).range_rate_mps(-30.0);
     assert_eq!(detected(rated).unwrap_err().field, "range_rate_sigma_mps");
     let found = detected(rated.range_rate_sigma_mps(2.0)).unwrap();
     assert_eq!((found.range_rate_mps, found.sigmas[3]), (-30.0, 2.0));
+}
+
+/// A target straight north of a sensor 250 km east of the origin, 10 km above its horizon's plane.
+#[test]
+fn directions_are_those_of_the_sensors_place() {
+    let (sensor, target) = ([41.0, 5.0, 0.0], [41.5, 5.0, 10e3]);
+    let local = |[latitude, longitude, height_m]: [f64; 3]| {
+        frame().to_local(Geodetic::from_degrees(latitude, longitude, height_m).unwrap())
+    };
+    let (from, to) = (local(sensor), local(target));
+    let way = [0, 1, 2].map(|axis| to[axis] - from[axis]);
+    let range = way.iter().map(|part| part * part).sum::<f64>().sqrt();
+    // North of the sensor; the elevation is lowered by half of the arc between both.
+    let arc = 0.5_f64.to_radians() * 6_362e3 / 6_371e3;
+    let elevation_deg = (10e3 / range).asin().to_degrees() - (arc / 2.0).to_degrees();
+    let stated = Detection::from_sensor(41.0, 5.0).sensor_height_m(0.0).range_m(range);
+    let stated = stated.bearing_deg(0.0).elevation_deg(elevation_deg);
+    let stated = stated
+        .range_sigma_m(5.0)
+        .bearing_sigma_deg(0.1)
+        .elevation_sigma_deg(0.1);
+    let [_, bearing, elevation] = detected(stated).unwrap().values;
+    assert!((bearing - way[0].atan2(way[1])).abs() < 1e-5, "{bearing} {way:?}");
+    assert!(
+        (elevation - (way[2] / range).asin()).abs() < 2e-4,
+        "{elevation} {way:?}"
+    );
+    // Without an elevation the bearing turns likewise; at a sensor in metres it stays.
+    let flat = Detection {
+        elevation_deg: None,
+        elevation_sigma_deg: None,
+        ..stated
+    };
+    let convergence = 3.0_f64.to_radians() * 41.0_f64.to_radians().sin();
+    assert!((detected(flat).unwrap().values[1] + convergence).abs() < 1e-3);
+    let metres = Detection {
+        sensor_latitude: None,
+        sensor_longitude: None,
+        sensor_height_m: None,
+        ..flat
+    };
+    let metres = metres.sensor_east_m(from[0]).sensor_north_m(from[1]);
+    assert_eq!(detected(metres).unwrap().values[1], 0.0);
 }
 
 #[test]

@@ -24,8 +24,8 @@ degrees with names in _deg, or radians with names in _rad. Fields:
                    address (hexadecimal), mmsi, callsign, mode_3a (octal digits), name
   of detections    in place of a position: range_m and bearing_deg, or bearing_deg alone, each with elevation_deg if
                    measured; range_sigma_m, bearing_sigma_deg, elevation_sigma_deg; the sensor's place as
-                   sensor_latitude, sensor_longitude and sensor_height_m, or sensor_m; range_rate_mps with
-                   range_rate_sigma_mps; scan [default: lines with one time are one scan]
+                   sensor_latitude, sensor_longitude and sensor_height_m (directions are from its true north), or sensor_m
+                   (from the system frame's north); range_rate_mps with range_rate_sigma_mps; scan [default: lines with one time are one scan]
   of tracks        track (number); velocity_mps (east, north, up), or speed_mps, course_deg (from true north) and
                    climb_mps; velocity_sigma_mps; state (tentative, confirmed, terminated) [default: confirmed]
 

@@ -128,7 +128,7 @@ impl Fields {
             .iter()
             .any(|other| self.0.get(*other).is_some_and(|value| !value.is_null()))
         {
-            let limit = format!("must not stand beside {}", others.join(", "));
+            let limit = format!("must not stand beside {}", others.join(" or "));
             return Err(fault(name, "present", &limit, "leave one of the two forms out"));
         }
         let [east, north, up] = values;
