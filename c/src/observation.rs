@@ -1,6 +1,6 @@
 //! Observations in degrees or metres: the structs `koseki_detection` and `koseki_track_report` of the header.
 //!
-//! Both have the same head, and then their numbers in the order of [`Fields::NUMBERS`]; a number that is not a number is
+//! Both have the same head, and then their numbers in the order of [`Fields::NUMBERS`]. NaN stands for a number that is
 //! not stated. The first member is the size in the caller's header, which shows a header of another version.
 
 use std::ffi::{c_char, c_int};

@@ -36,8 +36,8 @@ observation! {
             height_sigma_m,
             /// Slant range from the sensor, metres.
             range_m,
-            /// Direction from the sensor, degrees clockwise, from -360 to 360: from true north at a sensor in latitude and
-            /// longitude, from the system frame's north at a sensor in metres.
+            /// Direction from the sensor, degrees clockwise, from -360 to 360: from true north at a sensor in latitude
+            /// and longitude, from the system frame's north at a sensor in metres.
             bearing_deg,
             /// Direction above the horizontal of the same place, degrees.
             elevation_deg,

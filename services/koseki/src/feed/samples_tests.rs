@@ -148,7 +148,11 @@ fn each_mistake_is_named_by_field_and_remedy() {
             "position_m",
             "beside",
         ),
-        (r#"{"latitude": 41, "longtude": 2, "sigma_m": 5}"#, "longitude", "both"),
+        (
+            r#"{"latitude": 41, "longtude": 2, "sigma_m": 5}"#,
+            "longtude",
+            "did you mean longitude?",
+        ),
         (
             r#"{"latitude": 41, "longitude": 2, "sigma_m": 5, "heigth_m": 3}"#,
             "heigth_m",
