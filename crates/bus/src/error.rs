@@ -163,7 +163,7 @@ pub enum BusError {
 
     /// The topic permits no queue of this length.
     #[error(
-        "topic {topic}: a queue of {queue} slices is refused: the length is from 1 to {limit}; take a shorter queue, \
+        "topic {topic}: a queue of {queue} slices is refused: the length is from 1 to {limit}; request such a length, \
          or, for system/tracks, raise `[machine] queue_slices` in the configuration"
     )]
     Queue {
