@@ -48,6 +48,7 @@ mod live_feed;
 mod live_on_board;
 mod live_plots;
 mod orders;
+mod queues;
 mod recording;
 mod replay;
 mod supervision;

@@ -64,6 +64,12 @@ typedef struct {
  * it shows whether this header is that of the library. */
 int koseki_subscribe(const char *instance, const char *topic, uint64_t schema, koseki_subscription **handle);
 
+/* Reads like koseki_subscribe, with a queue of `queue` slices in place of the topic's usual number (256 for tracks): a reader
+ * that falls behind by more slices loses the oldest. From 1 to the usual number; for system/tracks, to `[machine]
+ * queue_slices` of the configuration. Another number gives KOSEKI_ARGUMENT. */
+int koseki_subscribe_with_queue(const char *instance, const char *topic, uint64_t schema, size_t queue,
+                                koseki_subscription **handle);
+
 /* Takes the next slice, and waits for it up to `timeout_ms` milliseconds; 0: not at all; -1: as long as it takes.
  * Whatever was in `slice` is overwritten: release it before. */
 int koseki_receive(koseki_subscription *subscription, int64_t timeout_ms, koseki_slice *slice);

@@ -89,6 +89,12 @@ public:
     if (const int code = koseki_subscribe(instance.c_str(), topic.c_str(), Topic<Sample>::schema, &handle_))
       throw Error(code);
   }
+  // With a queue of `queue` slices: see koseki_subscribe_with_queue.
+  Subscription(const std::string &instance, const std::string &of, std::size_t queue) {
+    const auto topic = Topic<Sample>::name(of);
+    if (const int code = koseki_subscribe_with_queue(instance.c_str(), topic.c_str(), Topic<Sample>::schema, queue, &handle_))
+      throw Error(code);
+  }
   Subscription(Subscription &&other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
   Subscription &operator=(Subscription &&other) noexcept {
     std::swap(handle_, other.handle_);

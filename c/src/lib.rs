@@ -138,12 +138,44 @@ pub unsafe extern "C" fn koseki_subscribe(
     schema: u64,
     handle: *mut *mut KosekiSubscription,
 ) -> c_int {
+    // SAFETY: the contract of the header.
+    unsafe { subscribe(instance, topic, schema, None, handle) }
+}
+
+/// See the header.
+///
+/// # Safety
+/// As documented in the header.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn koseki_subscribe_with_queue(
+    instance: *const c_char,
+    topic: *const c_char,
+    schema: u64,
+    queue: usize,
+    handle: *mut *mut KosekiSubscription,
+) -> c_int {
+    // SAFETY: the contract of the header.
+    unsafe { subscribe(instance, topic, schema, Some(queue), handle) }
+}
+
+/// Opens a subscription with a queue of `queue` slices; `None` is the topic's usual number.
+///
+/// # Safety
+/// As for [`open`].
+unsafe fn subscribe(
+    instance: *const c_char,
+    topic: *const c_char,
+    schema: u64,
+    queue: Option<usize>,
+    handle: *mut *mut KosekiSubscription,
+) -> c_int {
     let checked = |opened: Box<dyn AnySubscription>| {
         check_schema(schema, opened.layout())?;
         Ok(KosekiSubscription(opened))
     };
-    // SAFETY: the contract of the header.
-    unsafe { open(instance, topic, handle, by_name::subscribe, checked) }
+    let by_name = |root: &Root, topic: &str| by_name::subscribe(root, topic, queue);
+    // SAFETY: guaranteed by the caller.
+    unsafe { open(instance, topic, handle, by_name, checked) }
 }
 
 /// See the header.

@@ -51,6 +51,10 @@ int main(int count, char **arguments) {
   expect(koseki_subscribe(instance, "nonsense", 1, &tracks), KOSEKI_ARGUMENT);
   expect(koseki_subscribe(instance, "sensor/nobody/tracks", KOSEKI_SENSOR_TRACK_SCHEMA, &tracks), KOSEKI_NO_SUCH_TOPIC);
   expect(koseki_subscribe(instance, "system/tracks", KOSEKI_SENSOR_TRACK_SCHEMA, &tracks), KOSEKI_SCHEMA);
+  expect(koseki_subscribe_with_queue(instance, TRACKS, 0, &tracks), KOSEKI_ARGUMENT);
+  expect(koseki_subscribe_with_queue(instance, TRACKS, 100000, &tracks), KOSEKI_ARGUMENT);
+  expect(koseki_subscribe_with_queue(instance, TRACKS, 10, &tracks), KOSEKI_OK);
+  koseki_unsubscribe(tracks);
   expect(koseki_advertise(instance, TRACKS, &publisher), KOSEKI_ARGUMENT);
   expect(koseki_subscribe(instance, TRACKS, &tracks), KOSEKI_OK);
   koseki_slice kept[3];

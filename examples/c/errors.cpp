@@ -39,6 +39,9 @@ int main(int count, char **arguments) try {
   expect(KOSEKI_NOT_RUNNING, [] { Tracks("nobody"); });
   expect(KOSEKI_ARGUMENT, [] { Tracks("a/b"); });
   expect(KOSEKI_SCHEMA, [&] { koseki::Subscription<Stale>{instance}; });
+  expect(KOSEKI_ARGUMENT, [&] { Tracks(instance, "", 0); });
+  expect(KOSEKI_ARGUMENT, [&] { Tracks(instance, "", 100000); });
+  expect(KOSEKI_OK, [&] { Tracks(instance, "", 10); });
   expect(KOSEKI_NO_SUCH_TOPIC, [&] { koseki::Subscription<KosekiSensorTrack>(instance, "nobody"); });
   expect(KOSEKI_BORROWED, [&] {
     Tracks tracks(instance);

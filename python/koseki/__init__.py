@@ -81,9 +81,12 @@ class Subscription:
 
     def __init__(
         self, instance: str, topic: str = "system/tracks", *, borrow: bool = False, wait: bool | float = False,
-        reconnect: bool = False,
+        reconnect: bool = False, queue: int | None = None,
     ) -> None:
+        if queue is not None and queue < 1:
+            raise ValueError(f"a queue of {queue} slices is refused: the length is 1 or more")
         self._names, self._borrow, self._reconnect = (instance, topic), borrow, reconnect
+        self._queue = queue
         # When the topic was first missing from a deployment that runs.
         self._missing_since: float | None = None
         self._last_counts, self._is_closed = Counts(0, 0, 0, 0), False
@@ -97,7 +100,7 @@ class Subscription:
         while True:
             now = time.monotonic()
             try:
-                inner = _koseki.Subscription(*self._names)
+                inner = _koseki.Subscription(*self._names, self._queue)
                 self._missing_since = None
                 return inner
             except NotRunning:
@@ -292,7 +295,8 @@ def origin(instance: str, timeout: float = 2.0) -> tuple[float, float, float] | 
 
 
 def subscribe(
-    instance: str, topic: str = "system/tracks", *, borrow: bool = False, wait: bool | float = False, reconnect: bool = False
+    instance: str, topic: str = "system/tracks", *, borrow: bool = False, wait: bool | float = False,
+    reconnect: bool = False, queue: int | None = None,
 ) -> Subscription:
     """Reads a topic of the deployment called `instance` (of `koseki up --instance`, or its configuration's name).
 
@@ -301,8 +305,12 @@ def subscribe(
     copies; with `borrow` they lie in shared memory, can only be read, and no more than two may be held at a time.
     `wait` waits for the deployment, for ever or so many seconds; `reconnect` goes on with its next run when it ends.
     A topic that is missing for 5 s from a deployment that runs raises NoSuchTopic all the same.
+
+    `queue` is the number of slices that may wait before the oldest is lost, in place of the topic's usual number (256
+    for tracks): from 1 to the usual number, for `system/tracks` to `[machine] queue_slices` of the configuration.
+    Another number raises ValueError.
     """
-    return Subscription(instance, topic, borrow=borrow, wait=wait, reconnect=reconnect)
+    return Subscription(instance, topic, borrow=borrow, wait=wait, reconnect=reconnect, queue=queue)
 
 
 def read(path: str | os.PathLike[str]) -> dict[str, Tracks]:

@@ -179,8 +179,8 @@ fn closed() -> PyErr {
 #[pymethods]
 impl Subscription {
     #[new]
-    fn open(py: Python<'_>, instance: &str, topic: &str) -> PyResult<Self> {
-        let open = || by_name::subscribe(&Root::new(instance)?, topic);
+    fn open(py: Python<'_>, instance: &str, topic: &str, queue: Option<usize>) -> PyResult<Self> {
+        let open = || by_name::subscribe(&Root::new(instance)?, topic, queue);
         let opened = py.detach(open).map_err(failed)?;
         Ok(Self(Mutex::new(Some(opened))))
     }

@@ -274,6 +274,13 @@ def test_an_external_source_is_fed_and_the_end_is_told(tmp_path):
     assert slow.receive(PATIENCE).lost == 300 - 256
     assert slow.counts.lost == 300 - 256
     slow.close()
+    slow = koseki.subscribe("feed", "sensor/own/tracks", queue=100)
+    publisher.send(report)
+    assert slow.receive(PATIENCE).lost == 0
+    for _ in range(300):
+        publisher.send(report)
+    assert slow.receive(PATIENCE).lost == 300 - 100
+    slow.close()
     # What was received and let go takes no memory: KOSEKI_SLICES=1000000 for a long look.
     slices, begun = int(os.environ.get("KOSEKI_SLICES", 50_000)), 0
     for borrow in (False, True):
@@ -291,6 +298,38 @@ def test_an_external_source_is_fed_and_the_end_is_told(tmp_path):
             tracks.receive(PATIENCE)
     tracks.close()
     publisher.close()
+    deployment.stop()
+
+
+def test_a_longer_queue_loses_nothing_where_the_usual_one_loses(tmp_path):
+    site = tmp_path / "site.toml"
+    site.write_text((TOP / "examples/feed.toml").read_text() + "\n[machine]\nqueue_slices = 1024\n")
+    deployment = Deployment("up", site, "--instance", "queue", "--out", tmp_path / "out")
+    for length, text in [(1025, r"a queue of 1025 slices is refused: .* 1 to 1024; .*\[machine\] queue_slices"), (0, "of 0 slices")]:
+        with pytest.raises(ValueError, match=text):
+            koseki.subscribe("queue", queue=length)
+    publisher = koseki.publish("queue", "own")
+    usual, longer, quick = koseki.subscribe("queue"), koseki.subscribe("queue", queue=1024), koseki.subscribe("queue")
+    report = publisher.new(1)
+    report["track_number"], report["state"], report["valid"] = 1, 1, 0x1 | 0x2 | 0x4 | 0x8
+    report["position_m"] = [1000.0, 2000.0, 3000.0]
+    report["covariance"]["upper"][0, [0, 6, 11, 15, 18, 20]] = [900.0] * 3 + [9.0] * 3
+    end = time.monotonic() + PATIENCE
+    published = 0
+    while published <= 600 and time.monotonic() < end:
+        report["time_of_measurement_ns"] = time.time_ns()
+        publisher.send(report)
+        published += (fused := quick.receive(0.5)) is not None
+        if published == 1 and fused is not None:
+            # Losses before a reader's first slice are not counted.
+            assert len(usual.receive(PATIENCE)) and len(longer.receive(PATIENCE))
+    for reader in (usual, longer):
+        while reader.receive(0) is not None:
+            pass
+    assert quick.counts.lost == longer.counts.lost == 0 < usual.counts.lost
+    assert longer.counts.taken == usual.counts.taken + usual.counts.lost
+    for port in (publisher, usual, longer, quick):
+        port.close()
     deployment.stop()
 
 

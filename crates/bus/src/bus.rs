@@ -123,7 +123,8 @@ impl<S: Transport> Bus<S> {
         S::topics(&self.node)
     }
 
-    /// Creates `topic`, or opens an existing topic, and keeps the topic in existence during the life of the result.
+    /// Creates `topic`, or opens an existing topic, and keeps the topic in existence during the life of the result. A
+    /// greater `depth` than the usual number permits longer queues to subscribers that request them.
     ///
     /// # Errors
     /// If it exists with another type or smaller sizes, or cannot be created.
@@ -203,7 +204,21 @@ impl<S: Transport> Bus<S> {
         topic: &Topic<T>,
         now_ns: impl FnOnce() -> u64,
     ) -> Result<Subscriber<S, T>, BusError> {
-        let opened = S::subscribe(&self.node, &self.service(topic))?;
+        self.subscriber_with_queue(topic, topic.capacity.depth, now_ns)
+    }
+
+    /// Returns a subscriber as [`Self::subscriber`] does, with a queue of `queue` slices in place of the topic's usual
+    /// number: from 1 to the number with which the topic is [held](Self::hold).
+    ///
+    /// # Errors
+    /// As [`Self::subscriber`]; [`BusError::Queue`] if the topic permits no queue of this length.
+    pub fn subscriber_with_queue<T: Payload>(
+        &self,
+        topic: &Topic<T>,
+        queue: usize,
+        now_ns: impl FnOnce() -> u64,
+    ) -> Result<Subscriber<S, T>, BusError> {
+        let opened = S::subscribe(&self.node, &self.service(topic), queue)?;
         let ends = self.lines(topic)?.map(|lines| Ends::from_now_on(lines, T::SCHEMA));
         let joined_ns = now_ns();
         Ok(Subscriber::new(opened, ends, self.hint(topic)?, topic, joined_ns))

@@ -161,6 +161,20 @@ pub enum BusError {
         limit: usize,
     },
 
+    /// The topic permits no queue of this length.
+    #[error(
+        "topic {topic}: a queue of {queue} slices is refused: the length is from 1 to {limit}; request such a length, \
+         or, for system/tracks, raise `[machine] queue_slices` in the configuration"
+    )]
+    Queue {
+        /// The topic.
+        topic: Arc<str>,
+        /// Length as requested, slices.
+        queue: usize,
+        /// Greatest length, slices.
+        limit: usize,
+    },
+
     /// The topic could not be opened or created, or a port of the topic could not be created.
     #[error("topic {topic}: cannot {action}: {reason}; if the instance was killed during its start, start it again")]
     Topic {

@@ -48,7 +48,7 @@ pub trait Ports: Medium + Sized + 'static {
     #[doc(hidden)]
     fn publish(node: &Node<Self>, service: &Service<'_>) -> Result<Sending<Self>, BusError>;
     #[doc(hidden)]
-    fn subscribe(node: &Node<Self>, service: &Service<'_>) -> Result<Receiving<Self>, BusError>;
+    fn subscribe(node: &Node<Self>, service: &Service<'_>, queue: usize) -> Result<Receiving<Self>, BusError>;
     #[doc(hidden)]
     fn listen(node: &Node<Self>, service: &Service<'_>) -> Result<DropGuard<Listener<Self>>, BusError>;
     #[doc(hidden)]
@@ -184,8 +184,8 @@ macro_rules! transport {
                 })
             }
 
-            fn subscribe(node: &Node<Self>, service: &Service<'_>) -> Result<Receiving<Self>, BusError> {
-                let (port, failed_connections) = service.subscriber(node)?;
+            fn subscribe(node: &Node<Self>, service: &Service<'_>, queue: usize) -> Result<Receiving<Self>, BusError> {
+                let (port, failed_connections) = service.subscriber(node, queue)?;
                 Ok(Receiving {
                     port: DropGuard::new(port),
                     failed_connections,

@@ -100,7 +100,7 @@ fn service_name(name: &TopicName) -> Result<ServiceName, BusError> {
     })
 }
 
-/// Slices for which a publisher reserves memory.
+/// Slices for which a publisher reserves memory. `capacity.depth` is the longest queue that the topic permits.
 ///
 /// iceoryx2 would reserve `subscribers × (depth + borrowed)`, for subscribers that all hold different slices. Here
 /// this is impossible: the waiting slices of a subscriber are always among the last `depth` slices sent, because

@@ -137,7 +137,11 @@ impl Service<'_> {
     pub(crate) fn publisher<S: Medium>(&self, node: &Node<S>) -> Result<(PublisherPort<S>, Arc<AtomicU64>), BusError> {
         let slices = self.open_slices(node)?;
         let failed_connections = Arc::new(AtomicU64::new(0));
-        let reserved = reserved_slices(self.capacity);
+        // The topic's creator may have permitted longer queues than those of this process.
+        let reserved = reserved_slices(TopicCapacity {
+            depth: longest_queue(&slices),
+            ..self.capacity
+        });
         let make = || {
             let counter = Arc::clone(&failed_connections);
             slices
@@ -161,17 +165,27 @@ impl Service<'_> {
         Ok((port, failed_connections))
     }
 
-    /// The port of a subscriber, and a counter of its failed connections.
+    /// The port of a subscriber with a queue of `queue` slices, and a counter of its failed connections.
     pub(crate) fn subscriber<S: Medium>(
         &self,
         node: &Node<S>,
+        queue: usize,
     ) -> Result<(SubscriberPort<S>, Arc<AtomicU64>), BusError> {
         let slices = self.open_slices(node)?;
+        let limit = longest_queue(&slices);
+        if !(1..=limit).contains(&queue) {
+            return Err(BusError::Queue {
+                topic: self.name.as_str().into(),
+                queue,
+                limit,
+            });
+        }
         let failed_connections = Arc::new(AtomicU64::new(0));
         let make = || {
             let counter = Arc::clone(&failed_connections);
             slices
                 .subscriber_builder()
+                .buffer_size(queue)
                 // A publisher that died during its connection must not affect the others: the failure is counted, and
                 // reading continues.
                 .set_degradation_handler(move |_, _| {
@@ -251,6 +265,11 @@ impl Service<'_> {
             }
         }
     }
+}
+
+/// Slices that the queue of a subscriber may have: set by the creator of the topic.
+fn longest_queue<S: Medium>(slices: &Slices<S>) -> usize {
+    slices.static_config().subscriber_max_buffer_size()
 }
 
 /// Creates a port. If all places are taken, removes dead processes, and tries once more.

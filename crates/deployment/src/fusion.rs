@@ -47,6 +47,10 @@ settings::settings! {
         /// `/dev/cpu_dma_latency` open. Cores then use more power while idle. Fusion refuses to start if the kernel
         /// refuses the request.
         cpu_dma_latency_us: Option<i32> = None, in [0, 1_000_000], usually "no limit";
+        /// Greatest number of slices that wait in the queue of a reader of `system/tracks` before the oldest is lost.
+        /// Readers that request no length have 256. Shared memory for the topic: at most 0.41 MB for each slice of
+        /// this number, and 20 MB.
+        queue_slices: usize = 256, in [256, 8192];
     }
 
     /// Memory of fusion, and of adapters with a tracker, that outlasts the process: a successor resumes the same

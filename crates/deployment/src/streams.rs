@@ -1,7 +1,7 @@
 //! Topics of a deployment.
 
 use bus::BusError;
-use messages::{Stream, StreamId};
+use messages::{Stream, StreamId, SystemTrack, Topic};
 use runtime::instance::Visit;
 
 use crate::Deployment;
@@ -24,7 +24,7 @@ impl runtime::DeploymentParts for Deployment {
                 Stream::PlatformStates => visit.visit(&messages::platform_states(name), publishers)?,
                 Stream::Cues => visit.visit(&messages::cues(name), publishers)?,
                 Stream::WideArea => visit.visit(&messages::wide_area(name), publishers)?,
-                Stream::SystemTracks => visit.visit(&messages::system_tracks(), publishers)?,
+                Stream::SystemTracks => visit.visit(&self.system_tracks_topic(), publishers)?,
                 Stream::Alarms => visit.visit(&messages::alarms(), publishers)?,
                 Stream::Decisions => visit.visit(&messages::decisions(), publishers)?,
                 Stream::Orders => visit.visit(&messages::order_states(), publishers)?,
@@ -47,6 +47,13 @@ impl runtime::DeploymentParts for Deployment {
 }
 
 impl Deployment {
+    /// Topic of the system tracks, with the longest queue that its readers may request.
+    fn system_tracks_topic(&self) -> Topic<SystemTrack> {
+        let mut topic = messages::system_tracks();
+        topic.capacity.depth = self.machine.queue_slices;
+        topic
+    }
+
     /// Data streams, each with the name of its source or sensor (of none for those of the system as a whole): source by
     /// source, then the wide-area sensors, then the system.
     pub fn streams(&self) -> impl Iterator<Item = (StreamId, &str)> {
@@ -71,5 +78,23 @@ impl Deployment {
             .chain(of_sensors)
             .map(|(stream, number, name)| (StreamId { stream, number }, name))
             .chain(of_system.map(|id| (id, "")))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::Machine;
+
+    #[test]
+    fn the_usual_queue_and_the_memory_are_as_stated_for_the_key() {
+        let mut topic = messages::system_tracks();
+        assert_eq!(Machine::default().queue_slices, topic.capacity.depth);
+        for length in [256, 1024, 8192] {
+            topic.capacity.depth = length;
+            // Fusion and its successor publish.
+            let megabytes = bus::needed_bytes(&topic, 2) as f64 / 1e6;
+            let stated = 0.41 * length as f64 + 20.0;
+            assert!((0.95 * stated - 10.0..=stated).contains(&megabytes), "{length}: {megabytes}");
+        }
     }
 }

@@ -76,12 +76,14 @@ pub trait AnyPublisher: Debug + Send {
     fn layout(&self) -> &'static Layout;
 }
 
-/// Reads the topic called `topic`, such as `system/tracks`, of the deployment at `root`.
+/// Reads the topic called `topic`, such as `system/tracks`, of the deployment at `root`, with a queue of `queue` slices:
+/// `None` is the topic's usual number.
 ///
 /// # Errors
-/// As [`Subscription::at`]; also if no topic has such a name.
-pub fn subscribe(root: &Root, topic: &str) -> Result<Box<dyn AnySubscription>, Error> {
-    messages::visit(topic, Subscribe(root)).unwrap_or_else(|| Err(Error::TopicName { name: topic.to_owned() }))
+/// As [`Subscription::with_queue`]; also if no topic has such a name.
+pub fn subscribe(root: &Root, topic: &str, queue: Option<usize>) -> Result<Box<dyn AnySubscription>, Error> {
+    messages::visit(topic, Subscribe { root, queue })
+        .unwrap_or_else(|| Err(Error::TopicName { name: topic.to_owned() }))
 }
 
 /// Writes the topic called `topic`, such as `sensor/NAME/tracks`, of the deployment at `root`.
@@ -133,13 +135,17 @@ pub fn clock_limit(limit_s: f64) -> Result<Option<Duration>, Error> {
     }
 }
 
-struct Subscribe<'a>(&'a Root);
+struct Subscribe<'a> {
+    root: &'a Root,
+    queue: Option<usize>,
+}
 
 impl Visitor for Subscribe<'_> {
     type Output = Result<Box<dyn AnySubscription>, Error>;
 
     fn visit<T: Payload>(self, topic: Topic<T>) -> Self::Output {
-        Ok(Box::new(Subscription::at(self.0, &topic)?))
+        let queue = self.queue.unwrap_or(topic.capacity.depth);
+        Ok(Box::new(Subscription::with_queue(self.root, &topic, queue)?))
     }
 }
 

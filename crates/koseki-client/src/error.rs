@@ -182,7 +182,9 @@ impl Error {
             | Self::ClockLimit { .. }
             | Self::Order { .. }
             | Self::Octets { .. } => ErrorKind::Argument,
-            Self::Bus(BusError::InstanceName { .. } | BusError::PathTooLong { .. }) => ErrorKind::Argument,
+            Self::Bus(BusError::InstanceName { .. } | BusError::PathTooLong { .. } | BusError::Queue { .. }) => {
+                ErrorKind::Argument
+            }
             Self::Bus(BusError::NotRunning { .. }) => ErrorKind::NotRunning,
             Self::Bus(BusError::NoSuchTopic { .. }) => ErrorKind::NoSuchTopic,
             Self::Bus(BusError::Full { .. }) => ErrorKind::Full,

@@ -60,11 +60,21 @@ impl<T: Payload> Subscription<T> {
     /// # Errors
     /// As [`Subscription::open`]; also if the deployment has no such topic.
     pub fn at(root: &Root, topic: &Topic<T>) -> Result<Self, Error> {
+        Self::with_queue(root, topic, topic.capacity.depth)
+    }
+
+    /// Reads like [`Self::at`], with a queue of `queue` slices in place of the topic's usual number
+    /// (`topic.capacity.depth`): a reader that falls behind by more slices loses the oldest. The range is from 1 to the
+    /// usual number; for `system/tracks`, to `[machine] queue_slices` of the deployment's configuration.
+    ///
+    /// # Errors
+    /// As [`Self::at`]; also if the deployment permits no queue of this length.
+    pub fn with_queue(root: &Root, topic: &Topic<T>, queue: usize) -> Result<Self, Error> {
         let connection = Connection::open(root)?;
         let mut waiter = connection.bus.waiter(WaitMode::Event);
         waiter.watch(&connection.bus, topic)?;
         Ok(Self {
-            subscriber: connection.bus.subscriber(topic, mono_ns)?,
+            subscriber: connection.bus.subscriber_with_queue(topic, queue, mono_ns)?,
             waiter,
             connection,
             told: 0,

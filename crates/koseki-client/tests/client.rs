@@ -29,12 +29,19 @@ struct Deployment {
 
 impl Deployment {
     fn new() -> Self {
+        Self::with_queues(messages::system_tracks().capacity.depth)
+    }
+
+    /// A deployment that permits queues of `length` slices to readers of its system tracks.
+    fn with_queues(length: usize) -> Self {
+        let mut system_tracks = messages::system_tracks();
+        system_tracks.capacity.depth = length;
         let folder = tempfile::Builder::new().prefix("k").tempdir_in("/tmp").unwrap();
         let root = Root::in_base(folder.path().join("b"), "site").unwrap();
         let claim = root.claim().unwrap();
         let bus = Bus::open(&root, "keeper").unwrap();
         let held = vec![
-            bus.hold(&messages::system_tracks()).unwrap(),
+            bus.hold(&system_tracks).unwrap(),
             bus.hold(&messages::sensor_tracks("own")).unwrap(),
             bus.hold(&messages::sensor_tracks("camera")).unwrap(),
             bus.hold(&messages::sensor_detections("camera")).unwrap(),
@@ -139,6 +146,38 @@ fn slow_readers_are_told_with_the_next_slice_how_much_they_lost() {
 }
 
 #[test]
+fn a_reader_with_a_longer_queue_loses_nothing_where_the_usual_one_loses() {
+    const LENGTH: usize = 1024;
+    let deployment = Deployment::with_queues(LENGTH);
+    let topic = messages::system_tracks();
+    let usual = deployment.subscription();
+    let longer = Subscription::with_queue(&deployment.root, &topic, LENGTH).unwrap();
+    let mut readers = [usual, longer];
+    let mut fusion = deployment.fusion(1);
+    send(&mut fusion, &[0]);
+    assert_eq!(readers.each_mut().map(numbers), [[0], [0]]);
+    (0..LENGTH as u32).for_each(|number| send(&mut fusion, &[number]));
+    let read = readers.each_mut().map(|reader| {
+        while reader.next(Duration::ZERO).unwrap().is_some() {}
+        (reader.counts().taken - 1, reader.counts().lost)
+    });
+    let (usual, longest) = (topic.capacity.depth as u64, LENGTH as u64);
+    assert_eq!(read, [(usual, longest - usual), (longest, 0)]);
+    let by_name = |queue| by_name::subscribe(&deployment.root, "system/tracks", Some(queue));
+    assert!(by_name(LENGTH).is_ok());
+    for length in [0, LENGTH + 1] {
+        let refused = by_name(length).unwrap_err();
+        assert_eq!(refused.kind(), ErrorKind::Argument);
+        let text = refused.to_string();
+        assert!(
+            text.contains(&format!("of {length} slices")) && text.contains("to 1024"),
+            "{text}"
+        );
+        assert!(text.contains("[machine] queue_slices"), "{text}");
+    }
+}
+
+#[test]
 fn one_slice_too_many_is_an_error_that_ends_when_one_is_given_back() {
     let deployment = Deployment::new();
     let mut subscription = deployment.subscription();
@@ -154,7 +193,7 @@ fn one_slice_too_many_is_an_error_that_ends_when_one_is_given_back() {
 #[test]
 fn what_does_not_run_or_exist_is_told_apart() {
     let deployment = Deployment::new();
-    let kind = |root: &Root, topic: &str| by_name::subscribe(root, topic).unwrap_err().kind();
+    let kind = |root: &Root, topic: &str| by_name::subscribe(root, topic, None).unwrap_err().kind();
     let nobody = Root::in_base(deployment.root.base(), "nobody").unwrap();
     assert_eq!(kind(&nobody, "system/tracks"), ErrorKind::NotRunning);
     assert_eq!(kind(&deployment.root, "system/alarms"), ErrorKind::NoSuchTopic);
@@ -199,7 +238,7 @@ fn samples_of_another_layout_are_an_error() {
 fn what_is_published_by_name_is_read_with_its_numbers_and_stamps() {
     let deployment = Deployment::new();
     let topic = "sensor/own/tracks";
-    let mut subscription = by_name::subscribe(&deployment.root, topic).unwrap();
+    let mut subscription = by_name::subscribe(&deployment.root, topic, None).unwrap();
     let mut publisher = by_name::publisher(&deployment.root, topic).unwrap();
     let tracks = [1, 2].map(report);
     let octets = SensorTrack::octets(&tracks);

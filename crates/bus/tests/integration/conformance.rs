@@ -5,7 +5,7 @@ use std::sync::{Barrier, mpsc};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crate::common::{Home, Line, PATIENCE, mark, send, shared_memory, take_all, topic, track, until};
+use crate::common::{Home, Line, PATIENCE, mark, send, shared_memory, suite, take_all, topic, track, until};
 use bus::{
     Bus, BusError, InProcess, Mark, Payload, PortRole, Publisher, PublisherRecord, Root, SharedMemory, Subscriber,
     Transport, WaitMode, Waiter, Woken,
@@ -13,18 +13,6 @@ use bus::{
 use messages::layout::Sample as _;
 use messages::{BatchHeader, SensorTrack, Topic};
 use proptest::prelude::*;
-
-/// Runs each promise over both transports.
-macro_rules! suite {
-    ($($promise:ident)*) => {
-        mod shared_memory {
-            $( #[test] fn $promise() { super::$promise::<bus::SharedMemory>(); } )*
-        }
-        mod in_process {
-            $( #[test] fn $promise() { super::$promise::<bus::InProcess>(); } )*
-        }
-    };
-}
 
 suite! {
     samples_come_in_the_order_in_which_they_were_sent

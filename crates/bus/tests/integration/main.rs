@@ -7,3 +7,4 @@ mod conformance;
 mod intruders;
 mod lines;
 mod processes;
+mod queues;

@@ -193,3 +193,17 @@ pub(crate) fn without_hanging<R: Send + 'static>(what: &str, work: impl FnOnce()
         Err(mpsc::RecvTimeoutError::Disconnected) => std::panic::resume_unwind(thread.join().unwrap_err()),
     }
 }
+
+/// Runs each promise of a module over both transports.
+macro_rules! suite {
+    ($($promise:ident)*) => {
+        mod shared_memory {
+            $( #[test] fn $promise() { super::$promise::<bus::SharedMemory>(); } )*
+        }
+        mod in_process {
+            $( #[test] fn $promise() { super::$promise::<bus::InProcess>(); } )*
+        }
+    };
+}
+
+pub(crate) use suite;
