@@ -94,7 +94,10 @@ mod tests {
             // Fusion and its successor publish.
             let megabytes = bus::needed_bytes(&topic, 2) as f64 / 1e6;
             let stated = 0.41 * length as f64 + 20.0;
-            assert!((0.95 * stated - 10.0..=stated).contains(&megabytes), "{length}: {megabytes}");
+            assert!(
+                (0.95 * stated - 10.0..=stated).contains(&megabytes),
+                "{length}: {megabytes}"
+            );
         }
     }
 }
