@@ -76,8 +76,8 @@ pub trait AnyPublisher: Debug + Send {
     fn layout(&self) -> &'static Layout;
 }
 
-/// Reads the topic called `topic`, such as `system/tracks`, of the deployment at `root`, with a queue of `queue` slices:
-/// `None` is the topic's usual number.
+/// Reads the topic called `topic`, such as `system/tracks`, of the deployment at `root`, with a queue of `queue`
+/// slices: `None` is the topic's usual number.
 ///
 /// # Errors
 /// As [`Subscription::with_queue`]; also if no topic has such a name.

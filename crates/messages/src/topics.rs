@@ -34,8 +34,8 @@ impl fmt::Display for TopicName {
 /// Capacity of a topic. Memory is about `subscribers × depth` slices of `slice_len` samples per publisher.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TopicCapacity {
-    /// Number of waiting slices per subscriber before the oldest is dropped (and counted by the subscriber). A subscriber
-    /// may request another number, up to the number with which the topic was created.
+    /// Number of waiting slices per subscriber before the oldest is dropped (and counted by the subscriber). A
+    /// subscriber may request another number, up to the number with which the topic was created.
     pub depth: usize,
     /// Maximum number of samples in a slice.
     pub slice_len: usize,
