@@ -102,7 +102,7 @@ typedef struct {
   size_t size;           /* Of this struct: filled in by the functions below. */
   int64_t time_ns;       /* Time of measurement, UTC, nanoseconds since 1970; 0: now. */
   int64_t scan;         /* Number of the scan; -1: detections with one time are one scan. */
-  int32_t of_tracks;     /* Reserved. */
+  int32_t unused;        /* In place of the state of a track report. */
   uint32_t address;      /* 24-bit address of ICAO; 0: unknown. */
   uint32_t mmsi;         /* 0: unknown. */
   uint32_t reserved;
