@@ -38,13 +38,12 @@ const CHAIN_MAX: u32 = 128;
 pub(crate) type Place = u32;
 const NOWHERE: Place = Place::MAX;
 
-/// A measurement in its chain, or a free place among others.
+/// A measurement in its chain.
 #[derive(Clone, Copy, Debug)]
 struct Link {
     kept: KeptMeasurement,
     /// Time of the filter after it, nanoseconds: later than the measurement if that was carried forward.
     at_ns: i64,
-    next: Place,
 }
 
 impl Link {
@@ -52,18 +51,29 @@ impl Link {
     const FREE: Self = Self {
         kept: KeptMeasurement::NONE,
         at_ns: 0,
-        next: NOWHERE,
     };
 }
 
-/// State of a filter, and the number of measurements from there to the next base.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+/// A base, apart from its filter: what each report needs of it lies together.
+#[derive(Clone, Copy, Debug)]
 struct Base {
-    filter: TargetFilter,
+    /// Place of its filter; nowhere for a base that was never used.
+    place: Place,
     /// The measurement before it; none for the oldest base.
-    #[serde(skip)]
     after: Place,
+    /// Number of measurements from there to the next base.
     length: u32,
+    /// Time of its filter, nanoseconds.
+    time_ns: i64,
+}
+
+impl Base {
+    const UNUSED: Self = Self {
+        place: NOWHERE,
+        after: NOWHERE,
+        length: 0,
+        time_ns: 0,
+    };
 }
 
 /// The chain of one system track.
@@ -72,10 +82,10 @@ struct Chain {
     first: Place,
     last: Place,
     length: u32,
-    /// Number of bases, and their places in the table of bases, oldest first; the others are of free places that the
-    /// chain keeps, or nowhere.
-    bases: usize,
-    order: [Place; BASES_MAX],
+    /// Number of bases, and the bases, oldest first; the others have places that the chain keeps for further bases, or
+    /// none.
+    count: usize,
+    bases: [Base; BASES_MAX],
     /// Number of bases that made room for others.
     replaced: u32,
 }
@@ -85,8 +95,8 @@ impl Chain {
         first: NOWHERE,
         last: NOWHERE,
         length: 0,
-        bases: 0,
-        order: [NOWHERE; BASES_MAX],
+        count: 0,
+        bases: [Base::UNUSED; BASES_MAX],
         replaced: 0,
     };
 }
@@ -97,6 +107,9 @@ pub(crate) struct KeptMeasurements {
     /// Greatest age of a report relative to the filter, nanoseconds; 0: nothing is kept.
     window_ns: i64,
     links: Vec<Link>,
+    /// For each of them the next one of its chain, or of the free places: a table of its own, so that no old measurement
+    /// is fetched from memory before a new one takes its place.
+    next: Vec<Place>,
     /// Most measurements.
     capacity: usize,
     /// First of the places that have become free, which are linked.
@@ -105,8 +118,8 @@ pub(crate) struct KeptMeasurements {
     room: usize,
     /// By place of the system track.
     chains: Vec<Chain>,
-    /// Of all chains, at most `BASES_MAX` of each.
-    bases: Vec<Base>,
+    /// Of the bases of all chains, at most `BASES_MAX` of each.
+    filters: Vec<TargetFilter>,
 }
 
 /// What there is for a late report.
@@ -129,11 +142,12 @@ impl KeptMeasurements {
         Self {
             window_ns,
             links: Vec::with_capacity(capacity),
+            next: Vec::with_capacity(capacity),
             capacity,
             free: NOWHERE,
             room: capacity,
             chains: vec![Chain::EMPTY; systems],
-            bases: Vec::with_capacity(BASES_MAX * systems),
+            filters: Vec::with_capacity(BASES_MAX * systems),
         }
     }
 
@@ -160,27 +174,14 @@ impl KeptMeasurements {
 
     /// The latest base that is not after `time_ns`.
     fn base_before(&self, system: SystemSlot, time_ns: i64) -> Option<usize> {
-        let bases = 0..self.chains[system as usize].bases;
-        bases
-            .rev()
-            .find(|index| self.base(system, *index).filter.time_ns <= time_ns)
+        self.bases(system).iter().rposition(|base| base.time_ns <= time_ns)
     }
 
-    /// Place of the base number `index` of a system track.
+    /// The bases of a system track.
     #[inline]
-    fn base_place(&self, system: SystemSlot, index: usize) -> usize {
-        self.chains[system as usize].order[index] as usize
-    }
-
-    #[inline]
-    fn base(&self, system: SystemSlot, index: usize) -> &Base {
-        &self.bases[self.base_place(system, index)]
-    }
-
-    #[inline]
-    fn base_mut(&mut self, system: SystemSlot, index: usize) -> &mut Base {
-        let place = self.base_place(system, index);
-        &mut self.bases[place]
+    fn bases(&self, system: SystemSlot) -> &[Base] {
+        let chain = &self.chains[system as usize];
+        &chain.bases[..chain.count]
     }
 
     /// Forgets all measurements of a system track, whose filter begins anew or is gone.
@@ -188,7 +189,7 @@ impl KeptMeasurements {
         if let Some(chain) = self.chains.get(system as usize) {
             let (last, length) = (chain.last, chain.length);
             self.release(system, last, length);
-            self.chains[system as usize].bases = 0;
+            self.chains[system as usize].count = 0;
         }
     }
 
@@ -198,7 +199,7 @@ impl KeptMeasurements {
             return;
         }
         let chain = &mut self.chains[system as usize];
-        let after = std::mem::replace(&mut self.links[end as usize].next, self.free);
+        let after = std::mem::replace(&mut self.next[end as usize], self.free);
         self.free = std::mem::replace(&mut chain.first, after);
         self.room += length as usize;
         chain.length -= length;
@@ -221,24 +222,25 @@ impl KeptMeasurements {
         if !self.is_on() {
             return;
         }
-        for index in 0..self.chains[system as usize].bases {
-            self.base_mut(system, index).filter.shift(by_m);
+        let chain = &self.chains[system as usize];
+        for base in &chain.bases[..chain.count] {
+            self.filters[base.place as usize].shift(by_m);
         }
-        let mut at = self.chains[system as usize].first;
+        let mut at = chain.first;
         while at != NOWHERE {
             let link = &mut self.links[at as usize];
             for (axis, by) in by_m.into_iter().enumerate() {
                 link.kept.measurement.position_m[axis] += by;
                 link.kept.point_m[axis] -= by;
             }
-            at = link.next;
+            at = self.next[at as usize];
         }
     }
 
     /// Begins the chain of a system track with a filter that has used no measurement yet, unless there is one.
     #[inline]
     pub(crate) fn begin(&mut self, system: SystemSlot, filter: &TargetFilter) {
-        if self.chains[system as usize].bases == 0 {
+        if self.chains[system as usize].count == 0 {
             self.add_base(system, filter);
         }
     }
@@ -254,16 +256,19 @@ impl KeptMeasurements {
         self.append_with(system, filter, |kept| *kept = *used);
     }
 
-    /// Makes a link the last of a chain; returns the number of the chain's newest base.
+    /// Makes a link the last of a chain; returns the chain's newest base.
     #[inline]
-    fn put_last(&mut self, system: SystemSlot, place: Place) -> usize {
+    fn put_last(&mut self, system: SystemSlot, place: Place) -> &mut Base {
+        self.next[place as usize] = NOWHERE;
         let chain = &mut self.chains[system as usize];
         match std::mem::replace(&mut chain.last, place) {
             NOWHERE => chain.first = place,
-            last => self.links[last as usize].next = place,
+            last => self.next[last as usize] = place,
         }
         chain.length += 1;
-        chain.bases - 1
+        let base = &mut chain.bases[chain.count - 1];
+        base.length += 1;
+        base
     }
 
     #[inline]
@@ -274,13 +279,11 @@ impl KeptMeasurements {
             self.add_base(system, filter);
             return;
         };
-        let newest = self.put_last(system, place);
         let link = &mut self.links[place as usize];
         write(&mut link.kept);
-        (link.at_ns, link.next) = (filter.time_ns, NOWHERE);
-        let base = self.base_mut(system, newest);
-        base.length += 1;
-        let passed_ns = filter.time_ns.saturating_sub(base.filter.time_ns);
+        link.at_ns = filter.time_ns;
+        let base = self.put_last(system, place);
+        let passed_ns = filter.time_ns.saturating_sub(base.time_ns);
         if base.length >= BASE_EVERY || passed_ns >= BASE_EVERY_NS {
             self.make_room_for_base(system, filter.time_ns);
             self.add_base(system, filter);
@@ -300,8 +303,8 @@ impl KeptMeasurements {
     /// A free place: one that was used before, if there is one.
     #[inline]
     fn free_place(&mut self) -> Option<Place> {
-        let place = match self.links.get(self.free as usize) {
-            Some(link) => std::mem::replace(&mut self.free, link.next),
+        let place = match self.next.get(self.free as usize) {
+            Some(next) => std::mem::replace(&mut self.free, *next),
             None => self.new_place()?,
         };
         self.room -= 1;
@@ -312,17 +315,24 @@ impl KeptMeasurements {
     #[cold]
     fn new_place(&mut self) -> Option<Place> {
         let place = self.links.len();
-        (place < self.capacity).then(|| self.links.push(Link::FREE))?;
+        if place >= self.capacity {
+            return None;
+        }
+        self.links.push(Link::FREE);
+        self.next.push(NOWHERE);
         Some(place as Place)
     }
 
     /// Drops what is older than the second base, which becomes the first; `false` without a second base.
     fn drop_oldest(&mut self, system: SystemSlot) -> bool {
-        if self.chains[system as usize].bases < 2 {
-            return false;
-        }
-        let length = self.base(system, 0).length;
-        let end = std::mem::replace(&mut self.base_mut(system, 1).after, NOWHERE);
+        let [oldest, second] = match &mut self.chains[system as usize] {
+            Chain { count: 0 | 1, .. } => return false,
+            Chain {
+                bases: [oldest, second, ..],
+                ..
+            } => [oldest, second],
+        };
+        let (length, end) = (oldest.length, std::mem::replace(&mut second.after, NOWHERE));
         self.release(system, end, length);
         self.drop_base(system, 0);
         true
@@ -331,46 +341,45 @@ impl KeptMeasurements {
     /// Takes a base out of the order.
     fn drop_base(&mut self, system: SystemSlot, index: usize) {
         let chain = &mut self.chains[system as usize];
-        chain.order[index..chain.bases].rotate_left(1);
-        chain.bases -= 1;
+        chain.bases[index..chain.count].rotate_left(1);
+        chain.count -= 1;
     }
 
     /// Adds a base after the latest measurement.
     fn add_base(&mut self, system: SystemSlot, filter: &TargetFilter) {
         let chain = &mut self.chains[system as usize];
-        let (index, after) = (chain.bases, chain.last);
-        chain.bases += 1;
-        if chain.order[index] == NOWHERE {
-            chain.order[index] = self.bases.len() as Place;
-            self.bases.push(Base {
-                filter: *filter,
-                after,
-                length: 0,
-            });
-            return;
+        let base = &mut chain.bases[chain.count];
+        chain.count += 1;
+        (base.after, base.length, base.time_ns) = (chain.last, 0, filter.time_ns);
+        match self.filters.get_mut(base.place as usize) {
+            Some(place) => *place = *filter,
+            None => {
+                base.place = self.filters.len() as Place;
+                self.filters.push(*filter);
+            }
         }
-        let base = self.base_mut(system, index);
-        base.filter = *filter;
-        (base.after, base.length) = (after, 0);
     }
 
     /// Drops bases that are no longer needed, until there is room for another one.
     fn make_room_for_base(&mut self, system: SystemSlot, now_ns: i64) {
         // The report before an overtaken one may be older than the window.
         let limit_ns = now_ns.saturating_sub(self.window_ns + self.window_ns / 2);
-        while self.chains[system as usize].bases > 1 && self.base(system, 1).filter.time_ns <= limit_ns {
+        while self
+            .bases(system)
+            .get(1)
+            .is_some_and(|second| second.time_ns <= limit_ns)
+        {
             self.drop_oldest(system);
         }
         let chain = &mut self.chains[system as usize];
-        if chain.bases == BASES_MAX {
+        if chain.count == BASES_MAX {
             // Every second time the newest, every fourth time the one before, and so on: the older, the fewer.
             // Never the oldest, where the chain begins.
             chain.replaced = chain.replaced.wrapping_add(1);
             let index = (BASES_MAX - 1)
                 .saturating_sub(chain.replaced.trailing_zeros() as usize)
                 .max(1);
-            let length = self.base(system, index).length;
-            self.base_mut(system, index - 1).length += length;
+            chain.bases[index - 1].length += chain.bases[index].length;
             self.drop_base(system, index);
         }
     }
@@ -390,7 +399,7 @@ impl KeptMeasurements {
         let place = self.take_place(system)?;
         let effect = self.insert_at(system, filter, (place, kept, successor), motion_of);
         if effect.is_none() {
-            self.links[place as usize].next = std::mem::replace(&mut self.free, place);
+            self.next[place as usize] = std::mem::replace(&mut self.free, place);
             self.room += 1;
         }
         effect
@@ -405,19 +414,16 @@ impl KeptMeasurements {
     ) -> Option<FilterInnovation> {
         // Making room may have dropped the base.
         let index = self.base_before(system, kept.time_ns)?;
-        let Base {
-            filter: mut again,
-            after: mut before,
-            ..
-        } = *self.base(system, index);
+        let base = self.bases(system)[index];
+        let (mut again, mut before) = (self.filters[base.place as usize], base.after);
         let mut next = match before {
             NOWHERE => self.chains[system as usize].first,
-            before => self.links[before as usize].next,
+            before => self.next[before as usize],
         };
         while next != NOWHERE && self.links[next as usize].at_ns <= kept.time_ns {
             let link = &self.links[next as usize];
             link.kept.use_in(&mut again, &motion_of);
-            (before, next) = (next, link.next);
+            (before, next) = (next, self.next[next as usize]);
         }
         let mut innovation = kept.use_in(&mut again, &motion_of)?;
         if let Some((place, measurement)) = successor {
@@ -426,29 +432,28 @@ impl KeptMeasurements {
         self.links[place as usize] = Link {
             kept: *kept,
             at_ns: again.time_ns,
-            next,
         };
+        self.next[place as usize] = next;
         let chain = &mut self.chains[system as usize];
         match before {
             NOWHERE => chain.first = place,
-            before => self.links[before as usize].next = place,
+            before => self.next[before as usize] = place,
         }
         if next == NOWHERE {
             chain.last = place;
         }
         chain.length += 1;
-        let bases = chain.bases;
-        self.base_mut(system, index).length += 1;
-        let mut index = index + 1;
+        chain.bases[index].length += 1;
+        let mut later_bases = chain.bases[index + 1..chain.count].iter_mut().peekable();
         while next != NOWHERE {
             let link = &self.links[next as usize];
             let later = link.kept.use_in(&mut again, &motion_of);
             innovation.gain *= 1.0 - later.map_or(0.0, |later| later.gain);
-            let at = std::mem::replace(&mut next, link.next);
-            if index < bases && self.base(system, index).after == at {
-                let base_here = self.base_mut(system, index);
-                base_here.filter = again;
-                index += 1;
+            let at = next;
+            next = self.next[at as usize];
+            if let Some(base) = later_bases.next_if(|base| base.after == at) {
+                base.time_ns = again.time_ns;
+                self.filters[base.place as usize] = again;
             }
         }
         *filter = again;
@@ -486,7 +491,8 @@ impl KeptMeasurements {
     /// The measurements of a system track, in the order of their use, with their places.
     fn chain(&self, system: SystemSlot) -> impl Iterator<Item = (Place, &Link)> {
         let at = |place: Place| Some((place, self.links.get(place as usize)?));
-        std::iter::successors(at(self.chains[system as usize].first), move |(_, link)| at(link.next))
+        let first = self.chains[system as usize].first;
+        std::iter::successors(at(first), move |(place, _)| at(self.next[*place as usize]))
     }
 
     /// The measurement at a place.
@@ -501,14 +507,15 @@ impl KeptMeasurements {
     }
 }
 
-/// A chain by itself: its bases, its measurements with the time of the filter after each, and how many bases made room.
-type ChainContent = (Vec<Base>, Vec<(KeptMeasurement, i64)>, u32);
+/// A chain by itself: its bases with their lengths, its measurements with the time of the filter after each, and how many bases made room.
+type ChainContent = (Vec<(TargetFilter, u32)>, Vec<(KeptMeasurement, i64)>, u32);
 
 impl Serialize for KeptMeasurements {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let content = |system: usize| -> ChainContent {
             let system = system as SystemSlot;
-            let bases = (0..self.chains[system as usize].bases).map(|index| *self.base(system, index));
+            let bases = self.bases(system).iter();
+            let bases = bases.map(|base| (self.filters[base.place as usize], base.length));
             let links = self.chain(system).map(|(_, link)| (link.kept, link.at_ns));
             (bases.collect(), links.collect(), self.chains[system as usize].replaced)
         };
@@ -524,9 +531,9 @@ impl<'de> Deserialize<'de> for KeptMeasurements {
         for (system, (bases, links, replaced)) in (0..).zip(chains) {
             new.chains[system as usize].replaced = replaced;
             let mut links = links.into_iter();
-            for base in bases.into_iter().take(BASES_MAX) {
-                new.add_base(system, &base.filter);
-                new.restore(system, base.length, &mut links);
+            for (filter, length) in bases.into_iter().take(BASES_MAX) {
+                new.add_base(system, &filter);
+                new.restore(system, length, &mut links);
             }
         }
         Ok(new)
@@ -540,13 +547,8 @@ impl KeptMeasurements {
             let Some(place) = self.free_place() else {
                 return;
             };
-            self.links[place as usize] = Link {
-                kept,
-                at_ns,
-                next: NOWHERE,
-            };
-            let newest = self.put_last(system, place);
-            self.base_mut(system, newest).length += 1;
+            self.links[place as usize] = Link { kept, at_ns };
+            self.put_last(system, place);
         }
     }
 }

@@ -144,26 +144,29 @@ proptest! {
         prop_assert!(late.carried > 0);
         late.kept.forget(SYSTEM);
         prop_assert_eq!(late.kept.len(), 0);
-        let next = |place: &Place| late.kept.links.get(*place as usize).map(|link| link.next);
+        let next = |place: &Place| late.kept.next.get(*place as usize).copied();
         let mut free: Vec<Place> = std::iter::successors(Some(late.kept.free), next).collect();
         free.sort_unstable();
         let used = late.kept.links.len();
         prop_assert!(used <= capacity && free.into_iter().eq((0..used as Place).chain([NOWHERE])));
-        prop_assert!(late.kept.bases.len() <= BASES_MAX);
+        prop_assert!(late.kept.filters.len() <= BASES_MAX);
     }
 }
 
 #[test]
 fn memory_is_used_as_far_as_measurements_are_kept() {
     let mut late = Late::new(WINDOW_NS, 1000);
-    let (links, bases) = (late.kept.links.capacity(), late.kept.bases.capacity());
-    assert_eq!((late.kept.links.len(), late.kept.bases.len()), (0, 0));
+    let (links, bases) = (late.kept.links.capacity(), late.kept.filters.capacity());
+    assert_eq!((late.kept.links.len(), late.kept.filters.len()), (0, 0));
     for measurement in &arriving(7, 30, 0.0) {
         late.take(measurement);
     }
     assert_eq!(late.kept.links.len(), 30);
-    assert!((2..=BASES_MAX).contains(&late.kept.bases.len()));
-    assert_eq!((late.kept.links.capacity(), late.kept.bases.capacity()), (links, bases));
+    assert!((2..=BASES_MAX).contains(&late.kept.filters.len()));
+    assert_eq!(
+        (late.kept.links.capacity(), late.kept.filters.capacity()),
+        (links, bases)
+    );
 }
 
 #[test]
@@ -272,12 +275,12 @@ fn bases_reach_back_over_the_window_and_are_dense_where_most_reports_come() {
     let mut late = Late::new(WINDOW_NS, 500);
     for number in 0..200 {
         late.take(&measurement(2, number));
-        let count = late.kept.chains[SYSTEM as usize].bases;
-        let bases: Vec<&Base> = (0..count).map(|index| late.kept.base(SYSTEM, index)).collect();
-        assert!(bases.is_sorted_by_key(|base| base.filter.time_ns) && count <= BASES_MAX);
+        let bases = late.kept.bases(SYSTEM);
+        let count = bases.len();
+        assert!(bases.is_sorted_by_key(|base| base.time_ns) && count <= BASES_MAX);
         let lengths: u32 = bases.iter().map(|base| base.length).sum();
         assert_eq!(lengths as usize, late.kept.len());
-        let [oldest_ns, newest_ns] = [0, count - 1].map(|index| bases[index].filter.time_ns);
+        let [oldest_ns, newest_ns] = [0, count - 1].map(|index| bases[index].time_ns);
         assert!(late.filter.time_ns - newest_ns < BASE_EVERY_NS + S);
         assert!(oldest_ns == 0 || late.filter.time_ns - oldest_ns >= WINDOW_NS);
     }
