@@ -9,8 +9,8 @@
 //! valgrind --tool=callgrind --toggle-collect='*steady_turn*' --callgrind-out-file=/dev/null PATH 0 0 4 1
 //! ```
 //!
-//! Arguments: subscribers that read, subscribers that do not, sources, reports in a slice; or `engine` and the number
-//! of sources, for the engine without loop and bus. Each source is external and observes each target with noise of its
+//! Arguments: subscribers that read, subscribers that do not, sources, reports in a slice; or `engine`, the number of
+//! sources, and the number of targets if it is another, for the engine without loop and bus. Each source is external and observes each target with noise of its
 //! own. The bench never waits. The mode `event` makes the loop look fully at all sources each 200 ms of the bench's
 //! time, as often per report as the mode `spin` at some 100,000 reports a second. Functions of their own take the
 //! reports, so that each group can be counted alone: `steady_turn` and `steady_update` those from report 31 of each
@@ -146,17 +146,17 @@ fn drive(reading: usize, stopped: usize, sources: usize, slice: u64) -> (u64, Du
 }
 
 /// The same reports, for the engine alone.
-fn drive_engine(sources: usize) -> (u64, Duration) {
+fn drive_engine(sources: usize, targets: u64) -> (u64, Duration) {
     let mut engine = Engine::new(config(sources).engine).expect("an engine");
     let (mut reports, mut spent) = (0, Duration::ZERO);
-    let turns = TARGETS * sources as u64;
+    let turns = targets * sources as u64;
     for scan in 0..STEADY.end {
         for turn in 0..turns {
             let (target, source) = (turn / sources as u64, turn % sources as u64);
             let time_ns = START_NS + scan as i64 * S + turn as i64 * (S / turns as i64);
             let report = SensorTrack {
                 source: source as u16,
-                sequence: scan * TARGETS + target,
+                sequence: scan * targets + target,
                 ..report(source, target, scan, time_ns)
             };
             let began = Instant::now();
@@ -197,14 +197,14 @@ fn steady_turn(agent: &mut impl Agent, now: Now) {
 }
 
 fn main() {
-    if let Some(sources) = std::env::args().skip_while(|word| word != "engine").nth(1) {
-        let sources = sources.parse().expect("a number of sources");
-        let (reports, spent) = drive_engine(sources);
+    let numbers: Vec<usize> = std::env::args().skip(1).filter_map(|word| word.parse().ok()).collect();
+    if std::env::args().any(|word| word == "engine") {
+        let (sources, targets) = (numbers[0], numbers.get(1).map_or(TARGETS, |targets| *targets as u64));
+        let (reports, spent) = drive_engine(sources, targets);
         let each_ns = spent.as_nanos() as f64 / reports as f64;
-        println!("engine, {sources} sources: {reports} steady reports, {each_ns:.0} ns each");
+        println!("engine, {sources} sources, {targets} targets: {reports} steady reports, {each_ns:.0} ns each");
         return;
     }
-    let numbers: Vec<usize> = std::env::args().skip(1).filter_map(|word| word.parse().ok()).collect();
     let cases = match numbers[..] {
         [reading, stopped] => vec![[reading, stopped, 1, 1]],
         [reading, stopped, sources, slice] => vec![[reading, stopped, sources, slice]],
