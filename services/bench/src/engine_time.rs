@@ -31,6 +31,7 @@ use crate::measure::WarmUp;
 use crate::memory::resident_octets;
 use crate::pinned;
 use crate::product::{Engine, Product};
+use crate::progress::say;
 use crate::recorder::histogram;
 use crate::settings::Settings;
 use crate::site::config_text;
@@ -38,6 +39,8 @@ use crate::traffic::Traffic;
 
 /// Number of updates timed together.
 const CHUNK: u64 = 1000;
+/// A warm-up that takes longer than this shows its progress, seconds.
+const ANNOUNCED_S: f64 = 5.0;
 /// Minimum and maximum number of warm-up rounds.
 const WARM_UP_ROUNDS: std::ops::Range<u32> = 5..40;
 /// Highest rate of the paced pass, reports per second, and octets of other memory that are read before each report.
@@ -89,16 +92,16 @@ pub(crate) fn measure(
     pinned::run(place, watch, |abort| {
         let before = resident_octets()?;
         let mut run = EngineRun::new(product.engine(&config)?, settings, rate_per_s);
-        let warm_up = run.warm_up();
+        let ended = || {
+            anyhow::ensure!(!abort.load(Ordering::Relaxed), "ended early");
+            Ok(())
+        };
+        let warm_up = run.warm_up(ended)?;
         let templates = size_of::<SensorTrack>() as f64 * f64::from(settings.targets);
         let grown = resident_octets()? - before - templates;
         let clock = MachineClock;
         let reading_ns = reading_ns(&clock);
         let report_ns = run.report_ns();
-        let ended = || {
-            anyhow::ensure!(!abort.load(Ordering::Relaxed), "ended early");
-            Ok(())
-        };
 
         let mut chunks = Vec::new();
         let part_ns = (seconds * 1e9 / 3.0) as i64;
@@ -206,24 +209,34 @@ impl EngineRun {
         self.take(&report);
     }
 
-    fn warm_up(&mut self) -> WarmUp {
+    fn warm_up(&mut self, ended: impl Fn() -> anyhow::Result<()>) -> anyhow::Result<WarmUp> {
         let start_ns = MachineClock.now_ns();
         let mut settled = false;
         for round in 0..WARM_UP_ROUNDS.end {
             let odd = self.odd;
-            for _ in 0..self.traffic.round() * self.batch {
-                self.update();
+            let mut left = self.traffic.round() * self.batch;
+            while left > 0 {
+                let some = left.min(CHUNK);
+                for _ in 0..some {
+                    self.update();
+                }
+                left -= some;
+                ended()?;
+            }
+            let seconds = (MachineClock.now_ns() - start_ns) as f64 * 1e-9;
+            if seconds > ANNOUNCED_S {
+                say(&format!("warm-up, round {} after {seconds:.0} s", round + 1));
             }
             settled = self.odd == odd;
             if settled && round >= WARM_UP_ROUNDS.start {
                 break;
             }
         }
-        WarmUp {
+        Ok(WarmUp {
             reports: self.next,
             seconds: (MachineClock.now_ns() - start_ns) as f64 * 1e-9,
             settled,
-        }
+        })
     }
 
     /// Times single updates of reports that are due at a rate, for a duration in nanoseconds, with cold caches.
