@@ -413,11 +413,14 @@ impl Emitter {
         }
         // Without a fix, the emitter is expected in the direction of its last bearing, within the largest possible
         // change.
+        let (Some(ray), Some(last)) = (line.ray(), self.last.ray()) else {
+            return (f64::INFINITY, f64::INFINITY);
+        };
         let after_s = line.after_s(self.last.time_ns).abs();
         let may_have_gone = rate_max_rad_per_s * after_s;
         let variance = 1.0 / line.information + 1.0 / self.last.information + may_have_gone * may_have_gone;
-        let across = line.sine * self.last.cosine - line.cosine * self.last.sine;
-        let along = line.cosine * self.last.cosine + line.sine * self.last.sine;
+        let across = ray.sine * last.cosine - ray.cosine * last.sine;
+        let along = ray.cosine * last.cosine + ray.sine * last.sine;
         let difference = across.atan2(along);
         (difference * difference / variance, variance.ln())
     }

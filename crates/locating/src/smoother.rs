@@ -380,8 +380,9 @@ impl<const D: usize> Smoother<D> {
             };
             self.prior.information[(axis, axis)] = 1.0 / (sigma * sigma);
         }
-        self.prior.mean[0] = first.platform_m[0];
-        self.prior.mean[1] = first.platform_m[1];
+        let [east, north] = first.origin_m();
+        self.prior.mean[0] = east;
+        self.prior.mean[1] = north;
         self.stage = FilterStage::Searching;
         (self.sum, self.is_distrusting) = (0.0, false);
     }

@@ -9,8 +9,6 @@ use crate::line_of_bearing::LineOfBearing;
 
 /// Most lines of bearing that a filter keeps.
 pub const WINDOW_MAX: usize = 64;
-/// Largest bias that merging two lines may cause, in standard deviations of their mean.
-const LOSS_MAX: f64 = 0.05;
 
 /// Lines in the order of time.
 #[derive(Clone, Debug)]
@@ -83,7 +81,7 @@ impl Window {
         while next < before {
             let one = self.lines[next];
             let other = (next + 1 < before).then(|| self.lines[next + 1]);
-            let merged = other.filter(|other| may_merge(&one, other, position_m));
+            let merged = other.filter(|other| one.may_merge(other, position_m));
             self.lines[kept] = merged.map_or(one, |other| one.merged(&other));
             kept += 1;
             next += if merged.is_some() { 2 } else { 1 };
@@ -98,29 +96,19 @@ impl Window {
     }
 }
 
-/// Returns whether the error of the mean is small beside its standard deviation.
-fn may_merge(one: &LineOfBearing, other: &LineOfBearing, position_m: Option<[f64; 2]>) -> bool {
-    if one.is_used != other.is_used {
-        return false;
-    }
-    let Some(position_m) = position_m else { return true };
-    let apart = one.squared_distance_m2(other.platform_m);
-    let range = one
-        .squared_distance_m2(position_m)
-        .min(other.squared_distance_m2(position_m));
-    let information = one.information + other.information;
-    let limit = 8.0 * LOSS_MAX * range;
-    apart * apart * information < limit * limit
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::line_of_bearing::{Ray, Shape};
 
     fn at(east_m: f64) -> LineOfBearing {
         LineOfBearing {
             time_ns: (east_m * 1e9) as i64,
-            platform_m: [east_m, 0.0],
+            shape: Shape::Ray(Ray {
+                platform_m: [east_m, 0.0],
+                sine: 0.0,
+                cosine: 1.0,
+            }),
             information: 100.0,
             is_used: true,
             ..LineOfBearing::NONE
@@ -138,7 +126,7 @@ mod tests {
         };
         let mut far = window();
         assert_eq!(far.merge(Some([0.0, 1e3])), 1);
-        assert_eq!(far.all()[0].platform_m, [5.0, 0.0]);
+        assert_eq!(far.all()[0].origin_m(), [5.0, 0.0]);
         assert_eq!(far.all()[0].information, 200.0);
         assert_eq!(far.all()[0].time_ns, 5_000_000_000);
         assert_eq!(far.all()[3], at(8_000.0));
