@@ -185,6 +185,13 @@ impl Bank {
         self.choose(evidence, motion.evidence_min, notes);
     }
 
+    /// Corrects the kept differences of arrival times: see [`crate::window::Window::set_clocks`].
+    pub(crate) fn set_clocks(&mut self, ahead: &impl Fn([u16; 2], i64) -> Option<(f64, f64)>) {
+        for member in self.members.iter_mut().flatten() {
+            either!(&mut member.filter, filter => filter.set_clocks(ahead));
+        }
+    }
+
     /// Gives a model the line.
     fn add_to(
         &mut self,

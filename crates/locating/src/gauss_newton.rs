@@ -12,8 +12,8 @@ const STEP_SQUARED_MIN: f64 = 1e-4;
 const COST_SIGMAS: f64 = 4.0;
 /// … and if at most one in so many lines is far off.
 const LINES_PER_OUTLIER: usize = 10;
-/// … where wrong measurements come one by one: arrival times.
-const ARRIVALS_PER_OUTLIER: usize = 2;
+/// Lines that fit beside a wrong arrival time: two fit anywhere, and two more confirm them.
+const ARRIVALS_MIN: usize = 4;
 /// Normalised innovations beyond this count less.
 pub(crate) const DEVIATION_MAX: f64 = 4.0;
 /// The same, squared.
@@ -70,8 +70,22 @@ impl<const D: usize> System<D> {
     fn is_plausible(&self) -> bool {
         let freedom = (self.lines[0] + self.lines[1]) as f64;
         self.outliers[0] <= self.lines[0] / LINES_PER_OUTLIER
-            && self.outliers[1] <= self.lines[1] / ARRIVALS_PER_OUTLIER
+            && self.most_arrivals_fit()
             && self.cost_of_others < freedom + COST_SIGMAS * (2.0 * freedom).sqrt() + COST_SIGMAS
+    }
+}
+
+impl<const D: usize> System<D> {
+    /// Whether most arrival times fit, and, if some do not, enough others confirm the position.
+    pub(crate) fn most_arrivals_fit(&self) -> bool {
+        let [_, wrong] = self.outliers;
+        let fitting = self.lines[0] - self.outliers[0] + self.lines[1] - wrong;
+        wrong == 0 || (2 * wrong < self.lines[1] && fitting >= ARRIVALS_MIN)
+    }
+
+    /// Cost in which all lines that are far off count the same.
+    pub(crate) fn flat_cost(&self) -> f64 {
+        self.cost_of_others + KNEE * (self.outliers[0] + self.outliers[1]) as f64
     }
 }
 

@@ -56,6 +56,7 @@
 
 #![forbid(unsafe_code)]
 
+mod arrivals;
 mod bank;
 mod counts;
 mod explanation;
@@ -67,6 +68,7 @@ mod locator;
 mod motion;
 pub mod music;
 mod resumption;
+mod search_start;
 pub mod selection;
 pub mod settings;
 mod smoother;

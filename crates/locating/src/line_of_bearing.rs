@@ -8,6 +8,8 @@
 use kept::{Get, Kept, Put, kept};
 use observations::Bearing;
 
+use crate::gauss_newton::KNEE;
+
 /// Nearer to the platform or a receiver than this an emitter has no direction, metres.
 const OVERHEAD_M: f64 = 1.0;
 /// Largest bias that merging two lines may cause, in standard deviations of their mean.
@@ -50,6 +52,20 @@ pub(crate) struct Hyperbola {
     pub(crate) heights_m: [f64; 2],
     /// Distance from the first receiver minus distance from the second.
     pub(crate) difference_m: f64,
+    pub(crate) clocks: PairOfClocks,
+}
+
+/// What a difference of arrival times owes to the receivers' clocks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct PairOfClocks {
+    /// Numbers of the receivers' clocks.
+    pub(crate) numbers: [u16; 2],
+    /// By how much the first clock was taken to be ahead, metres of way.
+    pub(crate) ahead_m: f64,
+    /// Inverse variance of the difference with exact clocks, 1/m².
+    pub(crate) information: f64,
+    /// Weight of the clocks' variance beside that inverse.
+    pub(crate) share: f64,
 }
 
 /// Straight line: one coordinate of a ready-made fix.
@@ -110,6 +126,27 @@ impl LineOfBearing {
         matches!(self.shape, Shape::Hyperbola(_))
     }
 
+    /// The clocks of a difference of arrival times.
+    pub(crate) fn clocks(&self) -> Option<&PairOfClocks> {
+        match &self.shape {
+            Shape::Hyperbola(hyperbola) => Some(&hyperbola.clocks),
+            Shape::Ray(_) | Shape::Straight(_) => None,
+        }
+    }
+
+    /// Sets how far the first clock of a difference is ahead, and the variance of that, metres and m². All lines
+    /// of these clocks have this error in common: lines with the information `together` are together no better than the
+    /// clocks.
+    pub(crate) fn set_clocks(&mut self, ahead_m: f64, variance_m2: f64, together: f64) {
+        if let Shape::Hyperbola(hyperbola) = &mut self.shape {
+            let clocks = &mut hyperbola.clocks;
+            hyperbola.difference_m += clocks.ahead_m - ahead_m;
+            clocks.ahead_m = ahead_m;
+            let common_m2 = clocks.share * variance_m2 * together.max(clocks.information);
+            self.information = clocks.information / (1.0 + common_m2);
+        }
+    }
+
     /// With the emitter at `position_m`; `None` where it is at the platform or a receiver itself.
     #[inline]
     pub(crate) fn residual(&self, position_m: [f64; 2]) -> Option<Residual> {
@@ -132,6 +169,15 @@ impl LineOfBearing {
             Shape::Hyperbola(hyperbola) => hyperbola.receivers_m[0],
             Shape::Straight(straight) => straight.fix_m,
         }
+    }
+
+    /// All places from which it was measured, metres.
+    pub(crate) fn origins_m(&self) -> impl Iterator<Item = [f64; 2]> {
+        let second = match &self.shape {
+            Shape::Hyperbola(hyperbola) => Some(hyperbola.receivers_m[1]),
+            Shape::Ray(_) | Shape::Straight(_) => None,
+        };
+        std::iter::once(self.origin_m()).chain(second)
     }
 
     /// Distance in the plane over which the line is nearly straight, metres: from the platform or the farther receiver;
@@ -163,12 +209,35 @@ impl LineOfBearing {
                 let limit = 8.0 * LOSS_MAX * range;
                 apart * apart * information < limit * limit
             }
-            (Shape::Hyperbola(one), Shape::Hyperbola(other)) => {
-                one.receivers_m == other.receivers_m && one.heights_m == other.heights_m
-            }
+            (Shape::Hyperbola(one), Shape::Hyperbola(other)) => one.is_like(other),
             (Shape::Straight(one), Shape::Straight(other)) => one.along == other.along,
             _ => false,
         }
+    }
+
+    /// Whether both are differences of arrival times at the same receivers, and are used alike.
+    pub(crate) fn is_of_same_pair(&self, other: &Self) -> bool {
+        match (&self.shape, &other.shape) {
+            (Shape::Hyperbola(one), Shape::Hyperbola(other_one)) => {
+                one.is_like(other_one) && self.is_used == other.is_used
+            }
+            _ => false,
+        }
+    }
+
+    /// Whether two such lines may become one with the emitter at these positions: none is far off, and the emitter's way
+    /// between them, as that of a platform between two bearings, is short beside its distance.
+    pub(crate) fn may_merge_moving(&self, later: &Self, position_at: impl Fn(i64) -> [f64; 2]) -> bool {
+        let places = [self, later].map(|line| position_at(line.time_ns));
+        let fits = |line: &Self, place| {
+            let residual = line.residual(place);
+            residual.is_some_and(|residual| residual.innovation_rad.powi(2) * line.information < KNEE)
+        };
+        let way_m2 = squared_distance_m2(places[0], places[1]);
+        let information = self.information + later.information;
+        fits(self, places[0])
+            && fits(later, places[1])
+            && way_m2 * information.sqrt() < 8.0 * LOSS_MAX * self.distance_m(places[0])
     }
 
     /// Merges two lines of one kind: mean time, place and value, weighted by information.
@@ -178,10 +247,7 @@ impl LineOfBearing {
         let mean = |a: f64, b: f64| a + share * (b - a);
         let shape = match (&self.shape, &later.shape) {
             (Shape::Ray(one), Shape::Ray(other)) => Shape::Ray(one.merged(other, mean)),
-            (Shape::Hyperbola(one), Shape::Hyperbola(other)) => Shape::Hyperbola(Hyperbola {
-                difference_m: mean(one.difference_m, other.difference_m),
-                ..*one
-            }),
+            (Shape::Hyperbola(one), Shape::Hyperbola(other)) => Shape::Hyperbola(one.merged(other, mean)),
             (Shape::Straight(one), Shape::Straight(other)) => Shape::Straight(Straight {
                 fix_m: std::array::from_fn(|axis| mean(one.fix_m[axis], other.fix_m[axis])),
                 ..*one
@@ -231,6 +297,25 @@ impl Ray {
 }
 
 impl Hyperbola {
+    /// Whether it is of the same receivers.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        self.receivers_m == other.receivers_m
+            && self.heights_m == other.heights_m
+            && self.clocks.numbers == other.clocks.numbers
+    }
+
+    fn merged(&self, later: &Self, mean: impl Fn(f64, f64) -> f64) -> Self {
+        Self {
+            difference_m: mean(self.difference_m, later.difference_m),
+            clocks: PairOfClocks {
+                ahead_m: mean(self.clocks.ahead_m, later.clocks.ahead_m),
+                information: self.clocks.information + later.clocks.information,
+                ..self.clocks
+            },
+            ..*self
+        }
+    }
+
     fn residual(&self, position_m: [f64; 2]) -> Option<Residual> {
         let mut residual = Residual {
             innovation_rad: self.difference_m,
@@ -264,7 +349,7 @@ impl Straight {
 }
 
 /// Numbers of a [`Shape`], kept in as many words.
-const NUMBERS: usize = 7;
+const NUMBERS: usize = 12;
 
 impl Kept for Shape {
     const WORDS: usize = 1 + NUMBERS;
@@ -273,16 +358,31 @@ impl Kept for Shape {
         let (kind, numbers) = match self {
             Self::Ray(ray) => {
                 let [east, north] = ray.platform_m;
-                (0, [east, north, ray.sine, ray.cosine, 0.0, 0.0, 0.0])
+                (
+                    0,
+                    [
+                        east, north, ray.sine, ray.cosine, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+                    ],
+                )
             }
             Self::Hyperbola(hyperbola) => {
                 let [[a, b], [c, d]] = hyperbola.receivers_m;
                 let [one, other] = hyperbola.heights_m;
-                (1, [a, b, c, d, one, other, hyperbola.difference_m])
+                let PairOfClocks {
+                    numbers,
+                    ahead_m,
+                    information,
+                    share,
+                } = hyperbola.clocks;
+                let [first, second] = numbers.map(f64::from);
+                let difference_m = hyperbola.difference_m;
+                let clocks = [first, second, ahead_m, information, share];
+                let [e, f, g, h, i] = clocks;
+                (1, [a, b, c, d, one, other, difference_m, e, f, g, h, i])
             }
             Self::Straight(straight) => {
                 let ([a, b], [c, d]) = (straight.fix_m, straight.along);
-                (2, [a, b, c, d, 0.0, 0.0, 0.0])
+                (2, [a, b, c, d, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
             }
         };
         to.word(kind);
@@ -291,7 +391,7 @@ impl Kept for Shape {
 
     fn get(from: &mut Get<'_>) -> Option<Self> {
         let kind = from.word()?;
-        let [a, b, c, d, e, f, g] = <[f64; NUMBERS]>::get(from)?;
+        let [a, b, c, d, e, f, g, first, second, ahead_m, information, share] = <[f64; NUMBERS]>::get(from)?;
         match kind {
             0 => Some(Self::Ray(Ray {
                 platform_m: [a, b],
@@ -302,6 +402,12 @@ impl Kept for Shape {
                 receivers_m: [[a, b], [c, d]],
                 heights_m: [e, f],
                 difference_m: g,
+                clocks: PairOfClocks {
+                    numbers: [first as u16, second as u16],
+                    ahead_m,
+                    information,
+                    share,
+                },
             })),
             2 => Some(Self::Straight(Straight {
                 fix_m: [a, b],

@@ -18,6 +18,8 @@ settings::settings! {
         selection: SelectionSettings = SelectionSettings::default();
         /// How bearings without emitter id find their emitter (EL-12).
         association: BearingAssociationSettings = BearingAssociationSettings::default();
+        /// Arrival times of transmissions at receivers.
+        arrivals: ArrivalSettings = ArrivalSettings::default();
     }
 
     /// How emitters may move (EL-2).
@@ -68,6 +70,38 @@ settings::settings! {
         rate_max_deg_per_s: Degrees = Degrees::of_rad(0.02), in [from 0];
         /// Time without bearings after which a new emitter may replace an emitter in a full table.
         silent_max_s: f64 = 600.0, in [above 0];
+    }
+}
+
+settings::settings! {
+    /// Arrival times of transmissions at receivers.
+    #[derive(Copy)]
+    pub struct ArrivalSettings {
+        /// Speed of propagation.
+        propagation_mps: f64 = 299_792_458.0, in [above 0];
+        /// Greatest difference between the times (`time_s`) of two arrivals of one transmission.
+        together_max_s: f64 = 0.001, in [from 0];
+        /// Clocks of the receivers: `exact`; `estimated` from reference emitters; `auto`, exact until a reference
+        /// emitter is received.
+        clocks: ClockChoice = ClockChoice::Auto;
+        /// Standard deviation of the unknown drift between two clocks, seconds per second.
+        drift_sigma: f64 = 1e-5, in [above 0];
+        /// Growth of the drift's standard deviation in one second; it grows with the root of the time.
+        drift_noise_per_root_s: f64 = 1e-12, in [from 0];
+        /// Height of emitters in the system frame; the receivers' distances are inclined to it.
+        emitter_height_m: f64 = 0.0, in [-100e3, 100e3];
+    }
+}
+
+settings::words! {
+    /// Assumptions on the receivers' clocks.
+    pub enum ClockChoice {
+        /// Exact until a reference emitter is received, then estimated.
+        Auto = "auto",
+        /// Exact; reference emitters are not used.
+        Exact = "exact",
+        /// Estimated; arrivals before the first estimates are not used.
+        Estimated = "estimated",
     }
 }
 

@@ -90,6 +90,56 @@ impl Window {
         before - kept
     }
 
+    /// Merges each difference of arrival times with the next one of the same receivers, wherever both fit the emitter's
+    /// positions and its way in between is too short to lose information. Returns the number of freed places.
+    pub(crate) fn merge_pairs(&mut self, position_at: impl Fn(i64) -> [f64; 2]) -> usize {
+        let mut is_merged = [false; WINDOW_MAX];
+        for place in 0..self.len {
+            let one = self.lines[place];
+            let is_next = |later: &usize| !is_merged[*later] && one.is_of_same_pair(&self.lines[*later]);
+            let later = (place + 1..self.len).find(is_next).filter(|_| !is_merged[place]);
+            if let Some(later) = later
+                && one.may_merge_moving(&self.lines[later], &position_at)
+            {
+                self.lines[place] = one.merged(&self.lines[later]);
+                is_merged[later] = true;
+            }
+        }
+        let (before, mut kept) = (self.len, 0);
+        for (place, is_merged) in is_merged[..before].iter().enumerate() {
+            if *is_merged {
+                continue;
+            }
+            // A merged line is later than the line whose place it took.
+            let line = self.lines[place];
+            let first = self.lines[..kept].partition_point(|other| other.time_ns <= line.time_ns);
+            self.lines.copy_within(first..kept, first + 1);
+            self.lines[first] = line;
+            kept += 1;
+        }
+        self.len = kept;
+        before - kept
+    }
+
+    /// Corrects the differences of arrival times by what is known of the clocks now: how far one is ahead of another at
+    /// a time, and the variance, metres and m².
+    pub(crate) fn set_clocks(&mut self, ahead: &impl Fn([u16; 2], i64) -> Option<(f64, f64)>) {
+        for place in 0..self.len {
+            let Some(numbers) = self.lines[place].clocks().map(|clocks| clocks.numbers) else {
+                continue;
+            };
+            let all = self.all().iter().filter_map(LineOfBearing::clocks);
+            let together: f64 = all
+                .filter(|all| all.numbers == numbers)
+                .map(|all| all.information)
+                .sum();
+            let line = &mut self.lines[place];
+            if let Some((ahead_m, variance_m2)) = ahead(numbers, line.time_ns) {
+                line.set_clocks(ahead_m, variance_m2, together);
+            }
+        }
+    }
+
     fn remove(&mut self, place: usize) {
         self.lines.copy_within(place + 1..self.len, place);
         self.len -= 1;
@@ -111,7 +161,6 @@ mod tests {
             }),
             information: 100.0,
             is_used: true,
-            ..LineOfBearing::NONE
         }
     }
 

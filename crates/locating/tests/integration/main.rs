@@ -1,6 +1,7 @@
 //! The locator and the measurement of bearings, from outside.
 
 mod allocation;
+mod arrivals;
 mod bad_input;
 mod bound;
 mod common;
