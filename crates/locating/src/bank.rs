@@ -338,7 +338,9 @@ impl BankMember {
     fn new(motion: MotionModel, settings: &EmitterMotionSettings) -> Self {
         let model = motion.model(settings);
         let filter = match motion {
-            MotionModel::Fixed | MotionModel::Wandering => EmitterFilter::Point(Smoother::new(model)),
+            MotionModel::Fixed | MotionModel::Wandering | MotionModel::Given => {
+                EmitterFilter::Point(Smoother::new(model))
+            }
             MotionModel::Straight | MotionModel::Manoeuvring => EmitterFilter::Motion(Smoother::new(model)),
         };
         Self {

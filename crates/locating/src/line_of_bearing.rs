@@ -6,7 +6,7 @@
 //! and its change with the position; the rest is common to all kinds.
 
 use kept::{Get, Kept, Put, kept};
-use observations::Bearing;
+use observations::{Bearing, ReadyFix};
 
 use crate::gauss_newton::KNEE;
 
@@ -110,6 +110,26 @@ impl LineOfBearing {
             information: 1.0 / (bearing.sigma_rad * bearing.sigma_rad),
             is_used: true,
         }
+    }
+
+    /// Makes the two lines of a ready-made fix: one along each axis of its error ellipse, so that their errors are
+    /// independent. `None` if the covariance is not positive definite.
+    pub(crate) fn of_fix(fix: &ReadyFix) -> Option<[Self; 2]> {
+        let [xx, xy, yy] = fix.covariance_m2;
+        let greatest_m2 = 0.5 * (xx + yy) + (0.5 * (xx - yy)).hypot(xy);
+        let least_m2 = (xx * yy - xy * xy) / greatest_m2;
+        let (sine, cosine) = (0.5 * (2.0 * xy).atan2(xx - yy)).sin_cos();
+        let is_ellipse = least_m2 > 0.0 && greatest_m2.is_finite() && xx > 0.0;
+        let line = |along, variance_m2: f64| Self {
+            time_ns: fix.time_of_measurement_ns,
+            shape: Shape::Straight(Straight {
+                fix_m: [fix.position_m[0], fix.position_m[1]],
+                along,
+            }),
+            information: 1.0 / variance_m2,
+            is_used: true,
+        };
+        is_ellipse.then(|| [line([cosine, sine], greatest_m2), line([-sine, cosine], least_m2)])
     }
 
     /// The ray, if it is the line of a bearing.
@@ -476,6 +496,74 @@ mod tests {
                 assert!((change / 0.01 - found.gradient[axis]).abs() < 1e-6);
             }
         }
+    }
+
+    #[test]
+    fn the_lines_of_a_fix_have_its_covariance() {
+        for covariance_m2 in [
+            [400.0, 0.0, 100.0],
+            [100.0, 0.0, 400.0],
+            [300.0, -150.0, 200.0],
+            [9.0, 0.0, 9.0],
+        ] {
+            let fix = ReadyFix {
+                time_of_measurement_ns: 7,
+                emitter_id: 1,
+                position_m: [1e3, -2e3, 0.0],
+                covariance_m2,
+            };
+            let lines = LineOfBearing::of_fix(&fix).unwrap();
+            let mut information = [0.0; 3];
+            for line in lines {
+                let residual = line.residual([1e3, -2e3]).unwrap();
+                assert_eq!(residual.innovation_rad, 0.0);
+                let [east, north] = residual.gradient;
+                for (sum, product) in information.iter_mut().zip([east * east, east * north, north * north]) {
+                    *sum += line.information * product;
+                }
+            }
+            let [xx, xy, yy] = covariance_m2;
+            let determinant = xx * yy - xy * xy;
+            for (found, expected) in information.iter().zip([yy, -xy, xx]) {
+                assert!(
+                    (found - expected / determinant).abs() < 1e-12,
+                    "{covariance_m2:?} {information:?}"
+                );
+            }
+        }
+        let flat = ReadyFix {
+            time_of_measurement_ns: 7,
+            emitter_id: 1,
+            position_m: [0.0; 3],
+            covariance_m2: [1.0, 1.0, 1.0],
+        };
+        assert!(LineOfBearing::of_fix(&flat).is_none());
+    }
+
+    #[test]
+    fn hyperbolas_are_kept_to_the_last_bit_and_corrected_by_clocks() {
+        let mut line = LineOfBearing {
+            shape: Shape::Hyperbola(Hyperbola {
+                receivers_m: [[0.0, 1.0], [2.0, 3.0]],
+                heights_m: [4.0, 5.0],
+                difference_m: 70.0,
+                clocks: PairOfClocks {
+                    numbers: [1, 3],
+                    ahead_m: 10.0,
+                    information: 0.25,
+                    share: 1.0,
+                },
+            }),
+            ..LineOfBearing::NONE
+        };
+        let mut words = [0; LineOfBearing::WORDS];
+        line.put(&mut Put::new(&mut words));
+        assert_eq!(LineOfBearing::get(&mut Get(&words)), Some(line));
+        line.set_clocks(30.0, 12.0, 0.25);
+        let Shape::Hyperbola(hyperbola) = line.shape else {
+            panic!()
+        };
+        assert_eq!((hyperbola.difference_m, line.information), (50.0, 1.0 / 16.0));
     }
 
     #[test]

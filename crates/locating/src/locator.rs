@@ -2,7 +2,8 @@
 
 use kept::kept;
 use messages::{Covariance, SensorTrack, TrackState, sensor_track_bits};
-use observations::{Arrival, ArrivalTime, Bearing, Receiver};
+use nalgebra::Matrix4;
+use observations::{Arrival, ArrivalTime, Bearing, ReadyFix, Receiver};
 use settings::SettingsError;
 
 use crate::arrivals::{ArrivalOutcome, Arrivals, CLOCKS_MAX, LINES_MAX, Reception, Transmission};
@@ -10,8 +11,9 @@ use crate::bank::{Bank, BankNotes, RawFix};
 use crate::counts::LocatorCounts;
 use crate::explanation::{Decision, LocatorDecisionKind};
 use crate::line_of_bearing::LineOfBearing;
+use crate::motion::MotionModel;
 use crate::selection::{Fix, Output, Selector};
-use crate::settings::Settings;
+use crate::settings::{FilterChoice, Settings};
 
 /// First number of emitters that the locator distinguishes itself.
 pub const OWN_NUMBERS: u32 = 1_000_001;
@@ -263,6 +265,49 @@ impl Locator {
         Some(self.transmission(&transmission))
     }
 
+    /// Takes a ready-made fix (EL-12): as a measurement of the emitter, or with the filter `none` as it is.
+    ///
+    /// # Errors
+    /// If the fix is unusable; it is counted and changes nothing.
+    pub fn fix(&mut self, fix: &ReadyFix) -> Result<Option<EmitterReport>, BearingRejection> {
+        self.decisions.clear();
+        let is_place = fix.position_m.iter().all(|value| value.abs() < COORDINATE_MAX_M);
+        let Some(lines) = LineOfBearing::of_fix(fix).filter(|_| is_place) else {
+            self.counts.unusable += 1;
+            let fault = match is_place {
+                true => "the covariance is not positive definite",
+                false => "the position is no number, or farther away than 1e9 m",
+            };
+            return Err(BearingRejection::Unusable(fault));
+        };
+        let report = match self.settings.motion.filter {
+            FilterChoice::None => self.given(fix, &lines[0])?,
+            _ => self.labelled(fix.emitter_id, &lines)?,
+        };
+        self.counts.ready_fixes += 1;
+        Ok(report)
+    }
+
+    /// Selects a ready-made fix as it is.
+    fn given(&mut self, fix: &ReadyFix, line: &LineOfBearing) -> Result<Option<EmitterReport>, BearingRejection> {
+        let slot = self.slot(fix.emitter_id, line)?;
+        self.check_order(slot, line)?;
+        self.emitters[slot].last_ns = line.time_ns;
+        let [xx, xy, yy] = fix.covariance_m2;
+        let mut covariance = Matrix4::zeros();
+        for (row, column, value) in [(0, 0, xx), (0, 1, xy), (1, 0, xy), (1, 1, yy)] {
+            covariance[(row, column)] = value;
+        }
+        let raw = RawFix {
+            position_m: [fix.position_m[0], fix.position_m[1]],
+            velocity_mps: [0.0; 2],
+            covariance,
+            motion: MotionModel::Given,
+            is_agreed: true,
+        };
+        Ok(self.select(slot, Some(raw)))
+    }
+
     fn transmission(&mut self, transmission: &Transmission) -> Result<Option<EmitterReport>, BearingRejection> {
         let outcome = self.arrivals.process(transmission);
         self.conclude(transmission.emitter_id, outcome)
@@ -296,12 +341,17 @@ impl Locator {
 
     /// Takes lines of one time of an emitter that has a number.
     fn labelled(&mut self, id: u32, lines: &[LineOfBearing]) -> Result<Option<EmitterReport>, BearingRejection> {
-        let slot = match self.place(true, id) {
-            Ok(place) => self.index[place].2 as usize,
-            Err(_) => self.begin(Some(id), None, &lines[0])?,
-        };
+        let slot = self.slot(id, &lines[0])?;
         self.check_order(slot, &lines[0])?;
         Ok(self.take(slot, lines))
+    }
+
+    /// Slot of an emitter that has a number.
+    fn slot(&mut self, id: u32, line: &LineOfBearing) -> Result<usize, BearingRejection> {
+        match self.place(true, id) {
+            Ok(place) => Ok(self.index[place].2 as usize),
+            Err(_) => self.begin(Some(id), None, line),
+        }
     }
 
     fn check_order(&mut self, slot: usize, line: &LineOfBearing) -> Result<(), BearingRejection> {
@@ -393,12 +443,19 @@ impl Locator {
                 emitter.last = *line;
             }
         }
-        let (number, first_ns, time_ns) = (emitter.number, emitter.first_ns, emitter.last_ns);
+        let (number, time_ns) = (emitter.number, emitter.last_ns);
         let fix = emitter.bank.fix_at(time_ns);
-        let output = fix.and_then(|raw| emitter.selector.fix(&selectable(&raw, time_ns - first_ns)));
         for (kind, value, limit) in notes.iter() {
             self.decide(time_ns, number, kind, value, limit);
         }
+        self.select(slot, fix)
+    }
+
+    /// Makes the output of a fix, at the time of the emitter's last line.
+    fn select(&mut self, slot: usize, fix: Option<RawFix>) -> Option<EmitterReport> {
+        let emitter = &mut self.emitters[slot];
+        let (number, first_ns, time_ns) = (emitter.number, emitter.first_ns, emitter.last_ns);
+        let output = fix.and_then(|raw| emitter.selector.fix(&selectable(&raw, time_ns - first_ns)));
         let (Some(raw), Some(output)) = (fix, output) else {
             self.counts.without_fix += 1;
             return None;

@@ -26,7 +26,8 @@ settings::settings! {
     #[derive(Copy)]
     pub struct EmitterMotionSettings {
         /// Competing models: `auto`, a fixed point, straight motion and manoeuvring, chosen by the data; `fixed`, a
-        /// fixed and a wandering point; `straight`, straight motion and manoeuvring.
+        /// fixed and a wandering point; `straight`, straight motion and manoeuvring; `none`, as `auto`, but ready-made
+        /// fixes pass to the selection as they are.
         filter: FilterChoice = FilterChoice::Auto;
         /// Standard deviation of an unknown emitter's position about the platform, along each axis.
         range_sigma_m: f64 = 300e3, in [above 0];
@@ -114,6 +115,8 @@ settings::words! {
         Fixed = "fixed",
         /// Straight motion, and manoeuvring.
         Straight = "straight",
+        /// Ready-made fixes are selected as they are; other measurements as with `auto`.
+        None = "none",
     }
 }
 

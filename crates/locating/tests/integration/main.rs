@@ -5,5 +5,6 @@ mod arrivals;
 mod bad_input;
 mod bound;
 mod common;
+mod fixes;
 mod keys;
 mod music;
