@@ -27,6 +27,7 @@ pub mod cues_csv;
 pub mod decisions_csv;
 mod designated_velocity;
 pub mod detections_csv;
+pub mod emitter_rows_csv;
 pub mod foreign;
 pub mod nmea;
 mod on_board;
