@@ -36,3 +36,10 @@ pub struct LocatorCounts {
     /// Ready-made fixes taken.
     pub ready_fixes: u64,
 }
+
+impl LocatorCounts {
+    /// Measurements taken, of all kinds.
+    pub fn measurements(&self) -> u64 {
+        self.bearings + self.arrivals + self.ready_fixes
+    }
+}
