@@ -1,12 +1,12 @@
 //! Measurements of emitters as CSV rows: bearings, arrival times and ready-made fixes (FM-7, FM-11).
 //!
-//! With a column `kind`, a table mixes `bearing`, `toa` and `tdoa` rows; an empty kind means `bearing`. A table without
-//! this column has bearings ([`crate::bearings_csv`]), or fixes if it has no `bearing_rad` but `x`. Columns that a row's
-//! kind does not use may be empty.
+//! With a column `kind`, a table mixes `bearing`, `toa` and `tdoa` rows; an empty kind means `bearing`. A table
+//! without this column has bearings ([`crate::bearings_csv`]), or fixes if it has no `bearing_rad` but `x`. Columns
+//! that a row's kind does not use may be empty.
 //!
 //! - `toa`: `time_s,emitter_id,receiver,t_s,sigma_s,px,py,pz`: arrival at one receiver, by its clock;
-//! - `tdoa`: `time_s,emitter_id,receiver,receiver_2,tdoa_s,sigma_s,px,py,pz,px_2,py_2,pz_2`: arrival at `receiver` minus
-//!   arrival at `receiver_2`;
+//! - `tdoa`: `time_s,emitter_id,receiver,receiver_2,tdoa_s,sigma_s,px,py,pz,px_2,py_2,pz_2`: arrival at `receiver`
+//!   minus arrival at `receiver_2`;
 //! - both, of a reference emitter: `reference_x,reference_y,reference_z`;
 //! - fixes: `time_s,emitter_id,x,y,z` and `Pxx,Pxy,Pyy` or `variance_m2`, the sum of both variances.
 

@@ -4,6 +4,7 @@ use nalgebra::{SMatrix, SVector};
 
 use crate::kinematics::{position, sensitivity};
 use crate::line_of_bearing::LineOfBearing;
+pub(crate) use crate::line_of_bearing::{DEVIATION_MAX, KNEE};
 use crate::linear::Factor;
 
 /// Steps of less than this squared statistical length are not worth another round.
@@ -14,10 +15,6 @@ const COST_SIGMAS: f64 = 4.0;
 const LINES_PER_OUTLIER: usize = 10;
 /// Lines that fit beside a wrong arrival time: two fit anywhere, and two more confirm them.
 const ARRIVALS_MIN: usize = 4;
-/// Normalised innovations beyond this count less.
-pub(crate) const DEVIATION_MAX: f64 = 4.0;
-/// The same, squared.
-pub(crate) const KNEE: f64 = DEVIATION_MAX * DEVIATION_MAX;
 
 /// Prior knowledge of a state.
 #[derive(Clone, Debug)]

@@ -8,8 +8,10 @@
 use kept::{Get, Kept, Put, kept};
 use observations::{Bearing, ReadyFix};
 
-use crate::gauss_newton::KNEE;
-
+/// Normalised innovations beyond this count less.
+pub(crate) const DEVIATION_MAX: f64 = 4.0;
+/// The same, squared.
+pub(crate) const KNEE: f64 = DEVIATION_MAX * DEVIATION_MAX;
 /// Nearer to the platform or a receiver than this an emitter has no direction, metres.
 const OVERHEAD_M: f64 = 1.0;
 /// Largest bias that merging two lines may cause, in standard deviations of their mean.
@@ -245,8 +247,8 @@ impl LineOfBearing {
         }
     }
 
-    /// Whether two such lines may become one with the emitter at these positions: none is far off, and the emitter's way
-    /// between them, as that of a platform between two bearings, is short beside its distance.
+    /// Whether two such lines may become one with the emitter at these positions: none is far off, and the emitter's
+    /// way between them, as that of a platform between two bearings, is short beside its distance.
     pub(crate) fn may_merge_moving(&self, later: &Self, position_at: impl Fn(i64) -> [f64; 2]) -> bool {
         let places = [self, later].map(|line| position_at(line.time_ns));
         let fits = |line: &Self, place| {

@@ -4,8 +4,8 @@
 //! start ends at the wrong crossing, or at a place where a wrong measurement and a right one meet. So the search
 //! begins at many places around the receivers, on the rays and at the fixes. The best of them are improved with
 //! weights that forgive large errors first, and ever smaller ones later (graduated non-convexity: A. Blake, A.
-//! Zisserman, *Visual Reconstruction*, MIT Press, 1987). The place that explains the lines best is the start. If another
-//! place explains them nearly as well, nobody can tell which is right, and there is no start yet.
+//! Zisserman, *Visual Reconstruction*, MIT Press, 1987). The place that explains the lines best is the start. If
+//! another place explains the lines nearly as well, the data do not show which is right, and there is no start yet.
 
 use nalgebra::{Matrix2, Vector2};
 

@@ -126,8 +126,8 @@ impl BearingLocator {
         self.publish(report, ingested_ns, samples);
     }
 
-    /// The clock has come to `steady_ns`, the UTC of the times given to [`Self::received`], and no received data wait: a
-    /// transmission does not wait for ever for another receiver.
+    /// The clock has come to `steady_ns`, the UTC of the times given to [`Self::received`], and no received data wait:
+    /// a transmission does not wait for ever for another receiver.
     pub fn elapsed(&mut self, steady_ns: i64, ingested_ns: i64, samples: &mut Samples) {
         if self
             .arrived_ns

@@ -38,14 +38,21 @@ fn a_transmission_waits_for_its_receivers_but_not_for_ever() {
         for (number, at) in corners.into_iter().enumerate() {
             locator.take(&arrival(second, number, at, [1e3, 2e3]), 0, &mut samples);
         }
-        assert_eq!(samples.tracks.len() as i64, second, "the next row completes a transmission");
+        assert_eq!(
+            samples.tracks.len() as i64,
+            second,
+            "the next row completes a transmission"
+        );
     }
     locator.elapsed(2 * S + S / 4, 0, &mut samples);
     assert_eq!(samples.tracks.len(), 2);
     locator.elapsed(3 * S, 0, &mut samples);
     assert_eq!(samples.tracks.len(), 3);
     let track = samples.tracks[2];
-    assert_eq!((track.track_number, track.source, track.time_of_measurement_ns), (3, 5, 2 * S));
+    assert_eq!(
+        (track.track_number, track.source, track.time_of_measurement_ns),
+        (3, 5, 2 * S)
+    );
     let off_m = (track.position_m[0] - 1e3).hypot(track.position_m[1] - 2e3);
     assert!(off_m < 1.0, "{off_m} m off");
     assert!(samples.bearings.is_empty() && samples.platforms.is_empty());
@@ -73,5 +80,8 @@ fn fixes_become_tracks_and_refused_measurements_are_counted() {
     let mut counters = messages::Counters::default();
     locator.count(&mut counters);
     // A fix without a covariance, and a transmission at one receiver.
-    assert_eq!((counters[Counter::Detections], counters[Counter::DetectionsRejected]), (3, 2));
+    assert_eq!(
+        (counters[Counter::Detections], counters[Counter::DetectionsRejected]),
+        (3, 2)
+    );
 }

@@ -1,5 +1,5 @@
-//! Bearings, arrival times and fixes in datagrams (FM-7, FM-11), and the direction finder or network of receivers behind
-//! the socket.
+//! Bearings, arrival times and fixes in datagrams (FM-7, FM-11), and the direction finder or network of receivers
+//! behind the socket.
 
 use anyhow::Context as _;
 use deployment::Process;

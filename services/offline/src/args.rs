@@ -369,7 +369,7 @@ pub struct Locate {
     /// States of the platform: a CSV file as for `koseki track`; bearings are then from its nose
     #[arg(long, value_name = "FILE")]
     pub(crate) platform: Option<PathBuf>,
-    /// Motion of emitters: auto, fixed, straight or none [default: the value in --config, else auto; none for fixes alone]
+    /// Motion of emitters: auto, fixed, straight or none [default: as in --config, else auto; for fixes alone none]
     #[arg(long, value_name = "FILTER")]
     pub(crate) filter: Option<String>,
     /// Selection of fixes: auto, none, interval, minimum or staged [default: the value in --config, else auto]

@@ -65,7 +65,7 @@ fn bearings_allocate_nothing() {
     }
 }
 
-/// Arrivals of emitters that come and go at receivers some of which are late or silent; now and then a reference emitter.
+/// Arrivals of emitters that come and go, some of them late; now and then a reference emitter, and a fix.
 #[test]
 fn arrivals_and_fixes_allocate_nothing() {
     let mut settings = Settings {
