@@ -19,6 +19,7 @@ mod fuse;
 mod golden;
 mod late;
 mod locate;
+mod locate_arrivals;
 mod on_board;
 mod score;
 mod send;

@@ -48,10 +48,7 @@ impl<R: Read> BearingReader<R> {
     /// [`CsvError`] if a column is missing or the input fails.
     pub fn new(input: R, first_day_ns: i64) -> Result<Self, CsvError> {
         let table = Table::new(input)?;
-        let columns = BearingColumns {
-            first_day_ns,
-            at: BearingPlaces::find(&table)?,
-        };
+        let columns = BearingColumns::find(&table, first_day_ns)?;
         Ok(Self { table, columns })
     }
 }
@@ -91,6 +88,17 @@ impl Columns for BearingColumns {
 }
 
 impl BearingColumns {
+    /// Finds the columns in the header of a table.
+    ///
+    /// # Errors
+    /// [`CsvError`] if a column is missing.
+    pub(crate) fn find<R: Read>(table: &Table<R>, first_day_ns: i64) -> Result<Self, CsvError> {
+        Ok(Self {
+            first_day_ns,
+            at: BearingPlaces::find(table)?,
+        })
+    }
+
     fn sigma(&self, row: Cells<'_>) -> Result<f64, CsvError> {
         match row.number(self.at.sigma)? {
             ..=0.0 => Err(row.error(self.at.sigma, "must be greater than 0; a standard deviation is")),

@@ -10,8 +10,8 @@
 //! - [`sbs`]: lines of transponder receivers (SBS-1, BaseStation);
 //! - [`autoferry`]: a public data set of detections;
 //! - [`rows`]: tables of values, a row each, whatever their kind; each table declares its columns in one list;
-//! - [`sensor_tracks_csv`], [`detections_csv`], [`bearings_csv`], [`wide_area_csv`]: observations and sensor tracks as
-//!   rows of text;
+//! - [`sensor_tracks_csv`], [`detections_csv`], [`bearings_csv`], [`emitter_rows_csv`], [`wide_area_csv`]:
+//!   observations and sensor tracks as rows of text;
 //! - [`platform_states_csv`], [`cues_csv`], [`alarms_csv`], [`decisions_csv`], [`orders_csv`]: what is written only;
 //! - [`tracks_csv`]: system tracks, and tracks of a tracker, as output.
 
@@ -27,6 +27,7 @@ pub mod cues_csv;
 pub mod decisions_csv;
 mod designated_velocity;
 pub mod detections_csv;
+pub mod emitter_rows_csv;
 pub mod foreign;
 pub mod nmea;
 mod on_board;

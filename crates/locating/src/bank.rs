@@ -185,6 +185,13 @@ impl Bank {
         self.choose(evidence, motion.evidence_min, notes);
     }
 
+    /// Corrects the kept differences of arrival times: see [`crate::window::Window::set_clocks`].
+    pub(crate) fn set_clocks(&mut self, ahead: &impl Fn([u16; 2], i64) -> Option<(f64, f64)>) {
+        for member in self.members.iter_mut().flatten() {
+            either!(&mut member.filter, filter => filter.set_clocks(ahead));
+        }
+    }
+
     /// Gives a model the line.
     fn add_to(
         &mut self,
@@ -331,7 +338,9 @@ impl BankMember {
     fn new(motion: MotionModel, settings: &EmitterMotionSettings) -> Self {
         let model = motion.model(settings);
         let filter = match motion {
-            MotionModel::Fixed | MotionModel::Wandering => EmitterFilter::Point(Smoother::new(model)),
+            MotionModel::Fixed | MotionModel::Wandering | MotionModel::Given => {
+                EmitterFilter::Point(Smoother::new(model))
+            }
             MotionModel::Straight | MotionModel::Manoeuvring => EmitterFilter::Motion(Smoother::new(model)),
         };
         Self {

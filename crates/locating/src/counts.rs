@@ -23,4 +23,23 @@ pub struct LocatorCounts {
     pub set_aside: u64,
     /// Fixes given out.
     pub fixes: u64,
+    /// Arrival times and differences taken.
+    pub arrivals: u64,
+    /// Transmissions of reference emitters used for the receivers' clocks.
+    pub references: u64,
+    /// Transmissions rejected: received by one receiver only.
+    pub alone: u64,
+    /// Transmissions rejected: the receivers' clocks are not known yet.
+    pub clock_unknown: u64,
+    /// Transmissions rejected: no position has such a difference of distances.
+    pub impossible: u64,
+    /// Ready-made fixes taken.
+    pub ready_fixes: u64,
+}
+
+impl LocatorCounts {
+    /// Measurements taken, of all kinds.
+    pub fn measurements(&self) -> u64 {
+        self.bearings + self.arrivals + self.ready_fixes
+    }
 }

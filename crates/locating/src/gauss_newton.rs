@@ -4,6 +4,7 @@ use nalgebra::{SMatrix, SVector};
 
 use crate::kinematics::{position, sensitivity};
 use crate::line_of_bearing::LineOfBearing;
+pub(crate) use crate::line_of_bearing::{DEVIATION_MAX, KNEE};
 use crate::linear::Factor;
 
 /// Steps of less than this squared statistical length are not worth another round.
@@ -12,8 +13,8 @@ const STEP_SQUARED_MIN: f64 = 1e-4;
 const COST_SIGMAS: f64 = 4.0;
 /// … and if at most one in so many lines is far off.
 const LINES_PER_OUTLIER: usize = 10;
-/// Normalised innovations beyond this count less.
-pub(crate) const DEVIATION_MAX: f64 = 4.0;
+/// Lines that fit beside a wrong arrival time: two fit anywhere, and two more confirm them.
+const ARRIVALS_MIN: usize = 4;
 
 /// Prior knowledge of a state.
 #[derive(Clone, Debug)]
@@ -44,9 +45,10 @@ pub(crate) struct System<const D: usize> {
     pub(crate) information: SMatrix<f64, D, D>,
     pub(crate) gradient: SVector<f64, D>,
     pub(crate) cost: f64,
-    lines: usize,
-    /// Number of lines that are far off, and the cost of the others.
-    outliers: usize,
+    /// Number of lines, and how many of them are far off: bearings and fixes, and arrival times.
+    lines: [usize; 2],
+    outliers: [usize; 2],
+    /// Cost of the lines that are not far off.
     cost_of_others: f64,
 }
 
@@ -63,9 +65,24 @@ impl<const D: usize> System<D> {
     /// Whether the lines fit together: few are far off, and the cost of the others is chi-square with about as
     /// many degrees of freedom as there are lines.
     fn is_plausible(&self) -> bool {
-        let freedom = self.lines as f64;
-        self.outliers <= self.lines / LINES_PER_OUTLIER
+        let freedom = (self.lines[0] + self.lines[1]) as f64;
+        self.outliers[0] <= self.lines[0] / LINES_PER_OUTLIER
+            && self.most_arrivals_fit()
             && self.cost_of_others < freedom + COST_SIGMAS * (2.0 * freedom).sqrt() + COST_SIGMAS
+    }
+}
+
+impl<const D: usize> System<D> {
+    /// Whether most arrival times fit, and, if some do not, enough others confirm the position.
+    pub(crate) fn most_arrivals_fit(&self) -> bool {
+        let [_, wrong] = self.outliers;
+        let fitting = self.lines[0] - self.outliers[0] + self.lines[1] - wrong;
+        wrong == 0 || (2 * wrong < self.lines[1] && fitting >= ARRIVALS_MIN)
+    }
+
+    /// Cost in which all lines that are far off count the same.
+    pub(crate) fn flat_cost(&self) -> f64 {
+        self.cost_of_others + KNEE * (self.outliers[0] + self.outliers[1]) as f64
     }
 }
 
@@ -73,8 +90,13 @@ impl<const D: usize> LeastSquaresProblem<'_, D> {
     /// Searches from `start`, with all lines linearised anew in each round. `None` if the lines do not determine a
     /// state.
     pub(crate) fn search(&self, start: SVector<f64, D>, rounds: usize) -> Option<SearchResult<D>> {
+        self.search_with(start, rounds, KNEE)
+    }
+
+    /// … where lines count less from this squared normalised innovation on.
+    pub(crate) fn search_with(&self, start: SVector<f64, D>, rounds: usize, knee: f64) -> Option<SearchResult<D>> {
         let mut at = start;
-        let mut system = self.linearised(&at);
+        let mut system = self.linearised_with(&at, knee);
         let mut has_converged = false;
         for _ in 0..rounds {
             let step = Factor::of(&system.information)?.solve(&system.gradient);
@@ -83,7 +105,7 @@ impl<const D: usize> LeastSquaresProblem<'_, D> {
                 at += step;
                 break;
             }
-            let Some((next, there)) = self.descend(&at, &step, &system) else {
+            let Some((next, there)) = self.descend(&at, &step, &system, knee) else {
                 break;
             };
             (at, system) = (next, there);
@@ -103,6 +125,7 @@ impl<const D: usize> LeastSquaresProblem<'_, D> {
         at: &SVector<f64, D>,
         step: &SVector<f64, D>,
         system: &System<D>,
+        knee: f64,
     ) -> Option<(SVector<f64, D>, System<D>)> {
         let range = self
             .lines
@@ -112,7 +135,7 @@ impl<const D: usize> LeastSquaresProblem<'_, D> {
         let mut share = (0.5 * range / length.max(f64::MIN_POSITIVE)).min(1.0);
         for _ in 0..5 {
             let next = at + step * share;
-            let there = self.linearised(&next);
+            let there = self.linearised_with(&next, knee);
             if there.cost <= system.cost {
                 return Some((next, there));
             }
@@ -123,14 +146,19 @@ impl<const D: usize> LeastSquaresProblem<'_, D> {
 
     /// Linearises the problem at a state.
     pub(crate) fn linearised(&self, at: &SVector<f64, D>) -> System<D> {
+        self.linearised_with(at, KNEE)
+    }
+
+    /// … where lines count less from this squared normalised innovation on.
+    pub(crate) fn linearised_with(&self, at: &SVector<f64, D>, knee: f64) -> System<D> {
         let offset = self.prior.mean - at;
         let gradient = self.prior.information * offset;
         let mut system = System {
             information: self.prior.information,
             gradient,
             cost: offset.dot(&gradient),
-            lines: 0,
-            outliers: 0,
+            lines: [0; 2],
+            outliers: [0; 2],
             cost_of_others: 0.0,
         };
         for line in self.lines.iter().filter(|line| line.is_used) {
@@ -140,12 +168,13 @@ impl<const D: usize> LeastSquaresProblem<'_, D> {
             };
             let h = sensitivity::<D>(residual.gradient, after_s);
             let squared = residual.innovation_rad * residual.innovation_rad * line.information;
-            let (cost, weight) = robust(squared);
+            let (cost, weight) = robust(squared, knee);
             let information = weight * line.information;
             system.cost += cost;
-            system.lines += 1;
+            let kind = usize::from(line.has_outliers());
+            system.lines[kind] += 1;
             match weight < 1.0 {
-                true => system.outliers += 1,
+                true => system.outliers[kind] += 1,
                 false => system.cost_of_others += cost,
             }
             system.gradient += h * (information * residual.innovation_rad);
@@ -160,12 +189,12 @@ impl<const D: usize> LeastSquaresProblem<'_, D> {
     }
 }
 
-/// Cost and weight of a squared normalised innovation.
-fn robust(squared: f64) -> (f64, f64) {
-    const KNEE: f64 = DEVIATION_MAX * DEVIATION_MAX;
-    if squared <= KNEE {
+/// Cost and weight of a squared normalised innovation: least squares up to the knee; beyond it the weight of Cauchy's
+/// estimator, so that the influence of a line falls with its error.
+fn robust(squared: f64, knee: f64) -> (f64, f64) {
+    if squared <= knee {
         (squared, 1.0)
     } else {
-        (KNEE * (1.0 + (squared / KNEE).ln()), KNEE / squared)
+        (knee * (1.0 + (squared / knee).ln()), knee / squared)
     }
 }

@@ -1,8 +1,11 @@
-//! Location of transmitters from bearings alone (EL).
+//! Location of transmitters from bearings, arrival times and fixes of others (EL).
 //!
 //! A platform that passes a transmitter and measures only its direction can still locate it, because the direction
 //! changes as the platform moves. The accuracy depends on the platform's path, and the fixes of filters wander in
 //! arcs and jump. This crate makes a trustworthy, smooth position of these fixes, for many emitters at once.
+//!
+//! Arrival times at several receivers ([`Locator::arrival`]) and ready-made fixes ([`Locator::fix`]) are other lines of
+//! position in the same filters, alone or beside bearings.
 //!
 //! # A bearing's way
 //!
@@ -50,12 +53,13 @@
 //!
 //! # Memory and time
 //!
-//! All memory is allocated in [`Locator::new`], some 20 kB per emitter. The cost of a bearing is bounded: each model
+//! All memory is allocated in [`Locator::new`], some 25 kB per emitter. The cost of a bearing is bounded: each model
 //! keeps [`LINES_MAX`] lines of bearing at most. Nothing here performs I/O or reads a clock; the same bearings give the
 //! same bits.
 
 #![forbid(unsafe_code)]
 
+mod arrivals;
 mod bank;
 mod counts;
 mod explanation;
@@ -67,6 +71,7 @@ mod locator;
 mod motion;
 pub mod music;
 mod resumption;
+mod search_start;
 pub mod selection;
 pub mod settings;
 mod smoother;

@@ -2,15 +2,18 @@
 
 use kept::kept;
 use messages::{Covariance, SensorTrack, TrackState, sensor_track_bits};
-use observations::Bearing;
+use nalgebra::Matrix4;
+use observations::{Arrival, ArrivalTime, Bearing, ReadyFix, Receiver};
 use settings::SettingsError;
 
+use crate::arrivals::{ArrivalOutcome, Arrivals, CLOCKS_MAX, LINES_MAX, Reception, Transmission};
 use crate::bank::{Bank, BankNotes, RawFix};
 use crate::counts::LocatorCounts;
 use crate::explanation::{Decision, LocatorDecisionKind};
 use crate::line_of_bearing::LineOfBearing;
+use crate::motion::MotionModel;
 use crate::selection::{Fix, Output, Selector};
-use crate::settings::Settings;
+use crate::settings::{FilterChoice, Settings};
 
 /// First number of emitters that the locator distinguishes itself.
 pub const OWN_NUMBERS: u32 = 1_000_001;
@@ -83,6 +86,14 @@ pub enum BearingRejection {
     OutOfOrder,
     /// The bearing is of a new emitter, and there is no place for it.
     TableFull,
+    /// Another receiver, and there is no place for its clock.
+    ReceiversFull,
+    /// A transmission that one receiver took alone.
+    Alone,
+    /// A transmission at receivers whose clocks are not known yet.
+    ClockUnknown,
+    /// A difference of distances greater than the distance between the receivers.
+    Impossible,
 }
 
 impl std::fmt::Display for BearingRejection {
@@ -96,6 +107,22 @@ impl std::fmt::Display for BearingRejection {
             Self::TableFull => write!(
                 formatter,
                 "is of a new emitter, and all places are taken; configure a greater emitters_max"
+            ),
+            Self::ReceiversFull => write!(
+                formatter,
+                "is of another receiver, and {CLOCKS_MAX} have a clock already"
+            ),
+            Self::Alone => write!(
+                formatter,
+                "is the only one of its transmission; give the arrivals of a transmission the same time_s"
+            ),
+            Self::ClockUnknown => write!(
+                formatter,
+                "is of receivers whose clocks no reference emitter has shown yet; add rows with reference_x"
+            ),
+            Self::Impossible => write!(
+                formatter,
+                "is farther off than the receivers are apart; check the clocks, the units and the order of receivers"
             ),
         }
     }
@@ -112,7 +139,9 @@ struct Emitter {
     frequency_hz: f64,
     /// Time of its first bearing: times in seconds count from here, so that precision does not depend on the date.
     first_ns: i64,
+    /// Last bearing, or last line of an emitter without bearings, and time of the last line of any kind.
     last: LineOfBearing,
+    last_ns: i64,
     last_heading_rad: Option<f64>,
     turning_since_ns: Option<i64>,
     bank: Bank,
@@ -143,6 +172,7 @@ pub struct Locator {
     next_number: u32,
     decisions: Vec<Decision>,
     counts: LocatorCounts,
+    arrivals: Arrivals,
 }
 
 impl Locator {
@@ -159,6 +189,7 @@ impl Locator {
             next_number: OWN_NUMBERS,
             decisions: Vec::with_capacity(DECISIONS_MAX),
             counts: LocatorCounts::default(),
+            arrivals: Arrivals::new(settings.arrivals),
         })
     }
 
@@ -177,18 +208,158 @@ impl Locator {
             Some(id) => self.place(true, id).ok(),
             None => self.associated(bearing, &line),
         };
-        let (slot, is_new) = match found {
-            Some(place) => (self.index[place].2 as usize, false),
-            None => (self.begin(bearing, &line)?, true),
+        let is_new = found.is_none();
+        let slot = match found {
+            Some(place) => self.index[place].2 as usize,
+            None => self.begin(bearing.emitter_id, bearing.frequency_hz, &line)?,
         };
-        let emitter = &mut self.emitters[slot];
-        if line.time_ns < emitter.last.time_ns {
+        self.check_order(slot, &line)?;
+        self.counts.bearings += 1;
+        self.counts.associated += u64::from(bearing.emitter_id.is_none() && !is_new);
+        let turning_rad_per_s = self.settings.consistency.turning_deg_per_s.rad();
+        self.emitters[slot].watch_heading(bearing.heading_rad, &line, turning_rad_per_s);
+        Ok(self.take(slot, &[line]))
+    }
+
+    /// Takes an arrival time or a difference of two. Arrival times at single receivers are collected; the report is of
+    /// the emitter whose transmission this one completes.
+    ///
+    /// # Errors
+    /// If the arrival, or the completed transmission, is unusable; it is counted and changes nothing.
+    pub fn arrival(&mut self, arrival: &Arrival) -> Result<Option<EmitterReport>, BearingRejection> {
+        self.decisions.clear();
+        if let Some(fault) = arrival_fault(arrival) {
+            self.counts.unusable += 1;
+            return Err(BearingRejection::Unusable(fault));
+        }
+        let mut clock = |receiver: &Receiver| self.arrivals.clock(receiver).ok_or(BearingRejection::ReceiversFull);
+        match arrival.time {
+            ArrivalTime::At { receiver, t_s } => {
+                let reception = Reception {
+                    receiver,
+                    clock: clock(&receiver)?,
+                    t_s,
+                    sigma_s: arrival.sigma_s,
+                };
+                self.counts.arrivals += 1;
+                match self.arrivals.collect(arrival, reception) {
+                    Some(transmission) => self.transmission(&transmission),
+                    None => Ok(None),
+                }
+            }
+            ArrivalTime::Between { receivers, tdoa_s } => {
+                let [one, other] = receivers;
+                let both = [(one, clock(&one)?), (other, clock(&other)?)];
+                self.counts.arrivals += 1;
+                let outcome = self.arrivals.difference(arrival, both, tdoa_s);
+                self.conclude(arrival.emitter_id, outcome)
+            }
+        }
+    }
+
+    /// Processes one of the transmissions that are complete at `now_ns` (UTC, nanoseconds; `None`: any, at the end of
+    /// the data): no further arrival can belong to it. `None` if there is none.
+    pub fn complete(&mut self, now_ns: Option<i64>) -> Option<Result<Option<EmitterReport>, BearingRejection>> {
+        self.decisions.clear();
+        let transmission = self.arrivals.complete(now_ns)?;
+        Some(self.transmission(&transmission))
+    }
+
+    /// Takes a ready-made fix (EL-12): as a measurement of the emitter, or with the filter `none` as it is.
+    ///
+    /// # Errors
+    /// If the fix is unusable; it is counted and changes nothing.
+    pub fn fix(&mut self, fix: &ReadyFix) -> Result<Option<EmitterReport>, BearingRejection> {
+        self.decisions.clear();
+        let is_place = fix.position_m.iter().all(|value| value.abs() < COORDINATE_MAX_M);
+        let Some(lines) = LineOfBearing::of_fix(fix).filter(|_| is_place) else {
+            self.counts.unusable += 1;
+            let fault = match is_place {
+                true => "the covariance is not positive definite",
+                false => "the position is no number, or farther away than 1e9 m",
+            };
+            return Err(BearingRejection::Unusable(fault));
+        };
+        let report = match self.settings.motion.filter {
+            FilterChoice::None => self.given(fix, &lines[0])?,
+            _ => self.labelled(fix.emitter_id, &lines)?,
+        };
+        self.counts.ready_fixes += 1;
+        Ok(report)
+    }
+
+    /// Selects a ready-made fix as it is.
+    fn given(&mut self, fix: &ReadyFix, line: &LineOfBearing) -> Result<Option<EmitterReport>, BearingRejection> {
+        let slot = self.slot(fix.emitter_id, line)?;
+        self.check_order(slot, line)?;
+        self.emitters[slot].last_ns = line.time_ns;
+        let [xx, xy, yy] = fix.covariance_m2;
+        let mut covariance = Matrix4::zeros();
+        for (row, column, value) in [(0, 0, xx), (0, 1, xy), (1, 0, xy), (1, 1, yy)] {
+            covariance[(row, column)] = value;
+        }
+        let raw = RawFix {
+            position_m: [fix.position_m[0], fix.position_m[1]],
+            velocity_mps: [0.0; 2],
+            covariance,
+            motion: MotionModel::Given,
+            is_agreed: true,
+        };
+        Ok(self.select(slot, Some(raw)))
+    }
+
+    fn transmission(&mut self, transmission: &Transmission) -> Result<Option<EmitterReport>, BearingRejection> {
+        let outcome = self.arrivals.process(transmission);
+        self.conclude(transmission.emitter_id, outcome)
+    }
+
+    /// Gives the filters of an emitter the lines of its transmission.
+    fn conclude(
+        &mut self,
+        emitter_id: u32,
+        outcome: ArrivalOutcome,
+    ) -> Result<Option<EmitterReport>, BearingRejection> {
+        let (count, refusal) = match outcome {
+            ArrivalOutcome::Lines => {
+                let mut lines = [LineOfBearing::NONE; LINES_MAX];
+                let found = self.arrivals.lines();
+                let lines = &mut lines[..found.len()];
+                lines.copy_from_slice(found);
+                return self.labelled(emitter_id, lines);
+            }
+            ArrivalOutcome::Reference => {
+                self.counts.references += 1;
+                return Ok(None);
+            }
+            ArrivalOutcome::Alone => (&mut self.counts.alone, BearingRejection::Alone),
+            ArrivalOutcome::ClockUnknown => (&mut self.counts.clock_unknown, BearingRejection::ClockUnknown),
+            ArrivalOutcome::Impossible => (&mut self.counts.impossible, BearingRejection::Impossible),
+        };
+        *count += 1;
+        Err(refusal)
+    }
+
+    /// Takes lines of one time of an emitter that has a number.
+    fn labelled(&mut self, id: u32, lines: &[LineOfBearing]) -> Result<Option<EmitterReport>, BearingRejection> {
+        let slot = self.slot(id, &lines[0])?;
+        self.check_order(slot, &lines[0])?;
+        Ok(self.take(slot, lines))
+    }
+
+    /// Slot of an emitter that has a number.
+    fn slot(&mut self, id: u32, line: &LineOfBearing) -> Result<usize, BearingRejection> {
+        match self.place(true, id) {
+            Ok(place) => Ok(self.index[place].2 as usize),
+            Err(_) => self.begin(Some(id), None, line),
+        }
+    }
+
+    fn check_order(&mut self, slot: usize, line: &LineOfBearing) -> Result<(), BearingRejection> {
+        if line.time_ns < self.emitters[slot].last_ns {
             self.counts.out_of_order += 1;
             return Err(BearingRejection::OutOfOrder);
         }
-        self.counts.bearings += 1;
-        self.counts.associated += u64::from(bearing.emitter_id.is_none() && !is_new);
-        Ok(self.take(slot, bearing, &line))
+        Ok(())
     }
 
     /// Decisions on the last bearing, in order.
@@ -245,6 +416,7 @@ impl Locator {
                 frequency_hz: known.frequency_hz,
                 first_ns: known.first_ns,
                 last: known.last,
+                last_ns: known.last.time_ns,
                 last_heading_rad: known.last_heading_rad,
                 turning_since_ns: known.turning_since_ns,
                 bank: Bank::new(&self.settings.motion),
@@ -253,20 +425,37 @@ impl Locator {
         }
     }
 
-    fn take(&mut self, slot: usize, bearing: &Bearing, line: &LineOfBearing) -> Option<EmitterReport> {
+    /// Gives the filters lines of one time.
+    fn take(&mut self, slot: usize, lines: &[LineOfBearing]) -> Option<EmitterReport> {
         let (settings, emitter) = (&self.settings, &mut self.emitters[slot]);
-        let after_s = line.after_s(emitter.last.time_ns);
-        emitter.watch_heading(bearing.heading_rad, line, settings.consistency.turning_deg_per_s.rad());
         let mut notes = BankNotes::EMPTY;
-        let (models, turning_since_ns) = ((&settings.motion, &settings.consistency), emitter.turning_since_ns);
-        emitter.bank.add(line, after_s, turning_since_ns, models, &mut notes);
-        emitter.last = *line;
-        let (number, first_ns, time_ns) = (emitter.number, emitter.first_ns, line.time_ns);
+        if self.arrivals.is_estimated() && lines.iter().any(|line| line.clocks().is_some()) {
+            let arrivals = &self.arrivals;
+            let ahead = |[one, other]: [u16; 2], time_ns| arrivals.ahead(one.into(), other.into(), time_ns);
+            emitter.bank.set_clocks(&ahead);
+        }
+        for line in lines {
+            let after_s = line.after_s(emitter.last_ns);
+            let (models, turning_since_ns) = ((&settings.motion, &settings.consistency), emitter.turning_since_ns);
+            emitter.bank.add(line, after_s, turning_since_ns, models, &mut notes);
+            emitter.last_ns = line.time_ns;
+            if line.ray().is_some() || emitter.last.ray().is_none() {
+                emitter.last = *line;
+            }
+        }
+        let (number, time_ns) = (emitter.number, emitter.last_ns);
         let fix = emitter.bank.fix_at(time_ns);
-        let output = fix.and_then(|raw| emitter.selector.fix(&selectable(&raw, time_ns - first_ns)));
         for (kind, value, limit) in notes.iter() {
             self.decide(time_ns, number, kind, value, limit);
         }
+        self.select(slot, fix)
+    }
+
+    /// Makes the output of a fix, at the time of the emitter's last line.
+    fn select(&mut self, slot: usize, fix: Option<RawFix>) -> Option<EmitterReport> {
+        let emitter = &mut self.emitters[slot];
+        let (number, first_ns, time_ns) = (emitter.number, emitter.first_ns, emitter.last_ns);
+        let output = fix.and_then(|raw| emitter.selector.fix(&selectable(&raw, time_ns - first_ns)));
         let (Some(raw), Some(output)) = (fix, output) else {
             self.counts.without_fix += 1;
             return None;
@@ -324,8 +513,13 @@ impl Locator {
     }
 
     /// A new emitter's place in the table.
-    fn begin(&mut self, bearing: &Bearing, line: &LineOfBearing) -> Result<usize, BearingRejection> {
-        let (is_labelled, number) = match bearing.emitter_id {
+    fn begin(
+        &mut self,
+        emitter_id: Option<u32>,
+        frequency_hz: Option<f64>,
+        line: &LineOfBearing,
+    ) -> Result<usize, BearingRejection> {
+        let (is_labelled, number) = match emitter_id {
             Some(id) => (true, id),
             None => (false, self.next_number),
         };
@@ -336,6 +530,7 @@ impl Locator {
                 frequency_hz: ANY_FREQUENCY_HZ,
                 first_ns: line.time_ns,
                 last: *line,
+                last_ns: line.time_ns,
                 last_heading_rad: None,
                 turning_since_ns: None,
                 bank: Bank::new(&self.settings.motion),
@@ -352,8 +547,8 @@ impl Locator {
         let emitter = &mut self.emitters[slot];
         emitter.number = number;
         emitter.is_labelled = is_labelled;
-        emitter.frequency_hz = bearing.frequency_hz.unwrap_or(ANY_FREQUENCY_HZ);
-        (emitter.first_ns, emitter.last) = (line.time_ns, *line);
+        emitter.frequency_hz = frequency_hz.unwrap_or(ANY_FREQUENCY_HZ);
+        (emitter.first_ns, emitter.last, emitter.last_ns) = (line.time_ns, *line, line.time_ns);
         (emitter.last_heading_rad, emitter.turning_since_ns) = (None, None);
         if let Err(place) = self.place(is_labelled, number) {
             self.index.insert(place, (is_labelled, number, slot as u32));
@@ -375,8 +570,8 @@ impl Locator {
 
     /// Returns the emptied slot of the emitter with the longest silence, if the silence was long enough.
     fn given_up(&mut self, time_ns: i64) -> Option<usize> {
-        let (slot, emitter) = (self.emitters.iter_mut().enumerate()).min_by_key(|(_, emitter)| emitter.last.time_ns)?;
-        let silent_s = (time_ns - emitter.last.time_ns) as f64 * 1e-9;
+        let (slot, emitter) = (self.emitters.iter_mut().enumerate()).min_by_key(|(_, emitter)| emitter.last_ns)?;
+        let silent_s = (time_ns - emitter.last_ns) as f64 * 1e-9;
         if silent_s < self.settings.association.silent_max_s {
             return None;
         }
@@ -413,11 +608,14 @@ impl Emitter {
         }
         // Without a fix, the emitter is expected in the direction of its last bearing, within the largest possible
         // change.
+        let (Some(ray), Some(last)) = (line.ray(), self.last.ray()) else {
+            return (f64::INFINITY, f64::INFINITY);
+        };
         let after_s = line.after_s(self.last.time_ns).abs();
         let may_have_gone = rate_max_rad_per_s * after_s;
         let variance = 1.0 / line.information + 1.0 / self.last.information + may_have_gone * may_have_gone;
-        let across = line.sine * self.last.cosine - line.cosine * self.last.sine;
-        let along = line.cosine * self.last.cosine + line.sine * self.last.sine;
+        let across = ray.sine * last.cosine - ray.cosine * last.sine;
+        let along = ray.cosine * last.cosine + ray.sine * last.sine;
         let difference = across.atan2(along);
         (difference * difference / variance, variance.ln())
     }
@@ -457,6 +655,28 @@ fn fault(bearing: &Bearing) -> Option<&'static str> {
         .is_some_and(|frequency| !(frequency > 0.0 && frequency.is_finite()))
     {
         Some("the frequency is not greater than 0")
+    } else {
+        None
+    }
+}
+
+/// Fault of an arrival; `None` if there is none.
+fn arrival_fault(arrival: &Arrival) -> Option<&'static str> {
+    let is_place = |place: &[f64; 3]| place.iter().all(|value| value.abs() < COORDINATE_MAX_M);
+    let (receivers, time_s) = match &arrival.time {
+        ArrivalTime::At { receiver, t_s } => ([receiver; 2], t_s),
+        ArrivalTime::Between { receivers, tdoa_s } => ([&receivers[0], &receivers[1]], tdoa_s),
+    };
+    if !time_s.is_finite() {
+        Some("the time is no number")
+    } else if !(arrival.sigma_s > 0.0 && arrival.sigma_s.is_finite()) {
+        Some("the standard deviation is not greater than 0")
+    } else if !receivers.iter().all(|receiver| is_place(&receiver.position_m)) {
+        Some("a receiver's position is no number, or farther away than 1e9 m")
+    } else if arrival.reference_m.is_some_and(|place| !is_place(&place)) {
+        Some("the reference emitter's position is no number, or farther away than 1e9 m")
+    } else if matches!(&arrival.time, ArrivalTime::Between { receivers: [one, other], .. } if one.name == other.name) {
+        Some("both receivers are the same")
     } else {
         None
     }

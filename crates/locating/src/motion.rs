@@ -14,6 +14,8 @@ pub enum MotionModel {
     Straight,
     /// Straight, with small accelerations.
     Manoeuvring,
+    /// None: a ready-made fix, passed on as it is.
+    Given,
 }
 
 impl MotionModel {
@@ -24,13 +26,14 @@ impl MotionModel {
             Self::Wandering => "wandering",
             Self::Straight => "straight",
             Self::Manoeuvring => "manoeuvring",
+            Self::Given => "given",
         }
     }
 
     /// The models that compete, simplest first.
     pub(crate) fn of(choice: FilterChoice) -> &'static [Self] {
         match choice {
-            FilterChoice::Auto => &[Self::Fixed, Self::Straight, Self::Manoeuvring],
+            FilterChoice::Auto | FilterChoice::None => &[Self::Fixed, Self::Straight, Self::Manoeuvring],
             FilterChoice::Fixed => &[Self::Fixed, Self::Wandering],
             FilterChoice::Straight => &[Self::Straight, Self::Manoeuvring],
         }
@@ -38,7 +41,7 @@ impl MotionModel {
 
     pub(crate) fn model(self, settings: &EmitterMotionSettings) -> Model {
         let process_noise = match self {
-            Self::Fixed | Self::Straight => 0.0,
+            Self::Fixed | Self::Straight | Self::Given => 0.0,
             Self::Wandering => settings.wandering_noise_m2ps,
             Self::Manoeuvring => settings.manoeuvring_noise_m2ps3,
         };

@@ -8,7 +8,7 @@ settings::settings! {
     /// How emitters are located.
     #[derive(Copy)]
     pub struct Settings {
-        /// Greatest number of emitters at a time; each needs 20 kB.
+        /// Greatest number of emitters at a time; each needs 25 kB.
         emitters_max: usize = 1024, in [1, 100_000];
         /// How emitters may move (EL-2).
         motion: EmitterMotionSettings = EmitterMotionSettings::default();
@@ -18,13 +18,16 @@ settings::settings! {
         selection: SelectionSettings = SelectionSettings::default();
         /// How bearings without emitter id find their emitter (EL-12).
         association: BearingAssociationSettings = BearingAssociationSettings::default();
+        /// Arrival times of transmissions at receivers.
+        arrivals: ArrivalSettings = ArrivalSettings::default();
     }
 
     /// How emitters may move (EL-2).
     #[derive(Copy)]
     pub struct EmitterMotionSettings {
         /// Competing models: `auto`, a fixed point, straight motion and manoeuvring, chosen by the data; `fixed`, a
-        /// fixed and a wandering point; `straight`, straight motion and manoeuvring.
+        /// fixed and a wandering point; `straight`, straight motion and manoeuvring; `none`, as `auto`, but ready-made
+        /// fixes pass to the selection as they are.
         filter: FilterChoice = FilterChoice::Auto;
         /// Standard deviation of an unknown emitter's position about the platform, along each axis.
         range_sigma_m: f64 = 300e3, in [above 0];
@@ -71,6 +74,38 @@ settings::settings! {
     }
 }
 
+settings::settings! {
+    /// Arrival times of transmissions at receivers.
+    #[derive(Copy)]
+    pub struct ArrivalSettings {
+        /// Speed of propagation.
+        propagation_mps: f64 = 299_792_458.0, in [above 0];
+        /// Greatest difference between the times (`time_s`) of two arrivals of one transmission.
+        together_max_s: f64 = 0.001, in [from 0];
+        /// Clocks of the receivers: `exact`; `estimated` from reference emitters; `auto`, exact until a reference
+        /// emitter is received.
+        clocks: ClockChoice = ClockChoice::Auto;
+        /// Standard deviation of the unknown drift between two clocks, seconds per second.
+        drift_sigma: f64 = 1e-5, in [above 0];
+        /// Growth of the drift's standard deviation in one second; it grows with the root of the time.
+        drift_noise_per_root_s: f64 = 1e-12, in [from 0];
+        /// Height of emitters in the system frame; the receivers' distances are inclined to it.
+        emitter_height_m: f64 = 0.0, in [-100e3, 100e3];
+    }
+}
+
+settings::words! {
+    /// Assumptions on the receivers' clocks.
+    pub enum ClockChoice {
+        /// Exact until a reference emitter is received, then estimated.
+        Auto = "auto",
+        /// Exact; reference emitters are not used.
+        Exact = "exact",
+        /// Estimated; arrivals before the first estimates are not used.
+        Estimated = "estimated",
+    }
+}
+
 settings::words! {
     /// Models that compete for an emitter.
     pub enum FilterChoice {
@@ -80,6 +115,8 @@ settings::words! {
         Fixed = "fixed",
         /// Straight motion, and manoeuvring.
         Straight = "straight",
+        /// Ready-made fixes are selected as they are; other measurements as with `auto`.
+        None = "none",
     }
 }
 

@@ -35,7 +35,7 @@ use crate::gauss_newton::{DEVIATION_MAX, LeastSquaresProblem, StatePrior};
 use crate::kinematics::{add_process_noise, longest_half_axis, position, sensitivity, transition};
 use crate::line_of_bearing::LineOfBearing;
 use crate::linear::Factor;
-use crate::triangulation::crossing;
+use crate::search_start::start_position;
 use crate::window::Window;
 
 /// The geometry allows a fix when the longest half-axis of its error ellipse is below this share of the range.
@@ -55,8 +55,6 @@ const SEARCHED_EVERY: u64 = 16;
 /// Rounds of the search for a first fix, and of its improvement.
 const ROUNDS_FIRST: usize = 20;
 const ROUNDS: usize = 3;
-/// Fewest lines of a fix.
-const LINES_MIN: usize = 3;
 
 /// Share of the running sum of innovations that is kept at each bearing, and the sum's standard deviation.
 const SUM_KEPT: f64 = 0.85;
@@ -68,6 +66,11 @@ const YOUNG: u64 = 32;
 /// A sum within this many standard deviations, and an innovation within its own, let bearings in again.
 const AGREE_SUM: f64 = 2.0;
 const AGREE_ONE: f64 = 2.5;
+/// Share of the running share of wrong arrival times that is kept at each, for a young fix and later; shares at which a
+/// fix is distrusted, and trusted again.
+const WRONG_KEPT: [f64; 2] = [0.92, 0.95];
+const WRONG_MAX: f64 = 0.6;
+const WRONG_AGREE: f64 = 0.5;
 
 /// Assumptions on the motion of an emitter, and prior knowledge before the first bearing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -130,6 +133,8 @@ pub(crate) struct Smoother<const D: usize> {
     /// By how much a velocity explains the window better than rest at the fixed point's fix.
     lead_over_rest: Option<f64>,
     sum: f64,
+    /// Running share of arrival times that are far off.
+    wrong: f64,
     is_distrusting: bool,
 }
 
@@ -165,6 +170,7 @@ impl<const D: usize> Smoother<D> {
             is_misfit: false,
             lead_over_rest: None,
             sum: 0.0,
+            wrong: 0.0,
             is_distrusting: false,
         }
     }
@@ -264,8 +270,10 @@ impl<const D: usize> Smoother<D> {
         if is_distrusted || self.is_due() {
             self.linearise();
         }
-        if is_distrusted && (self.settled_for < YOUNG || self.share(line) > LOCATED_SHARE) {
-            // The fix is young, or rests on removed lines: the fix is wrong, not the bearings.
+        let is_weak = self.settled_for < YOUNG || self.share(line) > LOCATED_SHARE;
+        if is_distrusted && is_weak || self.wrong > WRONG_MAX {
+            // The fix is young, rests on removed lines, or differs from most arrival times, which do not go wrong
+            // together: the fix is wrong, not the lines.
             self.restart();
         }
         self.look_at_geometry(line);
@@ -302,6 +310,13 @@ impl<const D: usize> Smoother<D> {
         }
         // With process noise the state is always at fault, and the bearings correct it.
         self.advance(line.time_ns);
+        if let Some((squared, _)) = self.compare(line).filter(|_| line.has_outliers()) {
+            self.counted(line, squared.sqrt());
+            if self.wrong > WRONG_MAX {
+                // Most arrival times differ: the state is not that of the emitter.
+                self.stage = FilterStage::Empty;
+            }
+        }
         self.improve(line);
         BearingTreatment::Used
     }
@@ -327,6 +342,11 @@ impl<const D: usize> Smoother<D> {
         self.linearise();
     }
 
+    /// Corrects the kept differences of arrival times: see [`Window::set_clocks`].
+    pub(crate) fn set_clocks(&mut self, ahead: &impl Fn([u16; 2], i64) -> Option<(f64, f64)>) {
+        self.window.set_clocks(ahead);
+    }
+
     /// Restarts at the state of another filter of the same kind; returns whether that filter has one.
     pub(crate) fn restart_like(&mut self, other: &Self) -> bool {
         let Some(factor) = Factor::of(&other.covariance).filter(|_| other.is_settled() && !other.is_distrusting) else {
@@ -339,7 +359,7 @@ impl<const D: usize> Smoother<D> {
         self.prior.information = factor.inverse();
         self.window.clear();
         self.stage = FilterStage::Settled;
-        (self.sum, self.is_distrusting) = (0.0, false);
+        (self.sum, self.wrong, self.is_distrusting) = (0.0, 0.0, false);
         self.lead_over_rest = None;
         true
     }
@@ -380,10 +400,11 @@ impl<const D: usize> Smoother<D> {
             };
             self.prior.information[(axis, axis)] = 1.0 / (sigma * sigma);
         }
-        self.prior.mean[0] = first.platform_m[0];
-        self.prior.mean[1] = first.platform_m[1];
+        let [east, north] = first.origin_m();
+        self.prior.mean[0] = east;
+        self.prior.mean[1] = north;
         self.stage = FilterStage::Searching;
-        (self.sum, self.is_distrusting) = (0.0, false);
+        (self.sum, self.wrong, self.is_distrusting) = (0.0, 0.0, false);
     }
 
     /// Judges a line by the prediction of the settled filter.
@@ -394,16 +415,16 @@ impl<const D: usize> Smoother<D> {
         let residual = line.residual(self.position_at(line.time_ns));
         let sign = residual.map_or(0.0, |residual| residual.innovation_rad.signum());
         let deviation = sign * squared.sqrt();
-        self.sum = SUM_KEPT * self.sum + deviation.clamp(-DEVIATION_MAX, DEVIATION_MAX);
+        self.sum = SUM_KEPT * self.sum + self.counted(line, deviation);
         let sum = self.sum / SUM_SIGMA;
         if self.is_distrusting {
-            if sum.abs() < AGREE_SUM && deviation.abs() < AGREE_ONE {
+            if sum.abs() < AGREE_SUM && deviation.abs() < AGREE_ONE && self.wrong < WRONG_AGREE {
                 self.is_distrusting = false;
                 return BearingTreatment::Trusted;
             }
             return BearingTreatment::SetAside;
         }
-        if sum.abs() > bounds.limit {
+        if sum.abs() > bounds.limit || self.wrong > WRONG_MAX {
             self.is_distrusting = true;
             self.window.take_back(TAKEN_BACK, bounds.turning_since_ns);
             return BearingTreatment::Distrusted(sum);
@@ -412,6 +433,18 @@ impl<const D: usize> Smoother<D> {
             true => BearingTreatment::SetAside,
             false => BearingTreatment::Used,
         }
+    }
+
+    /// Part of a deviation that counts in the running sum. Arrival times that are far off come one by one, and do not
+    /// count in the sum; if most are, the fix is wrong.
+    fn counted(&mut self, line: &LineOfBearing, deviation: f64) -> f64 {
+        if !line.has_outliers() {
+            return deviation.clamp(-DEVIATION_MAX, DEVIATION_MAX);
+        }
+        let is_wrong = deviation.abs() > DEVIATION_MAX;
+        let kept = WRONG_KEPT[usize::from(self.settled_for >= YOUNG)];
+        self.wrong = kept * self.wrong + (1.0 - kept) * f64::from(u8::from(is_wrong));
+        if is_wrong { 0.0 } else { deviation }
     }
 
     /// Update of the extended Kalman filter; valid until the next linearisation.
@@ -440,7 +473,12 @@ impl<const D: usize> Smoother<D> {
     fn keep(&mut self, line: LineOfBearing) {
         if self.window.is_full() && !self.window.forget_unused() {
             let place = (self.stage >= FilterStage::Vague).then(|| self.position_at(line.time_ns));
-            if self.is_settled() && self.may_fold(FOLDED_AT_ONCE) {
+            let (estimate, reference_ns) = (self.estimate, self.reference_ns);
+            let at = |time_ns| position(&estimate, seconds(time_ns - reference_ns));
+            let merged = place.map_or(0, |_| self.window.merge_pairs(at));
+            if merged > 0 {
+                // Differences of arrival times stay as they are, so that the clocks can be corrected later.
+            } else if self.is_settled() && self.may_fold(FOLDED_AT_ONCE) {
                 self.fold(FOLDED_AT_ONCE);
             } else if self.stage == FilterStage::Searching && self.is_misfit {
                 self.window.forget_first(FOLDED_AT_ONCE);
@@ -525,13 +563,10 @@ impl<const D: usize> Smoother<D> {
         if self.stage != FilterStage::Searching {
             return Some(self.estimate);
         }
-        if self.window.all().iter().filter(|line| line.is_used).count() < LINES_MIN {
-            return None;
-        }
-        let crossing = crossing(self.window.all())?;
+        let [east, north] = start_position(self.window.all())?;
         let mut start = SVector::zeros();
-        start[0] = crossing[0];
-        start[1] = crossing[1];
+        start[0] = east;
+        start[1] = north;
         Some(start)
     }
 

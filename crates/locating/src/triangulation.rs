@@ -10,51 +10,62 @@
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
-use crate::line_of_bearing::LineOfBearing;
+use crate::line_of_bearing::{LineOfBearing, Ray};
 
 /// A platform that has moved less than this has seen the emitter from one place, metres.
 const BASELINE_MIN_M: f64 = 1.0;
 
-/// Crossing of the lines that count, metres east and north; `None` if the platform did not move, or they cross behind
-/// it or nowhere.
+/// Crossing of the bearings that count, metres east and north; `None` if the platform did not move, or they cross
+/// behind it or nowhere.
 pub(crate) fn crossing(lines: &[LineOfBearing]) -> Option<[f64; 2]> {
-    let used = || lines.iter().filter(|line| line.is_used);
-    let weight: f64 = used().map(|line| line.information).sum();
-    let mean = |axis: usize| used().map(|s| s.information * s.platform_m[axis]).sum::<f64>() / weight;
+    let used = || {
+        let used = lines.iter().filter(|line| line.is_used);
+        used.filter_map(|line| Some((line.information, line.ray()?)))
+    };
+    let weight: f64 = used().map(|(information, _)| information).sum();
+    let mean = |axis: usize| used().map(|(w, ray)| w * ray.platform_m[axis]).sum::<f64>() / weight;
     let centre = [mean(0), mean(1)];
-    let spread: f64 = used().map(|s| s.information * s.distance_m(centre).powi(2)).sum();
+    let spread: f64 = used().map(|(w, ray)| w * distance_m(ray, centre).powi(2)).sum();
     // Lengths in units of the baseline, so that all three coefficients are about equally uncertain.
     let scale_m = (spread / weight).sqrt();
     if !scale_m.is_finite() || scale_m < BASELINE_MIN_M {
         return None;
     }
     let mut squares = Matrix3::zeros();
-    for line in used() {
-        let [east, north] = [0, 1].map(|axis| (line.platform_m[axis] - centre[axis]) / scale_m);
-        let row = Vector3::new(line.cosine, -line.sine, line.sine * north - line.cosine * east);
-        squares += row * row.transpose() * (line.information / weight);
+    for (information, ray) in used() {
+        let [east, north] = [0, 1].map(|axis| (ray.platform_m[axis] - centre[axis]) / scale_m);
+        let row = Vector3::new(ray.cosine, -ray.sine, ray.sine * north - ray.cosine * east);
+        squares += row * row.transpose() * (information / weight);
     }
     let eigen = SymmetricEigen::new(squares);
     let least = eigen.eigenvectors.column(eigen.eigenvalues.imin());
     let place = [0, 1].map(|axis| centre[axis] + scale_m * least[axis] / least[2]);
-    let ahead = |line: &LineOfBearing| {
-        let [east, north] = [0, 1].map(|axis| place[axis] - line.platform_m[axis]);
-        east * line.sine + north * line.cosine > 0.0
+    let ahead = |ray: &Ray| {
+        let [east, north] = [0, 1].map(|axis| place[axis] - ray.platform_m[axis]);
+        east * ray.sine + north * ray.cosine > 0.0
     };
-    let in_front: f64 = used().filter(|s| ahead(s)).map(|s| s.information).sum();
+    let in_front: f64 = used().filter(|(_, ray)| ahead(ray)).map(|(w, _)| w).sum();
     (place.iter().all(|value| value.is_finite()) && in_front > 0.5 * weight).then_some(place)
+}
+
+fn distance_m(ray: &Ray, place: [f64; 2]) -> f64 {
+    let [east, north]: [f64; 2] = std::array::from_fn(|axis| place[axis] - ray.platform_m[axis]);
+    (east * east + north * north).sqrt()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::line_of_bearing::Shape;
 
     fn seen(platform_m: [f64; 2], place: [f64; 2], error_rad: f64) -> LineOfBearing {
         let bearing = (place[0] - platform_m[0]).atan2(place[1] - platform_m[1]) + error_rad;
         LineOfBearing {
-            platform_m,
-            sine: bearing.sin(),
-            cosine: bearing.cos(),
+            shape: Shape::Ray(Ray {
+                platform_m,
+                sine: bearing.sin(),
+                cosine: bearing.cos(),
+            }),
             information: 1e4,
             is_used: true,
             ..LineOfBearing::NONE

@@ -9,8 +9,6 @@ use crate::line_of_bearing::LineOfBearing;
 
 /// Most lines of bearing that a filter keeps.
 pub const WINDOW_MAX: usize = 64;
-/// Largest bias that merging two lines may cause, in standard deviations of their mean.
-const LOSS_MAX: f64 = 0.05;
 
 /// Lines in the order of time.
 #[derive(Clone, Debug)]
@@ -83,7 +81,7 @@ impl Window {
         while next < before {
             let one = self.lines[next];
             let other = (next + 1 < before).then(|| self.lines[next + 1]);
-            let merged = other.filter(|other| may_merge(&one, other, position_m));
+            let merged = other.filter(|other| one.may_merge(other, position_m));
             self.lines[kept] = merged.map_or(one, |other| one.merged(&other));
             kept += 1;
             next += if merged.is_some() { 2 } else { 1 };
@@ -92,38 +90,77 @@ impl Window {
         before - kept
     }
 
+    /// Merges each difference of arrival times with the next one of the same receivers, wherever both fit the emitter's
+    /// positions and its way in between is too short to lose information. Returns the number of freed places.
+    pub(crate) fn merge_pairs(&mut self, position_at: impl Fn(i64) -> [f64; 2]) -> usize {
+        let mut is_merged = [false; WINDOW_MAX];
+        for place in 0..self.len {
+            let one = self.lines[place];
+            let is_next = |later: &usize| !is_merged[*later] && one.is_of_same_pair(&self.lines[*later]);
+            let later = (place + 1..self.len).find(is_next).filter(|_| !is_merged[place]);
+            if let Some(later) = later
+                && one.may_merge_moving(&self.lines[later], &position_at)
+            {
+                self.lines[place] = one.merged(&self.lines[later]);
+                is_merged[later] = true;
+            }
+        }
+        let (before, mut kept) = (self.len, 0);
+        for (place, is_merged) in is_merged[..before].iter().enumerate() {
+            if *is_merged {
+                continue;
+            }
+            // A merged line is later than the line whose place it took.
+            let line = self.lines[place];
+            let first = self.lines[..kept].partition_point(|other| other.time_ns <= line.time_ns);
+            self.lines.copy_within(first..kept, first + 1);
+            self.lines[first] = line;
+            kept += 1;
+        }
+        self.len = kept;
+        before - kept
+    }
+
+    /// Corrects the differences of arrival times by what is known of the clocks now: how far one is ahead of another at
+    /// a time, and the variance, metres and m².
+    pub(crate) fn set_clocks(&mut self, ahead: &impl Fn([u16; 2], i64) -> Option<(f64, f64)>) {
+        for place in 0..self.len {
+            let Some(numbers) = self.lines[place].clocks().map(|clocks| clocks.numbers) else {
+                continue;
+            };
+            let all = self.all().iter().filter_map(LineOfBearing::clocks);
+            let together: f64 = all
+                .filter(|all| all.numbers == numbers)
+                .map(|all| all.information)
+                .sum();
+            let line = &mut self.lines[place];
+            if let Some((ahead_m, variance_m2)) = ahead(numbers, line.time_ns) {
+                line.set_clocks(ahead_m, variance_m2, together);
+            }
+        }
+    }
+
     fn remove(&mut self, place: usize) {
         self.lines.copy_within(place + 1..self.len, place);
         self.len -= 1;
     }
 }
 
-/// Returns whether the error of the mean is small beside its standard deviation.
-fn may_merge(one: &LineOfBearing, other: &LineOfBearing, position_m: Option<[f64; 2]>) -> bool {
-    if one.is_used != other.is_used {
-        return false;
-    }
-    let Some(position_m) = position_m else { return true };
-    let apart = one.squared_distance_m2(other.platform_m);
-    let range = one
-        .squared_distance_m2(position_m)
-        .min(other.squared_distance_m2(position_m));
-    let information = one.information + other.information;
-    let limit = 8.0 * LOSS_MAX * range;
-    apart * apart * information < limit * limit
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::line_of_bearing::{Ray, Shape};
 
     fn at(east_m: f64) -> LineOfBearing {
         LineOfBearing {
             time_ns: (east_m * 1e9) as i64,
-            platform_m: [east_m, 0.0],
+            shape: Shape::Ray(Ray {
+                platform_m: [east_m, 0.0],
+                sine: 0.0,
+                cosine: 1.0,
+            }),
             information: 100.0,
             is_used: true,
-            ..LineOfBearing::NONE
         }
     }
 
@@ -138,7 +175,7 @@ mod tests {
         };
         let mut far = window();
         assert_eq!(far.merge(Some([0.0, 1e3])), 1);
-        assert_eq!(far.all()[0].platform_m, [5.0, 0.0]);
+        assert_eq!(far.all()[0].origin_m(), [5.0, 0.0]);
         assert_eq!(far.all()[0].information, 200.0);
         assert_eq!(far.all()[0].time_ns, 5_000_000_000);
         assert_eq!(far.all()[3], at(8_000.0));

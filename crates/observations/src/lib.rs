@@ -4,6 +4,7 @@
 //! - [`Detection`]: a measurement in the system frame, for sensors whose tracks Koseki makes;
 //! - [`SensorEvent`]: a detection, or a mark of the sensor's time among its detections;
 //! - [`Bearing`]: the direction of an emitter, from a direction finder that measures nothing else;
+//! - [`Arrival`]: when a transmission of an emitter arrived at a receiver; [`ReadyFix`]: its position, found by others;
 //! - [`WideAreaReport`]: the number of targets that a wide-area sensor has seen.
 //!
 //! Formats read and write these types, and algorithms process them, independently of each other. [`Sampled`] is the
@@ -12,6 +13,7 @@
 #![forbid(unsafe_code)]
 
 mod alerts;
+mod arrival;
 mod bearing;
 mod detection;
 mod observation;
@@ -19,6 +21,7 @@ mod sensor_event;
 mod wide_area;
 
 pub use alerts::Alerts;
+pub use arrival::{Arrival, ArrivalTime, EmitterMeasurement, ReadyFix, Receiver, ReceiverName};
 pub use bearing::Bearing;
 pub use detection::{
     Detection, DetectionPlatform, DetectionTruth, QUANTITIES_MAX, StatedHeight, StatedVelocity, TransponderReply,

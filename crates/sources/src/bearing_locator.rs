@@ -1,17 +1,19 @@
-//! Tracks of a source that delivers bearings: each goes through the locator ([`locating`], EL).
+//! Tracks of a source that delivers bearings, arrival times or fixes of emitters: each goes through the locator
+//! ([`locating`], EL).
 //!
 //! A bearing contains the platform's position, and is published with it, before the resulting track. An emitter
 //! without sufficient geometry for a fix has no track yet. Nothing waits: a track is as old as its latest bearing. A
-//! silent emitter has no further reports, as with any sensor.
+//! silent emitter has no further reports, as with any sensor. Only arrival times wait: for the other receivers of their
+//! transmission, until a later row or half a second without arrivals.
 
 use std::sync::atomic::AtomicU64;
 
 use estimation::SourceClock;
 use kept::{Memory, MemoryRefusal};
 use locating::settings::Settings;
-use locating::{EmitterMemory, LeftEmitters, Locator};
+use locating::{EmitterMemory, EmitterReport, LeftEmitters, Locator};
 use messages::{Counter, Counters, SensorTrack};
-use observations::{Bearing, Sampled};
+use observations::{ArrivalTime, EmitterMeasurement, Sampled};
 use reception::PlausibilityLimits;
 use settings::SettingsError;
 
@@ -19,7 +21,10 @@ use crate::detection_tracker::ingested;
 use crate::last_kept::LastKept;
 use crate::samples::Samples;
 
-/// Locator of one direction finder.
+/// Longest wait of a transmission for another receiver after its latest arrival, nanoseconds.
+const ARRIVAL_WAIT_NS: i64 = 500_000_000;
+
+/// Locator of one direction finder, or of one network of receivers.
 #[derive(Debug)]
 pub struct BearingLocator {
     source: u16,
@@ -33,6 +38,10 @@ pub struct BearingLocator {
     newest_ns: i64,
     /// Time of the latest state of the platform.
     platform_ns: i64,
+    /// Place of the latest measurement: platform, receiver or fix.
+    origin_m: [f64; 2],
+    /// Time of receipt of the latest arrival time that may wait for others.
+    arrived_ns: Option<i64>,
     memory: Option<EmitterMemory>,
     kept: LastKept,
 }
@@ -60,6 +69,8 @@ impl BearingLocator {
             rejected: RejectionCounts::default(),
             newest_ns: i64::MIN,
             platform_ns: i64::MIN,
+            origin_m: [0.0; 2],
+            arrived_ns: None,
             memory: None,
             kept: LastKept::default(),
         })
@@ -76,37 +87,77 @@ impl BearingLocator {
         self.received_ns = Some(received_ns);
     }
 
-    /// Takes a bearing received at `ingested_ns` (monotonic, nanoseconds).
-    pub fn take(&mut self, bearing: &Bearing, ingested_ns: i64, samples: &mut Samples) {
-        let time_ns = bearing.time_of_measurement_ns;
+    /// Takes a measurement received at `ingested_ns` (monotonic, nanoseconds).
+    pub fn take(&mut self, measured: &EmitterMeasurement, ingested_ns: i64, samples: &mut Samples) {
+        let time_ns = measured.time_ns();
         let is_wild = |received_ns: i64| !self.clock.believes(time_ns, received_ns, None);
         if self.received_ns.is_some_and(is_wild) {
             self.rejected.time += 1;
             return;
         }
-        // The locator counts rejected bearings.
-        let Ok(report) = self.locator.bearing(bearing) else {
-            return;
+        self.complete(Some(time_ns), ingested_ns, samples);
+        // The locator counts rejected measurements.
+        let taken = match measured {
+            EmitterMeasurement::Bearing(bearing) => self.locator.bearing(bearing),
+            EmitterMeasurement::Arrival(arrival) => self.locator.arrival(arrival),
+            EmitterMeasurement::Fix(fix) => self.locator.fix(fix),
         };
-        let stages = ingested(ingested_ns);
-        samples.bearings.push(bearing.sample(self.source, stages));
-        if bearing.time_of_measurement_ns > self.platform_ns {
-            self.platform_ns = bearing.time_of_measurement_ns;
-            samples.platforms.push(bearing.platform(self.source, stages));
-        }
-        if let Some(report) = report {
-            let mut track = report.sensor_track(self.source);
-            track.stages = stages;
-            if self.can_be(&track, bearing) {
-                self.newest_ns = self.newest_ns.max(track.time_of_measurement_ns);
-                samples.tracks.push(track);
+        let Ok(report) = taken else { return };
+        let [east, north, _] = match measured {
+            EmitterMeasurement::Bearing(bearing) => {
+                let stages = ingested(ingested_ns);
+                samples.bearings.push(bearing.sample(self.source, stages));
+                if time_ns > self.platform_ns {
+                    self.platform_ns = time_ns;
+                    samples.platforms.push(bearing.platform(self.source, stages));
+                }
+                bearing.platform_m
             }
+            EmitterMeasurement::Arrival(arrival) => {
+                self.arrived_ns = self.received_ns;
+                match arrival.time {
+                    ArrivalTime::At { receiver, .. } => receiver.position_m,
+                    ArrivalTime::Between { receivers, .. } => receivers[0].position_m,
+                }
+            }
+            EmitterMeasurement::Fix(fix) => fix.position_m,
+        };
+        self.origin_m = [east, north];
+        self.publish(report, ingested_ns, samples);
+    }
+
+    /// The clock has come to `steady_ns`, the UTC of the times given to [`Self::received`], and no received data wait:
+    /// a transmission does not wait for ever for another receiver.
+    pub fn elapsed(&mut self, steady_ns: i64, ingested_ns: i64, samples: &mut Samples) {
+        if self
+            .arrived_ns
+            .is_some_and(|arrived_ns| steady_ns - arrived_ns > ARRIVAL_WAIT_NS)
+        {
+            self.arrived_ns = None;
+            self.complete(None, ingested_ns, samples);
+        }
+    }
+
+    /// Processes transmissions that are complete at `now_ns` (UTC, nanoseconds); `None`: all.
+    fn complete(&mut self, now_ns: Option<i64>, ingested_ns: i64, samples: &mut Samples) {
+        while let Some(taken) = self.locator.complete(now_ns) {
+            self.publish(taken.unwrap_or_default(), ingested_ns, samples);
+        }
+    }
+
+    fn publish(&mut self, report: Option<EmitterReport>, ingested_ns: i64, samples: &mut Samples) {
+        let Some(report) = report else { return };
+        let mut track = report.sensor_track(self.source);
+        track.stages = ingested(ingested_ns);
+        if self.can_be(&track) {
+            self.newest_ns = self.newest_ns.max(track.time_of_measurement_ns);
+            samples.tracks.push(track);
         }
     }
 
     /// Returns whether a track's position and speed are within the limits of the source's targets; counts it if not.
-    fn can_be(&mut self, track: &SensorTrack, bearing: &Bearing) -> bool {
-        let [east, north] = [0, 1].map(|axis| track.position_m[axis] - bearing.platform_m[axis]);
+    fn can_be(&mut self, track: &SensorTrack) -> bool {
+        let [east, north] = [0, 1].map(|axis| track.position_m[axis] - self.origin_m[axis]);
         let is_near = east.hypot(north) <= self.limits.range_m;
         let is_slow = track.velocity_mps[0].hypot(track.velocity_mps[1]) <= self.limits.speed_mps;
         self.rejected.position += u64::from(!is_near);
@@ -142,7 +193,7 @@ impl BearingLocator {
     /// Saves the emitters, if that is due at `now_ns` (UTC, nanoseconds): before their tracks are published.
     pub fn keep(&mut self, now_ns: i64) {
         if let Some(memory) = &mut self.memory
-            && self.kept.is_due(self.locator.counts().bearings, now_ns)
+            && self.kept.is_due(self.locator.counts().measurements(), now_ns)
         {
             self.locator.keep(memory, now_ns);
         }
@@ -157,9 +208,12 @@ impl BearingLocator {
     pub fn count(&self, counters: &mut Counters) {
         let counts = self.locator.counts();
         for (counter, count) in [
-            (Counter::Detections, counts.bearings),
+            (Counter::Detections, counts.measurements()),
             (Counter::DetectionsWithoutFix, counts.without_fix),
-            (Counter::DetectionsRejected, counts.unusable),
+            (
+                Counter::DetectionsRejected,
+                counts.unusable + counts.alone + counts.clock_unknown + counts.impossible,
+            ),
             (Counter::RejectedLate, counts.out_of_order),
             (Counter::TracksDropped, counts.table_full),
             (Counter::RejectedTime, self.rejected.time),

@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicU64;
 
 use kept::{Memory, MemoryRefusal};
 use messages::{Counters, NS_PER_S, SensorBearing, sensor_track_bits};
-use observations::{Bearing, Observation, SensorEvent, ServiceMessage, WideAreaReport};
+use observations::{EmitterMeasurement, Observation, SensorEvent, ServiceMessage, WideAreaReport};
 use reception::{ConversionModel, Converter};
 use settings::SettingsError;
 use tracking::turn_time::TurnEstimate;
@@ -141,10 +141,10 @@ impl Pipeline {
         self.follow();
     }
 
-    /// Takes a bearing received at `ingested_ns`.
-    pub fn bearing(&mut self, bearing: &Bearing, ingested_ns: i64, samples: &mut Samples) {
+    /// Takes a measurement of an emitter received at `ingested_ns`.
+    pub fn emitter(&mut self, measured: &EmitterMeasurement, ingested_ns: i64, samples: &mut Samples) {
         if let Maker::Locator(locator) = &mut self.maker {
-            locator.take(bearing, ingested_ns, samples);
+            locator.take(measured, ingested_ns, samples);
         }
         self.follow();
     }
@@ -199,11 +199,14 @@ impl Pipeline {
     }
 
     /// The clock has come to `steady_ns`, the UTC of the times given to [`Self::received`], whether or not data have
-    /// come: a tracker's pictures do not wait for a silent sensor (WA-11). Nothing happens before the offset of the
-    /// source's clock is known.
-    pub fn elapsed(&mut self, steady_ns: i64, samples: &mut Samples) {
+    /// come: a tracker's pictures do not wait for a silent sensor (WA-11), nor a transmission for a silent receiver. A
+    /// tracker waits until the offset of the source's clock is known.
+    pub fn elapsed(&mut self, steady_ns: i64, mono_ns: i64, samples: &mut Samples) {
+        if let Maker::Locator(locator) = &mut self.maker {
+            locator.elapsed(steady_ns, mono_ns, samples);
+        }
         let Maker::Tracker(tracker) = &mut self.maker else {
-            return;
+            return self.follow();
         };
         if let Some((offset_s, _)) = self.converter.clock().offset() {
             tracker.elapsed(steady_ns.saturating_add((NS_PER_S * offset_s) as i64), samples);

@@ -1,8 +1,9 @@
-//! Bearings in datagrams (FM-7), and the direction finder behind the socket.
+//! Bearings, arrival times and fixes in datagrams (FM-7, FM-11), and the direction finder or network of receivers
+//! behind the socket.
 
 use anyhow::Context as _;
 use deployment::Process;
-use formats::bearings_csv::BearingReader;
+use formats::emitter_rows_csv::EmitterRowReader;
 use messages::Counters;
 use runtime::{HealthEntry, Now};
 
@@ -11,7 +12,7 @@ use crate::channel::SourceChannel;
 use crate::receiver::{DatagramReader, ReceiptTime};
 use crate::tables::{TableCounts, utc_ns};
 
-/// Reader of tables of bearings.
+/// Reader of tables of measurements of emitters.
 #[derive(Debug)]
 pub(crate) struct Bearings {
     channel: SourceChannel,
@@ -31,14 +32,18 @@ impl Bearings {
 impl DatagramReader for Bearings {
     fn take(&mut self, bytes: &[u8], received: ReceiptTime) -> anyhow::Result<()> {
         self.channel.received(received)?;
-        for mut bearing in self.tables.rows(bytes, BearingReader::new) {
-            bearing.time_of_measurement_ns = utc_ns(received.utc_ns, bearing.time_of_measurement_ns);
-            self.channel.bearing(&bearing, received.mono_ns)?;
+        for measured in self.tables.rows(bytes, EmitterRowReader::new) {
+            let measured = measured.at_ns(utc_ns(received.utc_ns, measured.time_ns()));
+            self.channel.emitter(&measured, received.mono_ns)?;
         }
         Ok(())
     }
 
-    fn publish(&mut self, _count: usize, _now: Now) -> anyhow::Result<()> {
+    fn publish(&mut self, count: usize, now: Now) -> anyhow::Result<()> {
+        // Received rows come before the clock.
+        if count == 0 {
+            self.channel.elapsed(now)?;
+        }
         self.channel.publish()
     }
 

@@ -5,7 +5,7 @@ use deployment::{Process, Source};
 use messages::{
     Counter, Counters, Cue, NS_PER_S, PlatformState, SensorBearing, SensorDetection, SensorTrack, WideArea,
 };
-use observations::{Bearing, Observation, Sampled, SensorEvent, ServiceMessage, WideAreaReport};
+use observations::{EmitterMeasurement, Observation, Sampled, SensorEvent, ServiceMessage, WideAreaReport};
 use runtime::clock::{SteadyClock, mono_ns};
 use runtime::{HealthEntry, Now, Publication};
 use sources::{Pipeline, Samples};
@@ -133,9 +133,9 @@ impl SourceChannel {
         self.publish_many()
     }
 
-    /// Takes a bearing received at `ingested_ns`.
-    pub(crate) fn bearing(&mut self, bearing: &Bearing, ingested_ns: i64) -> anyhow::Result<()> {
-        self.pipeline.bearing(bearing, ingested_ns, &mut self.gathered);
+    /// Takes a measurement of an emitter received at `ingested_ns`.
+    pub(crate) fn emitter(&mut self, measured: &EmitterMeasurement, ingested_ns: i64) -> anyhow::Result<()> {
+        self.pipeline.emitter(measured, ingested_ns, &mut self.gathered);
         self.publish_many()
     }
 
@@ -168,7 +168,8 @@ impl SourceChannel {
     /// wait: data that have arrived are not late, however long the process has stood still.
     pub(crate) fn elapsed(&mut self, now: Now) -> anyhow::Result<()> {
         let Some(steady) = self.steady else { return Ok(()) };
-        self.pipeline.elapsed(steady.utc_ns(now.mono_ns), &mut self.gathered);
+        let steady_ns = steady.utc_ns(now.mono_ns);
+        self.pipeline.elapsed(steady_ns, now.mono_ns, &mut self.gathered);
         self.publish_many()
     }
 

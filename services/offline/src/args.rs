@@ -314,21 +314,36 @@ Examples:
   koseki locate --bearings flight.csv --out fixes.csv
   koseki locate --bearings flight.csv --filter fixed --select staged --out fixes.csv --explain why.csv
   koseki locate --bearings flight.csv --out fixes.csv --picture emitter7.svg --emitter 7
+  koseki locate --bearings arrivals.csv --out fixes.csv                          rows of kind toa or tdoa
+  koseki locate --fixes radar.csv --select interval --out smooth.csv             fixes as they are, selected
+  koseki locate --bearings flight.csv --fixes radar.csv --out fixes.csv          both in one filter
 
-FILE     time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz[,heading_rad,frequency_hz]   a row per bearing, in the order of time
+--bearings time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz[,heading_rad,frequency_hz]   a row per bearing, in the order of time
          Radians clockwise from north, metres east, north and up; p is the position of the platform. A file may contain any
          number of emitters. If emitter_id is empty, frequency and direction identify the emitter, numbered from 1000001
          on. Unusable rows are omitted and counted.
+         With a column kind, a file mixes kinds of rows; values that a kind does not use may be empty:
+         bearing   as above; also if kind is empty
+         toa       receiver,t_s,sigma_s,px,py,pz: seconds since midnight at which a transmission arrived at a receiver, by
+                   its clock, the standard deviation in seconds, and the receiver's position. Rows of one emitter_id with
+                   the same time_s (to a millisecond) are one transmission, of 2 to 8 receivers.
+         tdoa      receiver,receiver_2,tdoa_s,sigma_s,px,py,pz,px_2,py_2,pz_2: arrival at receiver minus arrival at
+                   receiver_2. Rows count as independent; of more than two receivers, toa rows locate better.
+         Both need emitter_id. receiver is a name of 1 to 16 characters. With reference_x,reference_y,reference_z the place
+         of the emitter is known; such rows show how far the receivers' clocks are ahead and drift, and are not located.
+         In a file with such a row, arrivals before the clocks are known are omitted; in others, clocks are exact.
+--fixes  time_s,emitter_id,x,y,z and Pxx,Pxy,Pyy (m²), or variance_m2, the sum of both   a row per fix, in the order of time
 --filter auto      by the data: fixed point, straight motion or manoeuvring, the simplest model that explains the bearings
          fixed     a fixed or wandering point
          straight  straight motion, or manoeuvring
+         none      fixes of --fixes as they are; the default without --bearings. Other rows as with auto.
 --select auto      every fix steers the output, which never jumps: the best choice for unknown data
          none      fixes without selection
          interval  a fix per interval sets the direction of the output, which moves in straight lines
          minimum   … a fix at each minimum of the variance
          staged    intervals at first, later minima if they are frequent enough
 --out    {FIX}
-         a row per bearing as soon as the geometry allows a fix: the output; the trace of the filter's covariance; the
+         a row per bearing, transmission or fix as soon as the geometry allows a fix: the output; the trace of the filter's covariance; the
          filter's own fix (raw) with its covariance; the most likely model; 0 in agreed while its bearings are not used.
 --explain {DECISION}    value was compared with limit
 --config a TOML file; every key has a default:
@@ -345,13 +360,16 @@ fn locate_examples() -> String {
 /// `koseki locate`.
 #[derive(Debug, Args)]
 pub struct Locate {
-    /// Bearings: a CSV file in the order of time
+    /// Bearings and arrival times: a CSV file in the order of time
+    #[arg(long, value_name = "FILE", required_unless_present = "fixes")]
+    pub(crate) bearings: Option<PathBuf>,
+    /// Ready-made fixes of emitters: a CSV file in the order of time
     #[arg(long, value_name = "FILE")]
-    pub(crate) bearings: PathBuf,
+    pub(crate) fixes: Option<PathBuf>,
     /// States of the platform: a CSV file as for `koseki track`; bearings are then from its nose
     #[arg(long, value_name = "FILE")]
     pub(crate) platform: Option<PathBuf>,
-    /// Motion of emitters: auto, fixed or straight [default: the value in --config, else auto]
+    /// Motion of emitters: auto, fixed, straight or none [default: as in --config, else auto; for fixes alone none]
     #[arg(long, value_name = "FILTER")]
     pub(crate) filter: Option<String>,
     /// Selection of fixes: auto, none, interval, minimum or staged [default: the value in --config, else auto]

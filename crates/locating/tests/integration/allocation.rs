@@ -5,7 +5,7 @@ use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use locating::music::{AntennaArray, Music, MusicSettings, SimulatedArray, SimulatedWaves, Snapshots, SourceCount};
 use locating::selection::Select;
 use locating::{Locator, Settings};
-use observations::Bearing;
+use observations::{Arrival, ArrivalTime, Bearing, ReadyFix, Receiver, ReceiverName};
 
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
@@ -63,6 +63,67 @@ fn bearings_allocate_nothing() {
         ];
         assert!(happened.iter().all(|count| *count > 0), "{counts:?}");
     }
+}
+
+/// Arrivals of emitters that come and go, some of them late; now and then a reference emitter, and a fix.
+#[test]
+fn arrivals_and_fixes_allocate_nothing() {
+    let mut settings = Settings {
+        emitters_max: 20,
+        ..Settings::default()
+    };
+    settings.association.silent_max_s = 5.0;
+    let mut locator = Locator::new(settings).unwrap();
+    let mut state = 4321;
+    for step in 0..3_000i64 {
+        let time_of_measurement_ns = step * 250_000_000;
+        let emitter_id = (30.0 * random(&mut state)) as u32;
+        let place = [1e3 * f64::from(emitter_id), 2e3];
+        for (number, at) in [[-1e4, -1e4], [1e4, -1e4], [1e4, 1e4], [-1e4, 1e4]]
+            .into_iter()
+            .enumerate()
+        {
+            let way_m = f64::hypot(at[0] - place[0], at[1] - place[1]) + 60.0 * random(&mut state);
+            let late_m = if random(&mut state) < 0.2 {
+                2e4 * random(&mut state)
+            } else {
+                0.0
+            };
+            let arrival = Arrival {
+                time_of_measurement_ns,
+                emitter_id,
+                time: ArrivalTime::At {
+                    receiver: Receiver {
+                        name: ReceiverName::new(["a", "b", "c", "d"][number]).unwrap(),
+                        position_m: [at[0], at[1], 0.0],
+                    },
+                    t_s: step as f64 * 0.25 + (way_m + late_m) / 299_792_458.0,
+                },
+                sigma_s: 7e-8,
+                reference_m: emitter_id.is_multiple_of(5).then_some([place[0], place[1], 0.0]),
+            };
+            assert_no_alloc(|| {
+                while locator.complete(Some(time_of_measurement_ns)).is_some() {}
+                let _ = locator.arrival(&arrival);
+            });
+        }
+        let fix = ReadyFix {
+            time_of_measurement_ns,
+            emitter_id: 4,
+            position_m: [4e3, 2e3, 0.0],
+            covariance_m2: [1e4, 1e3, 2e4],
+        };
+        let _ = assert_no_alloc(|| locator.fix(&fix));
+    }
+    let counts = locator.counts();
+    let happened = [
+        counts.fixes,
+        counts.references,
+        counts.clock_unknown,
+        counts.ready_fixes,
+        counts.emitters_dropped,
+    ];
+    assert!(happened.iter().all(|count| *count > 0), "{counts:?}");
 }
 
 #[test]

@@ -1,32 +1,31 @@
-//! `koseki locate`: bearings of emitters into their positions (FM-7).
+//! `koseki locate`: bearings, arrival times and fixes of emitters into their positions (FM-7, FM-11).
 //!
-//! The locator is the locator of the live adapters. This command reads a file row by row and writes the results. A
+//! The locator is the locator of the live adapters. This command reads files row by row and writes the results. A
 //! file may hold any number of emitters; memory holds only the filters of each.
 
 mod decisions;
+mod input;
 mod picture;
 mod rows;
 mod summary;
 
-use std::cell::RefCell;
 use std::io::Write as _;
 use std::path::Path;
-use std::rc::Rc;
 
 use anyhow::Context as _;
-use formats::bearings_csv::BearingReader;
 use locating::selection::Select;
-use locating::settings::{FilterChoice, Settings};
-use locating::{BearingRejection, Locator};
-use observations::Bearing;
+use locating::settings::{ClockChoice, FilterChoice, Settings};
+use locating::{BearingRejection, EmitterReport, Locator};
+use observations::{ArrivalTime, Bearing, EmitterMeasurement};
 use platform::{Assumed, History, Mount, Refusal};
 
 use crate::args::Locate;
 use crate::files::{InputError, Usage, check_outputs};
-use crate::host::Host;
+use crate::host::{Host, TableOutput};
 use crate::locate_columns::FIX_COLUMNS;
-use crate::reading::{CountingInput, Progress, SkippedRows, platform_states};
+use crate::reading::{Progress, SkippedRows, platform_states};
 use decisions::Decisions;
+use input::{MeasuredRow, MeasurementInput};
 use picture::Paths;
 use summary::LocateSummary;
 
@@ -44,72 +43,151 @@ pub(crate) fn run(locate: &Locate, host: &dyn Host) -> anyhow::Result<()> {
         ("--explain", locate.explain.as_ref()),
         ("--picture", locate.picture.as_ref()),
     ];
-    check_outputs(
-        std::iter::once(&locate.bearings)
-            .chain(&locate.config)
-            .chain(&locate.platform),
-        &outputs,
-    )?;
-    let mut locator = Locator::new(settings(locate, host)?).map_err(|fault| Usage(fault.to_string()))?;
-    let mut input = BearingInput::open(host, &locate.bearings)?;
+    let inputs = [&locate.bearings, &locate.fixes, &locate.config, &locate.platform];
+    check_outputs(inputs.into_iter().flatten(), &outputs)?;
+    let mut settings = settings(locate, host)?;
+    let mut input = MeasurementInput::open(host, locate.bearings.as_deref(), locate.fixes.as_deref())?;
+    if settings.arrivals.clocks == ClockChoice::Auto && input.has_references {
+        settings.arrivals.clocks = ClockChoice::Estimated;
+    }
     let mut out = host.begin(&locate.out)?;
-    let unwritten = || format!("{} cannot be written", locate.out.display());
-    writeln!(out, "{}", FIX_COLUMNS).with_context(unwritten)?;
-    let mut decisions = locate
-        .explain
-        .as_deref()
-        .map(|path| Decisions::begin(host, path))
-        .transpose()?;
-    let mut paths = locate.picture.as_ref().map(|_| Paths::new(locate.emitter));
-    let mut summary = LocateSummary::default();
+    writeln!(out, "{FIX_COLUMNS}").with_context(|| unwritten(locate))?;
+    let explained = locate.explain.as_deref();
+    let mut location = Location {
+        locate,
+        locator: Locator::new(settings).map_err(|fault| Usage(fault.to_string()))?,
+        out,
+        decisions: explained.map(|path| Decisions::begin(host, path)).transpose()?,
+        paths: locate.picture.as_ref().map(|_| Paths::new(locate.emitter)),
+        summary: LocateSummary::default(),
+    };
     let progress = Progress::new(host, input.octets);
     let ship = locate
         .platform
         .as_deref()
         .map(|path| ship(host, path, &mut input.refusals))
         .transpose()?;
-    while let Some((line, measured)) = input.next()? {
-        let carried = ship.as_ref().map_or(Ok(measured), |ship| on_board(ship, &measured));
-        let bearing = match carried {
-            Ok(bearing) => bearing,
-            Err(refusal) => {
-                let why = format!("the platform's state at the time is not known: {refusal:?}");
-                input
-                    .refusals
-                    .refused("want of a platform state", input.path, line, why);
-                continue;
+    while let Some(mut row) = input.next()? {
+        location.complete(Some(&row), &mut input.refusals)?;
+        if let (EmitterMeasurement::Bearing(bearing), Some(ship)) = (&mut row.measured, &ship) {
+            match on_board(ship, bearing) {
+                Ok(carried) => *bearing = carried,
+                Err(refusal) => {
+                    let why = format!("the platform's state at the time is not known: {refusal:?}");
+                    let refusals = &mut input.refusals;
+                    refusals.refused("want of a platform state", row.path, row.line, why);
+                    continue;
+                }
             }
-        };
+        }
+        location.take(&row, &mut input.refusals)?;
+        progress.at(*input.octets_read.borrow())?;
+    }
+    location.complete(None, &mut input.refusals)?;
+    drop(progress);
+    location.finish(host, &input.refusals)
+}
+
+fn unwritten(locate: &Locate) -> String {
+    format!("{} cannot be written", locate.out.display())
+}
+
+/// The locator, and where its results go.
+struct Location<'a> {
+    locate: &'a Locate,
+    locator: Locator,
+    out: Box<dyn TableOutput>,
+    decisions: Option<Decisions>,
+    paths: Option<Paths>,
+    summary: LocateSummary,
+}
+
+impl Location<'_> {
+    /// Takes a measurement.
+    fn take(&mut self, row: &MeasuredRow<'_>, refusals: &mut SkippedRows) -> anyhow::Result<()> {
         let begin_ns = runtime::clock::mono_ns();
-        let taken = locator.bearing(&bearing);
-        summary.locator_ns += runtime::clock::mono_ns() - begin_ns;
+        let taken = match &row.measured {
+            EmitterMeasurement::Bearing(bearing) => self.locator.bearing(bearing),
+            EmitterMeasurement::Arrival(arrival) => self.locator.arrival(arrival),
+            EmitterMeasurement::Fix(fix) => self.locator.fix(fix),
+        };
+        self.summary.locator_ns += runtime::clock::mono_ns() - begin_ns;
+        // An arrival at a single receiver completes the transmission before.
+        let is_earlier = matches!(&row.measured, EmitterMeasurement::Arrival(arrival)
+            if matches!(arrival.time, ArrivalTime::At { .. }));
+        self.conclude(taken, Some(row), is_earlier, refusals)
+    }
+
+    /// Processes the transmissions that are complete before `next`, or all at the end.
+    fn complete(&mut self, next: Option<&MeasuredRow<'_>>, refusals: &mut SkippedRows) -> anyhow::Result<()> {
+        while let Some(taken) = self.locator.complete(next.map(|row| row.measured.time_ns())) {
+            self.conclude(taken, next, true, refusals)?;
+        }
+        Ok(())
+    }
+
+    /// Writes the result of a row, or of a transmission that ended before the row.
+    fn conclude(
+        &mut self,
+        taken: Result<Option<EmitterReport>, BearingRejection>,
+        row: Option<&MeasuredRow<'_>>,
+        is_earlier: bool,
+        refusals: &mut SkippedRows,
+    ) -> anyhow::Result<()> {
         match taken {
             Ok(report) => {
                 if let Some(report) = &report {
-                    rows::write(&mut out, report).with_context(unwritten)?;
-                    summary.emitters.insert(report.number);
+                    rows::write(&mut self.out, report).with_context(|| unwritten(self.locate))?;
+                    self.summary.emitters.insert(report.number);
                 }
-                if let Some(paths) = &mut paths {
-                    paths.take(&bearing, report.as_ref());
+                if let Some(paths) = &mut self.paths {
+                    let bearing = match row.map(|row| &row.measured) {
+                        Some(EmitterMeasurement::Bearing(bearing)) if !is_earlier => Some(bearing),
+                        _ => None,
+                    };
+                    paths.take(bearing, report.as_ref());
                 }
             }
-            Err(refusal) => input.refuse(line, refusal),
+            Err(refusal) => refuse(refusal, row, is_earlier, refusals),
         }
-        if let Some(table) = &mut decisions {
-            table.write(locator.decisions())?;
+        if let Some(table) = &mut self.decisions {
+            table.write(self.locator.decisions())?;
         }
-        summary.count(locator.decisions());
-        progress.at(*input.octets_read.borrow())?;
+        self.summary.count(self.locator.decisions());
+        Ok(())
     }
-    drop(progress);
-    out.finish()?;
-    if let Some(table) = decisions {
-        table.finish()?;
+
+    fn finish(self, host: &dyn Host, refusals: &SkippedRows) -> anyhow::Result<()> {
+        self.out.finish()?;
+        if let Some(table) = self.decisions {
+            table.finish()?;
+        }
+        if let (Some(paths), Some(file)) = (self.paths, &self.locate.picture) {
+            paths.draw(file)?;
+        }
+        self.summary.show(host, self.locate, &self.locator, refusals)
     }
-    if let (Some(paths), Some(file)) = (paths, &locate.picture) {
-        paths.draw(file)?;
+}
+
+/// Counts a refused row, or a refused transmission that ended before it.
+fn refuse(refusal: BearingRejection, row: Option<&MeasuredRow<'_>>, is_earlier: bool, refusals: &mut SkippedRows) {
+    let reason = match refusal {
+        BearingRejection::Unusable(_) => "a value that cannot be",
+        BearingRejection::OutOfOrder => "order of time",
+        BearingRejection::TableFull | BearingRejection::ReceiversFull => "want of places",
+        BearingRejection::Alone => "one receiver only",
+        BearingRejection::ClockUnknown => "unknown clocks",
+        BearingRejection::Impossible => "an impossible difference",
+    };
+    let is_of_row = matches!(refusal, BearingRejection::Unusable(_) | BearingRejection::ReceiversFull);
+    match row {
+        Some(row) if is_earlier && !is_of_row => {
+            let why = format!("an arrival before {refusal}");
+            refusals.refused(reason, row.path, row.line, why);
+        }
+        Some(row) => refusals.refused(reason, row.path, row.line, refusal),
+        None => refusals.refused_at_end(reason, format!("the last arrival of an emitter {refusal}")),
     }
-    summary.show(host, locate, &locator, &input.refusals)
 }
 
 /// Reads the states of the ship that carries the direction finder.
@@ -144,6 +222,9 @@ fn settings(locate: &Locate, host: &dyn Host) -> anyhow::Result<Settings> {
         let words = FilterChoice::ALL.map(FilterChoice::word);
         settings.motion.filter = FilterChoice::from_word(word).ok_or_else(|| not_known("--filter", word, &words))?;
     }
+    if locate.filter.is_none() && locate.bearings.is_none() && settings.motion.filter == FilterChoice::Auto {
+        settings.motion.filter = FilterChoice::None;
+    }
     if let Some(word) = &locate.select {
         let words = Select::ALL.map(Select::word);
         settings.selection.select = Select::from_word(word).ok_or_else(|| not_known("--select", word, &words))?;
@@ -153,59 +234,4 @@ fn settings(locate: &Locate, host: &dyn Host) -> anyhow::Result<Settings> {
 
 fn not_known(option: &str, word: &str, words: &[&str]) -> Usage {
     Usage(format!("{option} {word}: there are {}", words.join(", ")))
-}
-
-/// Bearing file. Unusable rows are skipped and counted.
-struct BearingInput<'a> {
-    path: &'a Path,
-    reader: BearingReader<CountingInput>,
-    octets: u64,
-    octets_read: Rc<RefCell<u64>>,
-    refusals: SkippedRows,
-    rows: u64,
-}
-
-impl<'a> BearingInput<'a> {
-    fn open(host: &dyn Host, path: &'a Path) -> Result<Self, InputError> {
-        let file = host.open(path)?;
-        let octets = file.length;
-        let octets_read = Rc::default();
-        let reader = BearingReader::new(CountingInput::new(file, Rc::clone(&octets_read)), 0);
-        Ok(Self {
-            path,
-            reader: reader.map_err(|error| InputError::new(path, error))?,
-            octets,
-            octets_read,
-            refusals: SkippedRows::default(),
-            rows: 0,
-        })
-    }
-
-    /// Returns the next readable row, with its line number.
-    fn next(&mut self) -> Result<Option<(u64, Bearing)>, InputError> {
-        while let Some(row) = self.reader.next() {
-            if let Some(bearing) = self.refusals.usable(self.path, row)? {
-                self.rows += 1;
-                return Ok(Some((self.reader.line(), bearing)));
-            }
-        }
-        if self.rows == 0 {
-            let why = self
-                .refusals
-                .first
-                .first()
-                .map_or("the file has a header only", String::as_str);
-            return Err(InputError::new(self.path, format!("no row can be used: {why}")));
-        }
-        Ok(None)
-    }
-
-    fn refuse(&mut self, line: u64, refusal: BearingRejection) {
-        let reason = match refusal {
-            BearingRejection::Unusable(_) => "a value that cannot be",
-            BearingRejection::OutOfOrder => "order of time",
-            BearingRejection::TableFull => "want of places",
-        };
-        self.refusals.refused(reason, self.path, line, refusal);
-    }
 }

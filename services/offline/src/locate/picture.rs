@@ -40,9 +40,10 @@ impl Paths {
         }
     }
 
-    /// Adds a bearing and the resulting report.
-    pub(super) fn take(&mut self, bearing: &Bearing, report: Option<&EmitterReport>) {
-        let number = report.map(|report| report.number).or(bearing.emitter_id);
+    /// Adds a bearing, if the report is of one, and the resulting report.
+    pub(super) fn take(&mut self, bearing: Option<&Bearing>, report: Option<&EmitterReport>) {
+        let of_bearing = bearing.and_then(|bearing| bearing.emitter_id);
+        let number = report.map(|report| report.number).or(of_bearing);
         if self.emitter.is_none() {
             self.emitter = number;
         }
@@ -50,7 +51,7 @@ impl Paths {
             return;
         }
         let km = |[east, north, _]: [f64; 3]| (east * 1e-3, north * 1e-3);
-        self.platform_km.push(km(bearing.platform_m));
+        self.platform_km.extend(bearing.map(|bearing| km(bearing.platform_m)));
         let Some(report) = report else { return };
         let [east, north] = report.raw.position_m;
         self.raw_km.push(km([east, north, 0.0]));
@@ -86,7 +87,7 @@ impl Paths {
         // The platform's path is drawn only near the fixes.
         let fixes = self.raw_km.iter().chain(&self.output_km);
         let (east, north, _) = equal_scales(fixes, (SIZE.0 - ASIDE, MAP_HEIGHT - ASIDE));
-        let title = format!("Emitter {} located from bearings", self.emitter.unwrap_or_default());
+        let title = format!("Emitter {} located", self.emitter.unwrap_or_default());
         let mut chart = map_chart(area, &title, &east, &north)?;
         let inside = |at: &(f64, f64)| east.contains(&at.0) && north.contains(&at.1);
         let parts = self.platform_km.split(|at| !inside(at)).filter(|part| part.len() > 1);

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
-use locating::{Decision, Locator, LocatorDecisionKind};
+use locating::{Decision, Locator, LocatorCounts, LocatorDecisionKind};
 use messages::NS_PER_S;
 use serde_json::{Value, json};
 
@@ -60,6 +60,9 @@ impl LocateSummary {
             "select": settings.selection.select.word(),
             "rows": counts.fixes,
             "bearings": counts.bearings,
+            "arrivals": counts.arrivals,
+            "references": counts.references,
+            "ready_fixes": counts.ready_fixes,
             "without_fix": counts.without_fix,
             "set_aside": counts.set_aside,
             "times_set_aside": self.times_set_aside,
@@ -85,8 +88,8 @@ impl LocateSummary {
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "{} bearings of {} emitters; {} with a fix: {}",
-            counts.bearings,
+            "{} of {} emitters; {} with a fix: {}",
+            taken(counts),
             counts.emitters,
             self.emitters.len(),
             if models.is_empty() {
@@ -97,8 +100,15 @@ impl LocateSummary {
         );
         let _ = writeln!(
             text,
-            "{} bearings before the geometry allowed a fix; {} set aside because they disagreed, {} times",
-            counts.without_fix, counts.set_aside, self.times_set_aside
+            "{} {} before the geometry allowed a fix; {} set aside because they disagreed, {} times",
+            counts.without_fix,
+            if counts.arrivals + counts.ready_fixes == 0 {
+                "bearings"
+            } else {
+                "measurements"
+            },
+            counts.set_aside,
+            self.times_set_aside
         );
         let _ = writeln!(
             text,
@@ -121,6 +131,21 @@ impl LocateSummary {
     }
 
     fn us_per_bearing(&self, locator: &Locator) -> f64 {
-        self.locator_ns as f64 * 1e-3 / locator.counts().bearings.max(1) as f64
+        self.locator_ns as f64 * 1e-3 / locator.counts().measurements().max(1) as f64
+    }
+}
+
+/// What was taken, by kind.
+fn taken(counts: &LocatorCounts) -> String {
+    let kinds = [
+        (counts.bearings, "bearings"),
+        (counts.arrivals, "arrivals"),
+        (counts.ready_fixes, "fixes"),
+    ];
+    let there_are = kinds.iter().filter(|(count, _)| *count > 0);
+    let words: Vec<String> = there_are.map(|(count, word)| format!("{count} {word}")).collect();
+    match words.is_empty() {
+        true => "0 measurements".to_owned(),
+        false => words.join(", "),
     }
 }

@@ -64,6 +64,17 @@ impl SkippedRows {
         self.add(reason.to_owned(), file, format!("line {line}: {why}"));
     }
 
+    /// Counts rows that were rejected when all rows had been read.
+    pub fn refused_at_end(&mut self, reason: &str, why: String) {
+        self.by_reason
+            .entry(reason.to_owned())
+            .and_modify(|rows| *rows += 1)
+            .or_insert(1);
+        if self.first.len() < SHOWN_MAX {
+            self.first.push(why);
+        }
+    }
+
     /// Counts a value without a row of its own.
     pub fn count(&mut self, reason: &str) {
         *self.by_reason.entry(reason.to_owned()).or_default() += 1;

@@ -1,0 +1,440 @@
+//! Measurements of emitters as CSV rows: bearings, arrival times and ready-made fixes (FM-7, FM-11).
+//!
+//! With a column `kind`, a table mixes `bearing`, `toa` and `tdoa` rows; an empty kind means `bearing`. A table
+//! without this column has bearings ([`crate::bearings_csv`]), or fixes if it has no `bearing_rad` but `x`. Columns
+//! that a row's kind does not use may be empty.
+//!
+//! - `toa`: `time_s,emitter_id,receiver,t_s,sigma_s,px,py,pz`: arrival at one receiver, by its clock;
+//! - `tdoa`: `time_s,emitter_id,receiver,receiver_2,tdoa_s,sigma_s,px,py,pz,px_2,py_2,pz_2`: arrival at `receiver`
+//!   minus arrival at `receiver_2`;
+//! - both, of a reference emitter: `reference_x,reference_y,reference_z`;
+//! - fixes: `time_s,emitter_id,x,y,z` and `Pxx,Pxy,Pyy` or `variance_m2`, the sum of both variances.
+
+use std::io::Read;
+
+use csv_table::{Cells, Column, CsvError, Table};
+use observations::{Arrival, ArrivalTime, EmitterMeasurement, ReadyFix, Receiver, ReceiverName};
+
+use crate::bearings_csv::BearingColumns;
+use crate::rows::{Columns, RowReader};
+
+/// Largest standard deviation of a usable time, seconds.
+const SIGMA_MAX_S: f64 = 1.0;
+
+/// Reads measurements of emitters.
+pub type EmitterRowReader<R> = RowReader<R, EmitterColumns>;
+
+/// Columns of measurements of emitters.
+#[derive(Debug)]
+pub struct EmitterColumns {
+    first_day_ns: i64,
+    kind: Option<Column>,
+    bearings: Option<BearingColumns>,
+    arrivals: Option<ArrivalColumns>,
+    fixes: Option<FixColumns>,
+}
+
+/// Columns of arrival times.
+#[derive(Debug)]
+struct ArrivalColumns {
+    time: Column,
+    emitter: Column,
+    /// Arrival at one receiver.
+    single: Option<Column>,
+    receiver: Column,
+    position: [Column; 3],
+    /// Difference, second receiver, and its position.
+    difference: Option<(Column, Column, [Column; 3])>,
+    sigma: Column,
+    reference: Option<[Column; 3]>,
+}
+
+/// Columns of ready-made fixes.
+#[derive(Debug)]
+struct FixColumns {
+    time: Column,
+    emitter: Column,
+    position: [Column; 3],
+    covariance: Option<[Column; 3]>,
+    variance: Option<Column>,
+}
+
+impl<R: Read> EmitterRowReader<R> {
+    /// Reads the header line. The rows' times count from `first_day_ns` (UTC, nanoseconds).
+    ///
+    /// # Errors
+    /// [`CsvError`] if a column is missing or the input fails.
+    pub fn new(input: R, first_day_ns: i64) -> Result<Self, CsvError> {
+        let table = Table::new(input)?;
+        let has = |name| table.optional(name).map(|column| column.is_some());
+        let kind = table.optional("kind")?;
+        let has_arrivals = kind.is_some() && (has("t_s")? || has("tdoa_s")?);
+        let has_fixes = kind.is_none() && !has("bearing_rad")? && has("x")?;
+        let has_bearings = has("bearing_rad")? || !has_arrivals && !has_fixes;
+        let columns = EmitterColumns {
+            first_day_ns,
+            kind,
+            bearings: has_bearings
+                .then(|| BearingColumns::find(&table, first_day_ns))
+                .transpose()?,
+            arrivals: has_arrivals.then(|| ArrivalColumns::find(&table)).transpose()?,
+            fixes: has_fixes.then(|| FixColumns::find(&table)).transpose()?,
+        };
+        Ok(Self { table, columns })
+    }
+
+    /// Whether the table may have rows of reference emitters.
+    pub fn has_references(&self) -> bool {
+        let arrivals = self.columns.arrivals.as_ref();
+        arrivals.is_some_and(|arrivals| arrivals.reference.is_some())
+    }
+
+    /// Whether the rows are ready-made fixes.
+    pub fn has_fixes(&self) -> bool {
+        self.columns.fixes.is_some()
+    }
+}
+
+impl Columns for EmitterColumns {
+    type Value = EmitterMeasurement;
+
+    fn read(&mut self, row: Cells<'_>) -> Result<EmitterMeasurement, CsvError> {
+        if let Some(fixes) = &self.fixes {
+            return Ok(EmitterMeasurement::Fix(fixes.read(row, self.first_day_ns)?));
+        }
+        let Some(kind) = self.kind else {
+            return self.bearing(row, None);
+        };
+        match row.text(kind)? {
+            None | Some("bearing") => self.bearing(row, Some(kind)),
+            Some(word @ ("toa" | "tdoa")) => {
+                let missing = || {
+                    row.error(
+                        kind,
+                        format!("needs the column {}", if word == "toa" { "t_s" } else { "tdoa_s" }),
+                    )
+                };
+                let arrivals = self.arrivals.as_ref().ok_or_else(missing)?;
+                let time = match word {
+                    "toa" => arrivals.single(row).transpose(),
+                    _ => arrivals.difference(row).transpose(),
+                };
+                let time = time.ok_or_else(missing)??;
+                Ok(EmitterMeasurement::Arrival(arrivals.read(
+                    row,
+                    time,
+                    self.first_day_ns,
+                )?))
+            }
+            Some(_) => Err(row.error(kind, "is no kind of measurement; there are bearing, toa and tdoa")),
+        }
+    }
+}
+
+impl EmitterColumns {
+    fn bearing(&mut self, row: Cells<'_>, kind: Option<Column>) -> Result<EmitterMeasurement, CsvError> {
+        match (&mut self.bearings, kind) {
+            (None, Some(kind)) => Err(row.error(kind, "stands for a bearing, which needs the column bearing_rad")),
+            (Some(bearings), _) => bearings.read(row).map(EmitterMeasurement::Bearing),
+            (None, None) => unreachable!("without a kind a table has fixes or bearings"),
+        }
+    }
+}
+
+impl ArrivalColumns {
+    fn find<R: Read>(table: &Table<R>) -> Result<Self, CsvError> {
+        let difference = match table.optional("tdoa_s")? {
+            Some(column) => {
+                let second = table.all(["px_2", "py_2", "pz_2"])?;
+                Some((column, table.required("receiver_2")?, second))
+            }
+            None => None,
+        };
+        let has_reference = table.optional("reference_x")?.is_some();
+        let reference = ["reference_x", "reference_y", "reference_z"];
+        Ok(Self {
+            time: table.required("time_s")?,
+            emitter: table.required("emitter_id")?,
+            single: table.optional("t_s")?,
+            receiver: table.required("receiver")?,
+            position: table.all(["px", "py", "pz"])?,
+            difference,
+            sigma: table.required("sigma_s")?,
+            reference: has_reference.then(|| table.all(reference)).transpose()?,
+        })
+    }
+
+    fn read(&self, row: Cells<'_>, time: ArrivalTime, first_day_ns: i64) -> Result<Arrival, CsvError> {
+        Ok(Arrival {
+            time_of_measurement_ns: first_day_ns.saturating_add(row.time_ns(self.time)?),
+            emitter_id: row.whole(self.emitter)?,
+            time,
+            sigma_s: sigma(row, self.sigma)?,
+            reference_m: self.reference(row)?,
+        })
+    }
+
+    fn single(&self, row: Cells<'_>) -> Result<Option<ArrivalTime>, CsvError> {
+        let Some(column) = self.single else { return Ok(None) };
+        let receiver = receiver(row, self.receiver, self.position)?;
+        let t_s = row.time_s(column)?;
+        Ok(Some(ArrivalTime::At { receiver, t_s }))
+    }
+
+    fn difference(&self, row: Cells<'_>) -> Result<Option<ArrivalTime>, CsvError> {
+        let Some((column, name, position)) = self.difference else {
+            return Ok(None);
+        };
+        let receivers = [
+            receiver(row, self.receiver, self.position)?,
+            receiver(row, name, position)?,
+        ];
+        if receivers[0].name == receivers[1].name {
+            return Err(row.error(
+                name,
+                "is the same receiver as in column receiver; a difference needs two",
+            ));
+        }
+        let tdoa_s = row.number(column)?;
+        Ok(Some(ArrivalTime::Between { receivers, tdoa_s }))
+    }
+
+    /// Position of a reference emitter; `None` if all three values are empty.
+    fn reference(&self, row: Cells<'_>) -> Result<Option<[f64; 3]>, CsvError> {
+        let Some(columns) = self.reference else { return Ok(None) };
+        let mut is_stated = false;
+        for column in columns {
+            is_stated |= row.text(column)?.is_some();
+        }
+        is_stated.then(|| row.numbers(columns)).transpose()
+    }
+}
+
+impl FixColumns {
+    fn find<R: Read>(table: &Table<R>) -> Result<Self, CsvError> {
+        let variance = table.optional("variance_m2")?;
+        let has_covariance = table.optional("Pxx")?.is_some() || variance.is_none();
+        Ok(Self {
+            time: table.required("time_s")?,
+            emitter: table.required("emitter_id")?,
+            position: table.all(["x", "y", "z"])?,
+            covariance: has_covariance.then(|| table.all(["Pxx", "Pxy", "Pyy"])).transpose()?,
+            variance,
+        })
+    }
+
+    fn read(&self, row: Cells<'_>, first_day_ns: i64) -> Result<ReadyFix, CsvError> {
+        Ok(ReadyFix {
+            time_of_measurement_ns: first_day_ns.saturating_add(row.time_ns(self.time)?),
+            emitter_id: row.whole(self.emitter)?,
+            position_m: row.numbers(self.position)?,
+            covariance_m2: self.covariance(row)?,
+        })
+    }
+
+    fn covariance(&self, row: Cells<'_>) -> Result<[f64; 3], CsvError> {
+        if let Some(variance) = self.variance {
+            let is_needed = match self.covariance {
+                Some([first, ..]) => row.text(first)?.is_none(),
+                None => true,
+            };
+            if is_needed {
+                let half_m2 = 0.5 * above_zero(row, variance)?;
+                return Ok([half_m2, 0.0, half_m2]);
+            }
+        }
+        let Some([xx, xy, yy]) = self.covariance else {
+            unreachable!("a table of fixes has one of both")
+        };
+        let covariance_m2 = [above_zero(row, xx)?, row.number(xy)?, above_zero(row, yy)?];
+        let limit_m2 = (covariance_m2[0] * covariance_m2[2]).sqrt();
+        match covariance_m2[1].abs() < limit_m2 {
+            true => Ok(covariance_m2),
+            false => Err(row.error(
+                xy,
+                format!("must lie between -{limit_m2} and {limit_m2}, the root of Pxx times Pyy"),
+            )),
+        }
+    }
+}
+
+fn receiver(row: Cells<'_>, name: Column, position: [Column; 3]) -> Result<Receiver, CsvError> {
+    let text = row.text(name)?.unwrap_or_default();
+    let no_name = || row.error(name, "is no name; write 1 to 16 visible ASCII characters");
+    Ok(Receiver {
+        name: ReceiverName::new(text).ok_or_else(no_name)?,
+        position_m: row.numbers(position)?,
+    })
+}
+
+fn sigma(row: Cells<'_>, column: Column) -> Result<f64, CsvError> {
+    match row.number(column)? {
+        ..=0.0 => Err(row.error(column, "must be greater than 0; a standard deviation is, in seconds")),
+        sigma if sigma > SIGMA_MAX_S => {
+            let reason = format!("is more than {SIGMA_MAX_S}, which locates nothing; write seconds, not metres");
+            Err(row.error(column, reason))
+        }
+        sigma => Ok(sigma),
+    }
+}
+
+fn above_zero(row: Cells<'_>, column: Column) -> Result<f64, CsvError> {
+    match row.number(column)? {
+        ..=0.0 => Err(row.error(column, "must be greater than 0; a variance is, in square metres")),
+        variance => Ok(variance),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HEADER: &str = "time_s,emitter_id,kind,bearing_rad,sigma_rad,px,py,pz,receiver,receiver_2,px_2,py_2,pz_2,t_s,\
+                          tdoa_s,sigma_s,reference_x,reference_y,reference_z";
+
+    fn read(header: &str, rows: &str) -> Vec<Result<EmitterMeasurement, String>> {
+        let text = format!("{header}\n{rows}");
+        let reader = EmitterRowReader::new(text.as_bytes(), 1_000).unwrap();
+        reader.map(|row| row.map_err(|error| error.to_string())).collect()
+    }
+
+    fn receiver(name: &str, position_m: [f64; 3]) -> Receiver {
+        let name = ReceiverName::new(name).unwrap();
+        Receiver { name, position_m }
+    }
+
+    #[test]
+    fn kinds_are_read_side_by_side() {
+        let rows = "1,7,,0.5,0.01,10,20,30,,,,,,,,,,,\n2,7,bearing,0.5,0.01,10,20,30,,,,,,,,,,,\n\
+                    2.5,7,toa,,,1,2,3,north,,,,,2.5000125,,1e-8,,,\n\
+                    3,8,tdoa,,,1,2,3,north,2,4,5,6,,-2e-5,1e-8,7,8,9\n";
+        let found = read(HEADER, rows);
+        assert!(matches!(found[0], Ok(EmitterMeasurement::Bearing(bearing)) if bearing.bearing_rad == 0.5));
+        assert!(matches!(found[1], Ok(EmitterMeasurement::Bearing(_))));
+        let single = Arrival {
+            time_of_measurement_ns: 2_500_001_000,
+            emitter_id: 7,
+            time: ArrivalTime::At {
+                receiver: receiver("north", [1.0, 2.0, 3.0]),
+                t_s: 2.500_012_5,
+            },
+            sigma_s: 1e-8,
+            reference_m: None,
+        };
+        assert_eq!(found[2], Ok(EmitterMeasurement::Arrival(single)));
+        let difference = Arrival {
+            time_of_measurement_ns: 3_000_001_000,
+            emitter_id: 8,
+            time: ArrivalTime::Between {
+                receivers: [receiver("north", [1.0, 2.0, 3.0]), receiver("2", [4.0, 5.0, 6.0])],
+                tdoa_s: -2e-5,
+            },
+            reference_m: Some([7.0, 8.0, 9.0]),
+            ..single
+        };
+        assert_eq!(found[3], Ok(EmitterMeasurement::Arrival(difference)));
+    }
+
+    #[test]
+    fn fixes_state_a_covariance_or_its_trace() {
+        let fix = ReadyFix {
+            time_of_measurement_ns: 1_000_001_000,
+            emitter_id: 7,
+            position_m: [1.0, 2.0, 3.0],
+            covariance_m2: [4.0, 1.0, 9.0],
+        };
+        let both = "time_s,emitter_id,x,y,z,Pxx,Pxy,Pyy,variance_m2";
+        let halves = ReadyFix {
+            covariance_m2: [50.0, 0.0, 50.0],
+            ..fix
+        };
+        for (header, row, expected) in [
+            ("time_s,emitter_id,x,y,z,Pxx,Pxy,Pyy", "1,7,1,2,3,4,1,9", fix),
+            ("time_s,emitter_id,x,y,z,variance_m2", "1,7,1,2,3,100", halves),
+            (both, "1,7,1,2,3,4,1,9,100", fix),
+            (both, "1,7,1,2,3,,,,100", halves),
+        ] {
+            assert_eq!(read(header, row), [Ok(EmitterMeasurement::Fix(expected))], "{header}");
+        }
+        let missing = EmitterRowReader::new("time_s,emitter_id,x,y,z\n".as_bytes(), 0).unwrap_err();
+        assert!(missing.to_string().contains("column Pxx is missing"), "{missing}");
+    }
+
+    #[test]
+    fn what_cannot_be_meant_is_refused_with_place_and_remedy() {
+        for (row, expected) in [
+            (
+                "1,7,adoa,,,1,2,3,a,,,,,1,,1e-8,,,",
+                "column kind: \"adoa\" is no kind of measurement",
+            ),
+            (
+                "1,,toa,,,1,2,3,a,,,,,1,,1e-8,,,",
+                "column emitter_id: \"\" is no whole number",
+            ),
+            ("1,7,toa,,,1,2,3,,,,,,1,,1e-8,,,", "column receiver: \"\" is no name"),
+            ("1,7,toa,,,1,,3,a,,,,,1,,1e-8,,,", "column py: \"\" is empty"),
+            ("1,7,toa,,,1,2,3,a,,,,,,,1e-8,,,", "column t_s: \"\" is empty"),
+            (
+                "1,7,toa,,,1,2,3,a,,,,,1,,0,,,",
+                "column sigma_s: \"0\" must be greater than 0",
+            ),
+            (
+                "1,7,toa,,,1,2,3,a,,,,,1,,20,,,",
+                "column sigma_s: \"20\" is more than 1",
+            ),
+            (
+                "1,7,toa,,,1,2,3,a,,,,,1,,1e-8,5,,6",
+                "column reference_y: \"\" is empty",
+            ),
+            (
+                "1,7,tdoa,,,1,2,3,a,a,4,5,6,,1e-6,1e-8,,,",
+                "column receiver_2: \"a\" is the same receiver",
+            ),
+            (
+                "1,7,tdoa,,,1,2,3,a,b,4,5,6,,NaN,1e-8,,,",
+                "column tdoa_s: \"NaN\" is not finite",
+            ),
+            (
+                "1,7,,,,1,2,3,a,b,4,5,6,,1e-6,1e-8,,,",
+                "column bearing_rad: \"\" is empty",
+            ),
+        ] {
+            let [Err(text)] = &read(HEADER, row)[..] else {
+                panic!("{row}")
+            };
+            assert!(text.starts_with("line 2, ") && text.contains(expected), "{text}");
+        }
+        for (header, row, expected) in [
+            (
+                "time_s,emitter_id,kind,receiver,t_s,sigma_s,px,py,pz",
+                "1,7,,a,1,1e-8,1,2,3",
+                "bearing_rad",
+            ),
+            (
+                "time_s,emitter_id,kind,receiver,t_s,sigma_s,px,py,pz",
+                "1,7,tdoa,a,1,1e-8,1,2,3",
+                "tdoa_s",
+            ),
+            (
+                "time_s,emitter_id,kind,bearing_rad,sigma_rad,px,py,pz",
+                "1,7,toa,1,0.1,1,2,3",
+                "t_s",
+            ),
+            (
+                "time_s,emitter_id,x,y,z,Pxx,Pxy,Pyy",
+                "1,7,1,2,3,4,6,9",
+                "between -6 and 6",
+            ),
+            (
+                "time_s,emitter_id,x,y,z,variance_m2",
+                "1,7,1,2,3,0",
+                "must be greater than 0",
+            ),
+        ] {
+            let [Err(text)] = &read(header, row)[..] else {
+                panic!("{row}")
+            };
+            assert!(text.contains(expected), "{text}");
+        }
+    }
+}
