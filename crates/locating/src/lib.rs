@@ -58,14 +58,17 @@
 
 mod bank;
 mod counts;
+mod cue;
 mod explanation;
 mod gauss_newton;
 mod kinematics;
 mod line_of_bearing;
 mod linear;
 mod locator;
+mod mixture;
 mod motion;
 pub mod music;
+mod ranges;
 mod resumption;
 pub mod selection;
 pub mod settings;
@@ -75,6 +78,7 @@ mod window;
 
 pub use bank::RawFix;
 pub use counts::LocatorCounts;
+pub use cue::TurnSide;
 pub use explanation::{Decision, LocatorDecisionKind};
 pub use locator::{BearingRejection, EmitterReport, Locator, OWN_NUMBERS};
 pub use motion::MotionModel;

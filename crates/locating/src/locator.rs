@@ -7,6 +7,7 @@ use settings::SettingsError;
 
 use crate::bank::{Bank, BankNotes, RawFix};
 use crate::counts::LocatorCounts;
+use crate::cue::{TurnCue, turn_for_range};
 use crate::explanation::{Decision, LocatorDecisionKind};
 use crate::line_of_bearing::LineOfBearing;
 use crate::selection::{Fix, Output, Selector};
@@ -22,6 +23,10 @@ const SIGMA_MAX_RAD: f64 = 1.0;
 const COORDINATE_MAX_M: f64 = 1e9;
 /// Heights are not observed: standard deviation, metres.
 const HEIGHT_SIGMA_M: f64 = 1e4;
+/// An emitter without a range for this long is a reason to turn, seconds; another course is one that differs by so
+/// much, radians.
+const CUED_AFTER_S: f64 = 120.0;
+const COURSE_CHANGE_RAD: f64 = 0.5;
 /// Frequencies that were not measured fit all.
 const ANY_FREQUENCY_HZ: f64 = 0.0;
 
@@ -115,6 +120,8 @@ struct Emitter {
     last: LineOfBearing,
     last_heading_rad: Option<f64>,
     turning_since_ns: Option<i64>,
+    /// Course of the platform at the last cue to turn, radians.
+    cued_rad: Option<f64>,
     bank: Bank,
     selector: Selector,
 }
@@ -247,6 +254,7 @@ impl Locator {
                 last: known.last,
                 last_heading_rad: known.last_heading_rad,
                 turning_since_ns: known.turning_since_ns,
+                cued_rad: None,
                 bank: Bank::new(&self.settings.motion),
                 selector: Selector::new(self.settings.selection),
             });
@@ -260,12 +268,23 @@ impl Locator {
         let mut notes = BankNotes::EMPTY;
         let (models, turning_since_ns) = ((&settings.motion, &settings.consistency), emitter.turning_since_ns);
         emitter.bank.add(line, after_s, turning_since_ns, models, &mut notes);
+        let cue = emitter.cue(line);
         emitter.last = *line;
         let (number, first_ns, time_ns) = (emitter.number, emitter.first_ns, line.time_ns);
-        let fix = emitter.bank.fix_at(time_ns);
+        let fix = emitter.bank.fix_at(time_ns, &settings.motion);
         let output = fix.and_then(|raw| emitter.selector.fix(&selectable(&raw, time_ns - first_ns)));
         for (kind, value, limit) in notes.iter() {
             self.decide(time_ns, number, kind, value, limit);
+        }
+        if let Some(cue) = cue {
+            let kind = LocatorDecisionKind::RangeNeedsTurn(cue.side);
+            self.decide(
+                time_ns,
+                number,
+                kind,
+                cue.course_rad.to_degrees(),
+                cue.present_rad.to_degrees(),
+            );
         }
         let (Some(raw), Some(output)) = (fix, output) else {
             self.counts.without_fix += 1;
@@ -338,6 +357,7 @@ impl Locator {
                 last: *line,
                 last_heading_rad: None,
                 turning_since_ns: None,
+                cued_rad: None,
                 bank: Bank::new(&self.settings.motion),
                 selector: Selector::new(self.settings.selection),
             });
@@ -354,7 +374,7 @@ impl Locator {
         emitter.is_labelled = is_labelled;
         emitter.frequency_hz = bearing.frequency_hz.unwrap_or(ANY_FREQUENCY_HZ);
         (emitter.first_ns, emitter.last) = (line.time_ns, *line);
-        (emitter.last_heading_rad, emitter.turning_since_ns) = (None, None);
+        (emitter.last_heading_rad, emitter.turning_since_ns, emitter.cued_rad) = (None, None, None);
         if let Err(place) = self.place(is_labelled, number) {
             self.index.insert(place, (is_labelled, number, slot as u32));
         }
@@ -420,6 +440,23 @@ impl Emitter {
         let along = line.cosine * self.last.cosine + line.sine * self.last.sine;
         let difference = across.atan2(along);
         (difference * difference / variance, variance.ln())
+    }
+
+    /// The turn that would show the range, if it is open: once on each course. `line` is not the last one yet.
+    fn cue(&mut self, line: &LineOfBearing) -> Option<TurnCue> {
+        if !self.bank.is_range_open() {
+            self.cued_rad = None;
+            return None;
+        }
+        let cue = turn_for_range(&self.last, line).filter(|_| line.after_s(self.first_ns) > CUED_AFTER_S)?;
+        let is_known = self
+            .cued_rad
+            .is_some_and(|cued| (cue.present_rad - cued).cos() > COURSE_CHANGE_RAD.cos());
+        if is_known {
+            return None;
+        }
+        self.cued_rad = Some(cue.present_rad);
+        Some(cue)
     }
 
     /// Detects whether and since when the platform turns, by the heading at the line after the last line.
