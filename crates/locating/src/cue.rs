@@ -82,8 +82,8 @@ mod tests {
         for (course_deg, bearing_deg, to_deg, side) in [
             (140.0, 80.0, 350.0, TurnSide::Port),
             (20.0, 80.0, 170.0, TurnSide::Starboard),
-            (0.0, 270.0, 180.0, TurnSide::Starboard),
-            (100.0, 300.0, 30.0, TurnSide::Port),
+            (10.0, 270.0, 180.0, TurnSide::Starboard),
+            (100.0, 300.0, 210.0, TurnSide::Starboard),
         ] {
             let (sine, cosine) = f64::to_radians(course_deg).sin_cos();
             let found = turn_for_range(

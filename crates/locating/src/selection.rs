@@ -45,7 +45,8 @@
 //!
 //! Source: patent JP7553304B2.
 
-/// Steered: while the variance falls by this share from fix to fix, fixes are passed on.
+/// Steered: while the variance falls by this share from fix to fix, fixes are passed on, if the output is more than a
+/// standard deviation away.
 const FALLING_SHARE: f64 = 0.2;
 /// Steered: an output this many standard deviations away from the fix, for so many fixes in a row, is given up.
 const DEPARTED_SIGMAS: f64 = 3.0;
@@ -342,12 +343,12 @@ impl Selector {
         if is_first && (!is_below || is_falling) {
             return None;
         }
-        if self.has_departed(fix, before) || is_falling {
+        let off_m2 = squared_distance(fix.position_m, before.position_m);
+        if self.has_departed(off_m2, fix.variance_m2) || (is_falling && off_m2 > fix.variance_m2) {
             self.stage = SelectionStage::Passing;
-            let off = squared_distance(fix.position_m, before.position_m);
             return Some((
                 SelectionReason::Departed,
-                off.sqrt(),
+                off_m2.sqrt(),
                 DEPARTED_SIGMAS * fix.variance_m2.sqrt(),
             ));
         }
@@ -367,9 +368,8 @@ impl Selector {
     }
 
     /// Steered: whether the fixes have left the output, because the belief about the emitter has changed.
-    fn has_departed(&mut self, fix: &Fix, before: Point) -> bool {
-        let off_m2 = squared_distance(fix.position_m, before.position_m);
-        let is_far = off_m2 > DEPARTED_SIGMAS * DEPARTED_SIGMAS * fix.variance_m2;
+    fn has_departed(&mut self, off_m2: f64, variance_m2: f64) -> bool {
+        let is_far = off_m2 > DEPARTED_SIGMAS * DEPARTED_SIGMAS * variance_m2;
         self.departed = if is_far { self.departed + 1 } else { 0 };
         self.departed >= DEPARTED_FIXES
     }

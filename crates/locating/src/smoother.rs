@@ -315,7 +315,7 @@ impl<const D: usize> Smoother<D> {
     /// Whether the window is to be linearised anew: at every bearing at first, then less often.
     fn is_due(&self) -> bool {
         let wait = match self.stage {
-            FilterStage::Settled => (self.settled_for / 2).min(RELINEARISED_EVERY),
+            FilterStage::Settled => RELINEARISED_EVERY,
             _ => (self.bearings / SEARCHED_EVERY).min(RELINEARISED_EVERY),
         };
         self.since_linearised >= wait.max(1)
