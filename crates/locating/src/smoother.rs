@@ -41,10 +41,9 @@ use crate::window::Window;
 
 /// The geometry allows a fix when the longest half-axis of its error ellipse is below this share of the range.
 const LOCATED_SHARE: f64 = 0.3;
-/// The same while hypotheses about the range compete, of the present range; or of the longer of the first and the
-/// present one.
-const SHOWN_SHARE: f64 = 0.25;
-const SHOWN_SHARE_LONGEST: f64 = 0.08;
+/// While hypotheses about the range compete, this is a share of the present range; or it is below this share of the
+/// longer of the first and the present one.
+const LOCATED_SHARE_LONGEST: f64 = 0.08;
 /// … and no longer above this one.
 const LOST_SHARE: f64 = 0.5;
 /// From this share on the linearisation is good enough to judge bearings one by one.
@@ -315,6 +314,8 @@ impl<const D: usize> Smoother<D> {
     /// Whether the window is to be linearised anew: at every bearing at first, then less often.
     fn is_due(&self) -> bool {
         let wait = match self.stage {
+            // A velocity is found late: while the filter is young, its linearisation ages fast.
+            FilterStage::Settled if D == 4 => (self.settled_for / 2).min(RELINEARISED_EVERY),
             FilterStage::Settled => RELINEARISED_EVERY,
             _ => (self.bearings / SEARCHED_EVERY).min(RELINEARISED_EVERY),
         };
@@ -546,7 +547,9 @@ impl<const D: usize> Smoother<D> {
         }
         self.is_misfit = !found.is_plausible;
         if self.is_misfit {
+            // The lines at hand later may fit together: all ranges are possible again.
             self.stage = FilterStage::Searching;
+            self.renew_ranges();
             return;
         }
         self.estimate = found.mean;
@@ -560,10 +563,14 @@ impl<const D: usize> Smoother<D> {
         for axis in 2..D {
             self.prior.information[(axis, axis)] = self.speed_sigma_mps.powi(-2);
         }
+        self.renew_ranges();
+        self.since_linearised = RELINEARISED_EVERY;
+    }
+
+    fn renew_ranges(&mut self) {
         if let Some(first) = self.window.all().first() {
             self.ranges = Some(RangeHypotheses::new(first, self.model.range_sigma_m));
         }
-        self.since_linearised = RELINEARISED_EVERY;
     }
 
     fn problem<'a>(&'a self, lines: &'a [LineOfBearing]) -> LeastSquaresProblem<'a, D> {
@@ -596,7 +603,7 @@ impl<const D: usize> Smoother<D> {
         }
         let [present, longest] = self.shares(latest);
         let (share, is_located) = match self.ranges.is_some() {
-            true => (present, present < SHOWN_SHARE || longest < SHOWN_SHARE_LONGEST),
+            true => (present, present < LOCATED_SHARE || longest < LOCATED_SHARE_LONGEST),
             false => (longest, longest < LOCATED_SHARE),
         };
         if share > LOST_SHARE {
