@@ -83,8 +83,8 @@ fn emitters_are_located_and_every_decision_has_a_row() {
     let decisions = rows(&folder.read("why.csv"));
     for (decision, subject) in [
         ("emitter_started", ""),
-        ("model_chosen", "fixed"),
-        ("model_chosen", "straight"),
+        ("model_leads", "fixed"),
+        ("model_leads", "straight"),
         ("selection", "steered"),
     ] {
         assert!(

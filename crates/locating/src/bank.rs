@@ -1,51 +1,63 @@
-//! Several models of one emitter's motion side by side; the bearings decide (EL-2).
+//! Several models of one emitter's motion side by side, mixed by evidence (EL-2).
 //!
 //! The motion of an emitter is unknown beforehand. A filter for fixed points is wrong for a moving emitter, and a
 //! filter for straight motion is less accurate: from a platform that flies straight it cannot determine the range at
-//! all. So the models run side by side, and the simplest model without contrary evidence is chosen.
+//! all. A choice between them is certain and wrong until the evidence is overwhelming. So the models run side by side,
+//! and the fix is their mixture: mean and covariance of all models together, each with its probability.
 //!
-//! | filter | in the order of simplicity |
+//! | filter | models; the last has process noise |
 //! | --- | --- |
 //! | auto | fixed point, straight motion, manoeuvring |
 //! | fixed | fixed point, wandering |
 //! | straight | straight motion, manoeuvring |
 //!
-//! There are two kinds of contrary evidence. Against the fixed point: the velocity found by the straight motion, if
-//! rest is far from it (a Bayes factor, for some bearings in a row). Against each model without process noise:
-//! bearings that disagree for long while the platform does not turn. The model then restarts: straight motion at the
-//! state of the manoeuvring model, a fixed point with its last lines. The model can be chosen again when its
-//! bearings have agreed for a while, twice as many after each such failure. Meanwhile the model with process noise
-//! replaces it.
+//! # Probabilities
 //!
-//! While the simplest model only lacks geometry, no fix is published: a model with more freedom cannot be more
-//! accurate.
+//! *Fixed against straight.* A fixed point is a straight motion with velocity zero, so the straight motion alone has the
+//! evidence: by how much the bearings have raised the density of rest ([`crate::mixture::slowed`]). "Fixed" includes a
+//! slow drift: one part of it is the fixed point, another the straight motion with a prior of a drifting emitter's
+//! velocity. The latter keeps the covariance true for emitters that only seem to rest.
+//!
+//! *The model with process noise against its base*, the model before it without. Both predict each bearing; the
+//! likelihoods' ratio is summed within bounds, so that a change of the motion is noticed at any time. A base whose
+//! bearings disagree for long while the platform does not turn has failed: it restarts (straight motion at the state of
+//! the model with process noise, a fixed point with its last lines), and has the lower bound of probability.
+//!
+//! # Not yet observable
+//!
+//! There is no fix before the geometry determines the range even if the emitter moves slowly, that is, before the base
+//! has a fix. A fixed point would be certain too early.
 
-use nalgebra::Matrix4;
+use nalgebra::{Matrix4, Vector4};
 
 use crate::explanation::LocatorDecisionKind;
 use crate::line_of_bearing::LineOfBearing;
+use crate::mixture::{Slowed, Weighted, matched, slowed};
 use crate::motion::MotionModel;
 use crate::settings::{ConsistencySettings, EmitterMotionSettings};
 use crate::smoother::{BearingTreatment, Bounds, Smoother};
 
 /// Most models of one emitter.
 pub(crate) const MODELS_MAX: usize = 3;
-/// Bearings that have to agree with a model that failed, the first time and at most.
-const PATIENCE_MIN: u32 = 128;
-const PATIENCE_MAX: u32 = 1024;
+/// Bounds of the logarithm of the likelihood ratio between the model with process noise and its base.
+const LEAD_MAX: f64 = 10.0;
+/// A squared normalised innovation counts at most so much in it.
+const SQUARED_MAX: f64 = 16.0;
+/// Parts of less probability are left out of the mixture.
+const PROBABILITY_MIN: f64 = 1e-7;
 
 /// Fix of the filters, before selection and prediction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RawFix {
     /// Position east and north in the system frame, metres.
     pub position_m: [f64; 2],
-    /// Velocity east and north, metres per second; 0 for a fixed point.
+    /// Velocity east and north, metres per second.
     pub velocity_mps: [f64; 2],
     /// Covariance of (east, north, velocity east, velocity north): m², m²/s and m²/s².
     pub covariance: Matrix4<f64>,
-    /// Model of motion that is believed.
+    /// The most probable model of motion.
     pub motion: MotionModel,
-    /// Set if the bearings agree with the fix; otherwise the fix is from older bearings.
+    /// Set if the bearings agree with this model; otherwise the fix is from older bearings.
     pub is_agreed: bool,
 }
 
@@ -82,19 +94,46 @@ struct BankMember {
     /// Time, and number of bearings, for which bearings have disagreed without a turn.
     disagreed_s: f64,
     disagreed: u32,
-    /// For how many bearings in a row they have agreed, and have to.
-    agreed: u32,
-    patience: u32,
 }
 
 /// The filters of one emitter.
 #[derive(Clone, Debug)]
 pub(crate) struct Bank {
     members: [Option<BankMember>; MODELS_MAX],
-    chosen: Option<usize>,
-    /// Set if the evidence shows a moving emitter, and the number of bearings with evidence for the opposite.
-    is_moving: bool,
-    doubts: u32,
+    /// Probability of each model, and of a drift within that of the fixed point.
+    probabilities: [f64; MODELS_MAX],
+    drifting: f64,
+    /// The most probable model; `None` while the range is not observable.
+    leading: Option<usize>,
+    /// Logarithm of the likelihood ratio between the model with process noise and its base.
+    lead: f64,
+    /// Logarithm of the odds of the fixed point, and of a drift, against straight motion.
+    log_odds_fixed: [f64; 2],
+    /// Way of the platform.
+    way: Way,
+}
+
+/// Way of a platform, and its duration.
+#[derive(Clone, Copy, Debug, Default)]
+struct Way {
+    length_m: f64,
+    duration_s: f64,
+    last_m: Option<[f64; 2]>,
+}
+
+impl Way {
+    fn go_on(&mut self, line: &LineOfBearing, after_s: f64) {
+        let Some(ray) = line.ray() else { return };
+        if let Some(last_m) = self.last_m.replace(ray.platform_m) {
+            self.length_m += line.distance_m(last_m);
+            self.duration_s += after_s;
+        }
+    }
+
+    /// Mean speed, m/s; 0 if nothing is known.
+    fn speed_mps(&self) -> f64 {
+        self.length_m / self.duration_s.max(f64::MIN_POSITIVE)
+    }
 }
 
 /// Decisions of a bank on a bearing; room for two per model and one more.
@@ -105,9 +144,12 @@ impl Bank {
         let motions = MotionModel::of(settings.filter);
         Self {
             members: std::array::from_fn(|place| motions.get(place).map(|motion| BankMember::new(*motion, settings))),
-            chosen: None,
-            is_moving: false,
-            doubts: 0,
+            probabilities: [0.0; MODELS_MAX],
+            drifting: 0.0,
+            leading: None,
+            lead: -LEAD_MAX,
+            log_odds_fixed: [f64::NEG_INFINITY; 2],
+            way: Way::default(),
         }
     }
 
@@ -116,25 +158,55 @@ impl Bank {
         *self = Self::new(settings);
     }
 
-    /// Fix at a time; `None` while the geometry does not allow one.
-    pub(crate) fn fix_at(&self, time_ns: i64) -> Option<RawFix> {
-        let member = self.members[self.chosen?].as_ref()?;
-        if !member.filter.is_located() {
-            return None;
+    /// Fix at a time; `None` while the range is not observable.
+    pub(crate) fn fix_at(&self, time_ns: i64, settings: &EmitterMotionSettings) -> Option<RawFix> {
+        let leading = self.members[self.leading?].as_ref()?;
+        let part = |probability: f64, (mean, covariance)| {
+            (probability > PROBABILITY_MIN).then(|| Weighted {
+                log_weight: probability.ln(),
+                mean,
+                covariance,
+            })
+        };
+        let mut parts = [None; MODELS_MAX + 1];
+        for (place, member) in self.members.iter().enumerate() {
+            let Some(member) = member.as_ref().filter(|_| self.probabilities[place] > PROBABILITY_MIN) else {
+                continue;
+            };
+            let drifting = if place == 0 { self.drifting } else { 0.0 };
+            parts[place] = part(self.probabilities[place] - drifting, member.filter.state_at(time_ns));
         }
-        let (position_m, velocity_mps, covariance) = member.filter.state_at(time_ns);
+        let straight = self.straight().filter(|straight| straight.filter.is_located());
+        if let Some(drift) = straight.and_then(|straight| straight.slowed(time_ns, settings.still_sigma_mps)) {
+            // A fixed point is not known better than a drifting one.
+            if let Some(fixed) = &mut parts[0] {
+                let apart = fixed.mean - drift.mean;
+                fixed.covariance = drift.covariance + apart * apart.transpose();
+            }
+            parts[MODELS_MAX] = part(self.drifting, (drift.mean, drift.covariance));
+        }
+        let (mean, covariance) = matched(parts.into_iter().flatten())?;
         Some(RawFix {
-            position_m,
-            velocity_mps,
+            position_m: [mean[0], mean[1]],
+            velocity_mps: [mean[2], mean[3]],
             covariance,
-            motion: member.motion,
-            is_agreed: !member.filter.is_distrusting(),
+            motion: leading.motion,
+            is_agreed: !leading.filter.is_distrusting(),
         })
     }
 
     /// Comparison of a line of bearing with the fix: squared normalised innovation, logarithm of its variance.
     pub(crate) fn compare(&self, line: &LineOfBearing) -> Option<(f64, f64)> {
-        self.members[self.chosen?].as_ref()?.filter.compare(line)
+        self.members[self.leading?].as_ref()?.filter.compare(line)
+    }
+
+    /// Whether the bearings fit together, but do not determine the range.
+    pub(crate) fn is_range_open(&self) -> bool {
+        let (base, _) = self.pair();
+        self.leading.is_none()
+            && self.members[base]
+                .as_ref()
+                .is_some_and(|base| base.filter.is_range_open())
     }
 
     /// Takes the next line, `after_s` seconds after the last one.
@@ -154,8 +226,10 @@ impl Bank {
             },
             turning_since_ns,
         };
-        // The chosen model first: while the platform turns, its outliers are wrong for all models.
-        let believed = self.chosen;
+        self.way.go_on(line, after_s);
+        self.compare_predictions(line);
+        // The leading model first: while the platform turns, its outliers are wrong for all models.
+        let believed = self.leading;
         let verdict = believed.map(|place| self.add_to(place, line, bounds, notes));
         let is_wrong = is_turning && verdict.is_some_and(|taken| !taken.is_used());
         let since_ns = turning_since_ns.filter(|_| matches!(verdict, Some(BearingTreatment::Distrusted(_))));
@@ -169,7 +243,7 @@ impl Bank {
             let Some(member) = &mut self.members[place] else {
                 continue;
             };
-            member.count_agreement(after_s, is_turning);
+            member.count_disagreement(after_s, is_turning);
             if member.has_disagreed_too_long(consistency) {
                 notes.note(
                     LocatorDecisionKind::ModelRestarted(member.motion),
@@ -181,8 +255,8 @@ impl Bank {
         }
         self.begin_stand_in();
         self.reconsider(line);
-        let evidence = self.weigh_motion(motion);
-        self.choose(evidence, motion.evidence_min, notes);
+        self.weigh(line.time_ns, motion);
+        self.lead_by_probability(notes);
     }
 
     /// Corrects the kept differences of arrival times: see [`crate::window::Window::set_clocks`].
@@ -221,6 +295,33 @@ impl Bank {
         taken
     }
 
+    /// Places of the model with process noise and its base.
+    fn pair(&self) -> (usize, usize) {
+        let last = self.members.iter().flatten().count() - 1;
+        (last - 1, last)
+    }
+
+    /// The straight motion beside a fixed point.
+    fn straight(&self) -> Option<&BankMember> {
+        let (base, _) = self.pair();
+        self.members[base].as_ref().filter(|_| base > 0)
+    }
+
+    /// Compares how well the model with process noise and its base predict a line.
+    fn compare_predictions(&mut self, line: &LineOfBearing) {
+        let (base, stand_in) = self.pair();
+        let [base, stand_in] = [base, stand_in].map(|place| self.members[place].as_ref().map(|member| &member.filter));
+        let log_likelihood = |filter: &EmitterFilter| {
+            let (squared, log_variance) = filter.compare(line)?;
+            Some(-0.5 * (squared.min(SQUARED_MAX) + log_variance))
+        };
+        // Bearings that are set aside are no evidence.
+        let base = base.filter(|base| base.is_settled() && !base.is_distrusting());
+        if let (Some(base), Some(stand_in)) = (base.and_then(log_likelihood), stand_in.and_then(log_likelihood)) {
+            self.lead = (self.lead + stand_in - base).clamp(-LEAD_MAX, LEAD_MAX);
+        }
+    }
+
     /// Starts the model with process noise at the state of the model without, as soon as the latter has settled.
     fn begin_stand_in(&mut self) {
         let [.., one, other] = match &mut self.members {
@@ -247,7 +348,10 @@ impl Bank {
             .find(|member| member.motion == MotionModel::Fixed);
         let position_m = fixed
             .filter(|member| member.filter.is_located() && !member.filter.is_distrusting())
-            .map(|member| member.filter.state_at(latest.time_ns).0);
+            .map(|member| {
+                let (mean, _) = member.filter.state_at(latest.time_ns);
+                [mean[0], mean[1]]
+            });
         for member in self.members.iter_mut().flatten() {
             if let EmitterFilter::Motion(filter) = &mut member.filter {
                 filter.reconsider(position_m, latest);
@@ -255,54 +359,67 @@ impl Bank {
         }
     }
 
-    /// Switches between moving and resting once the evidence has lasted long enough.
-    fn weigh_motion(&mut self, settings: &EmitterMotionSettings) -> f64 {
-        let straight = self
-            .members
-            .iter()
-            .flatten()
-            .find(|member| member.motion == MotionModel::Straight);
-        let Some(evidence) = straight
-            .filter(|member| !member.filter.is_distrusting())
-            .and_then(|member| member.filter.evidence_of_motion())
-        else {
-            return f64::NAN;
-        };
-        let is_doubtful = match self.is_moving {
-            true => evidence < 0.0,
-            false => evidence > settings.evidence_min,
-        };
-        self.doubts = if is_doubtful { self.doubts + 1 } else { 0 };
-        if self.doubts >= settings.evidence_bearings {
-            self.is_moving = !self.is_moving;
-            self.doubts = 0;
+    /// Probabilities of the models after a line.
+    fn weigh(&mut self, time_ns: i64, settings: &EmitterMotionSettings) {
+        let (base, stand_in) = self.pair();
+        if let Some(straight) = self.straight().filter(|straight| straight.filter.is_located()) {
+            let odds = |speed_mps, share: f64| {
+                let slowed = straight.slowed(time_ns, speed_mps);
+                slowed.map(|slowed: Slowed| slowed.log_odds + share.ln())
+            };
+            let slowness = self.way.speed_mps().max(settings.slow_sigma_mps) / settings.slow_sigma_mps;
+            let [moving, drifting] = [settings.moving_probability, settings.drifting_probability]
+                .map(|probability| probability / (slowness * slowness));
+            let fixed = odds(0.0, (1.0 - moving - drifting).max(0.0) / moving);
+            if let (Some(fixed), Some(drifting)) = (fixed, odds(settings.still_sigma_mps, drifting / moving)) {
+                self.log_odds_fixed = [fixed, drifting];
+            }
         }
-        evidence
-    }
-
-    /// Returns the simplest model without contrary evidence; otherwise the previous model, or the model with most
-    /// freedom.
-    fn choose(&mut self, evidence: f64, evidence_min: f64, notes: &mut BankNotes) {
-        let is_moving = self.is_moving;
-        let speaks_against = |member: &BankMember| member.motion == MotionModel::Fixed && is_moving;
-        let mut located = (0..MODELS_MAX).filter(|place| self.is_located(*place));
-        let good = located.clone().find(|place| {
-            let member = self.members[*place].as_ref();
-            member.is_some_and(|member| member.agreed >= member.patience && !speaks_against(member))
-        });
-        let first = self.members[0].as_ref();
-        let is_open = self.chosen.is_none() && first.is_some_and(|member| member.is_open());
-        let best = match self.chosen.filter(|chosen| self.is_located(*chosen)) {
-            Some(chosen) => good.or(Some(chosen)),
-            None => good.or_else(|| located.next_back()),
-        };
-        if best == self.chosen || is_open {
+        let mut log_weights = [f64::NEG_INFINITY; MODELS_MAX + 1];
+        if base > 0 {
+            [log_weights[0], log_weights[MODELS_MAX]] = self.log_odds_fixed;
+        }
+        (log_weights[base], log_weights[stand_in]) = (0.0, self.lead);
+        for (place, weight) in log_weights[..MODELS_MAX].iter_mut().enumerate() {
+            if !self.is_located(place) {
+                *weight = f64::NEG_INFINITY;
+            }
+        }
+        if self.straight().is_none_or(|straight| !straight.filter.is_located()) {
+            log_weights[MODELS_MAX] = f64::NEG_INFINITY;
+        }
+        let greatest = log_weights
+            .iter()
+            .fold(f64::NEG_INFINITY, |most, weight| most.max(*weight));
+        if greatest == f64::NEG_INFINITY {
+            (self.probabilities, self.drifting) = ([0.0; MODELS_MAX], 0.0);
             return;
         }
-        if let Some(member) = best.and_then(|best| self.members[best].as_ref()) {
-            notes.note(LocatorDecisionKind::ModelChosen(member.motion), evidence, evidence_min);
-            self.chosen = best;
+        let weights = log_weights.map(|weight| (weight - greatest).exp());
+        let total: f64 = weights.iter().sum();
+        self.drifting = weights[MODELS_MAX] / total;
+        self.probabilities = std::array::from_fn(|place| weights[place] / total);
+        self.probabilities[0] += self.drifting;
+    }
+
+    /// The most probable model leads, once the range is observable, and until no model has a fix.
+    fn lead_by_probability(&mut self, notes: &mut BankNotes) {
+        let (base, _) = self.pair();
+        let is_observable = self.leading.is_some() || self.is_located(base);
+        let best = (0..MODELS_MAX)
+            .filter(|place| is_observable && self.probabilities[*place] > 0.0)
+            .max_by(|one, other| self.probabilities[*one].total_cmp(&self.probabilities[*other]));
+        if best == self.leading {
+            return;
         }
+        if let Some((place, member)) = best.and_then(|best| Some((best, self.members[best].as_ref()?))) {
+            notes.note(
+                LocatorDecisionKind::ModelLeads(member.motion),
+                self.probabilities[place],
+                f64::NAN,
+            );
+        }
+        self.leading = best;
     }
 
     fn is_located(&self, place: usize) -> bool {
@@ -317,10 +434,6 @@ impl Bank {
             _ => None,
         });
         let Some(member) = &mut self.members[place] else { return };
-        if member.motion == MotionModel::Straight {
-            // The velocity estimate of the restarted model is void.
-            (self.is_moving, self.doubts) = (false, 0);
-        }
         match &mut member.filter {
             EmitterFilter::Motion(filter) => {
                 if !like.is_some_and(|like| filter.restart_like(&like)) {
@@ -329,8 +442,10 @@ impl Bank {
             }
             EmitterFilter::Point(filter) => filter.restart(),
         }
-        (member.disagreed_s, member.disagreed, member.agreed) = (0.0, 0, 0);
-        member.patience = (2 * member.patience).clamp(PATIENCE_MIN, PATIENCE_MAX);
+        (member.disagreed_s, member.disagreed) = (0.0, 0);
+        if place == self.pair().0 {
+            self.lead = LEAD_MAX;
+        }
     }
 }
 
@@ -348,20 +463,27 @@ impl BankMember {
             filter,
             disagreed_s: 0.0,
             disagreed: 0,
-            agreed: 0,
-            patience: 0,
         }
     }
 
-    /// Returns whether the model only lacks geometry.
-    fn is_open(&self) -> bool {
-        self.filter.is_open() && self.patience == 0
+    /// The belief of straight motion at a time with another prior of its velocity.
+    fn slowed(&self, time_ns: i64, speed_mps: f64) -> Option<Slowed> {
+        let EmitterFilter::Motion(filter) = &self.filter else {
+            return None;
+        };
+        let (mean, covariance) = filter.state_at(time_ns);
+        let cost_max = if speed_mps == 0.0 {
+            filter.cost_of_rest()
+        } else {
+            f64::INFINITY
+        };
+        let own_mps = filter.speed_sigma_mps();
+        slowed((&mean, &covariance), own_mps, speed_mps.min(0.5 * own_mps), cost_max)
     }
 
-    fn count_agreement(&mut self, after_s: f64, is_turning: bool) {
+    fn count_disagreement(&mut self, after_s: f64, is_turning: bool) {
         if !self.filter.is_distrusting() {
             (self.disagreed_s, self.disagreed) = (0.0, 0);
-            self.agreed = self.agreed.saturating_add(u32::from(self.filter.is_located()));
         } else if !is_turning {
             self.disagreed_s += after_s;
             self.disagreed += 1;
@@ -394,15 +516,15 @@ impl EmitterFilter {
         either!(self, filter => filter.is_distrusting())
     }
 
-    fn is_open(&self) -> bool {
-        either!(self, filter => filter.is_open())
+    fn is_settled(&self) -> bool {
+        either!(self, filter => filter.is_settled())
     }
 
-    fn evidence_of_motion(&self) -> Option<f64> {
-        either!(self, filter => filter.evidence_of_motion())
+    fn is_range_open(&self) -> bool {
+        either!(self, filter => filter.is_range_open())
     }
 
-    fn state_at(&self, time_ns: i64) -> ([f64; 2], [f64; 2], Matrix4<f64>) {
+    fn state_at(&self, time_ns: i64) -> (Vector4<f64>, Matrix4<f64>) {
         either!(self, filter => filter.state_at(time_ns))
     }
 }

@@ -1,5 +1,6 @@
 //! Reasons for the output: a record per decision (`--explain`).
 
+use crate::cue::TurnSide;
 use crate::motion::MotionModel;
 use crate::selection::{SelectionReason, SelectionStage};
 
@@ -25,9 +26,11 @@ pub enum LocatorDecisionKind {
     EmitterStarted,
     /// The place of an emitter that had been silent (value, seconds) was given to another.
     EmitterDropped,
-    /// Another model is chosen. Value: evidence that the emitter moves (2 ln of the Bayes factor); limit: sufficient
-    /// evidence.
-    ModelChosen(MotionModel),
+    /// Another model is the most probable one. Value: its probability.
+    ModelLeads(MotionModel),
+    /// The range is not observable, and would be after a turn of the platform to this side. Value: course after the
+    /// turn; limit: present course; degrees from north.
+    RangeNeedsTurn(TurnSide),
     /// A model's bearings disagree, and are set aside from now on: running sum of innovations in standard deviations.
     BearingsSetAside(MotionModel),
     /// A model's bearings agree again, after so many without a turn.
@@ -45,7 +48,8 @@ impl LocatorDecisionKind {
         match self {
             Self::EmitterStarted => "emitter_started",
             Self::EmitterDropped => "emitter_dropped",
-            Self::ModelChosen(_) => "model_chosen",
+            Self::ModelLeads(_) => "model_leads",
+            Self::RangeNeedsTurn(_) => "range_needs_turn",
             Self::BearingsSetAside(_) => "bearings_set_aside",
             Self::BearingsAgree(_) => "bearings_agree",
             Self::ModelRestarted(_) => "model_restarted",
@@ -57,10 +61,11 @@ impl LocatorDecisionKind {
     pub fn subject(self) -> &'static str {
         match self {
             Self::EmitterStarted | Self::EmitterDropped => "",
-            Self::ModelChosen(motion)
+            Self::ModelLeads(motion)
             | Self::BearingsSetAside(motion)
             | Self::BearingsAgree(motion)
             | Self::ModelRestarted(motion) => motion.word(),
+            Self::RangeNeedsTurn(side) => side.word(),
             Self::Selection(stage, _) => stage.word(),
         }
     }
@@ -70,7 +75,8 @@ impl LocatorDecisionKind {
         match self {
             Self::EmitterStarted => "first bearing of it",
             Self::EmitterDropped => "silent while another emitter needed its place",
-            Self::ModelChosen(_) => "the simplest model consistent with the bearings",
+            Self::ModelLeads(_) => "the most probable model of those that are mixed",
+            Self::RangeNeedsTurn(_) => "not observable on this course: a turn to the course in value would show it",
             Self::BearingsSetAside(_) => "they have errors to the same side",
             Self::BearingsAgree(_) => "they are at their expected values",
             Self::ModelRestarted(_) => "bearings disagreed for long without a turn",

@@ -57,6 +57,8 @@ pub(crate) struct SearchResult<const D: usize> {
     pub(crate) state: SVector<f64, D>,
     pub(crate) covariance: SMatrix<f64, D, D>,
     pub(crate) has_converged: bool,
+    /// Cost of prior and lines.
+    pub(crate) cost: f64,
     /// Whether the lines fit together.
     pub(crate) is_plausible: bool,
 }
@@ -114,6 +116,7 @@ impl<const D: usize> LeastSquaresProblem<'_, D> {
             state: at,
             covariance: Factor::of(&system.information)?.inverse(),
             has_converged,
+            cost: system.cost,
             is_plausible: system.is_plausible(),
         })
     }

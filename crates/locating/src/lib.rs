@@ -62,14 +62,17 @@
 mod arrivals;
 mod bank;
 mod counts;
+mod cue;
 mod explanation;
 mod gauss_newton;
 mod kinematics;
 mod line_of_bearing;
 mod linear;
 mod locator;
+mod mixture;
 mod motion;
 pub mod music;
+mod ranges;
 mod resumption;
 mod search_start;
 pub mod selection;
@@ -80,6 +83,7 @@ mod window;
 
 pub use bank::RawFix;
 pub use counts::LocatorCounts;
+pub use cue::TurnSide;
 pub use explanation::{Decision, LocatorDecisionKind};
 pub use locator::{BearingRejection, EmitterReport, Locator, OWN_NUMBERS};
 pub use motion::MotionModel;

@@ -9,6 +9,7 @@ use settings::SettingsError;
 use crate::arrivals::{ArrivalOutcome, Arrivals, CLOCKS_MAX, LINES_MAX, Reception, Transmission};
 use crate::bank::{Bank, BankNotes, RawFix};
 use crate::counts::LocatorCounts;
+use crate::cue::{TurnCue, turn_for_range};
 use crate::explanation::{Decision, LocatorDecisionKind};
 use crate::line_of_bearing::LineOfBearing;
 use crate::motion::MotionModel;
@@ -25,6 +26,10 @@ const SIGMA_MAX_RAD: f64 = 1.0;
 const COORDINATE_MAX_M: f64 = 1e9;
 /// Heights are not observed: standard deviation, metres.
 const HEIGHT_SIGMA_M: f64 = 1e4;
+/// An emitter without a range for this long is a reason to turn, seconds; another course is one that differs by so
+/// much, radians.
+const CUED_AFTER_S: f64 = 120.0;
+const COURSE_CHANGE_RAD: f64 = 0.5;
 /// Frequencies that were not measured fit all.
 const ANY_FREQUENCY_HZ: f64 = 0.0;
 
@@ -144,6 +149,8 @@ struct Emitter {
     last_ns: i64,
     last_heading_rad: Option<f64>,
     turning_since_ns: Option<i64>,
+    /// Course of the platform at the last cue to turn, radians.
+    cued_rad: Option<f64>,
     bank: Bank,
     selector: Selector,
 }
@@ -419,6 +426,7 @@ impl Locator {
                 last_ns: known.last.time_ns,
                 last_heading_rad: known.last_heading_rad,
                 turning_since_ns: known.turning_since_ns,
+                cued_rad: None,
                 bank: Bank::new(&self.settings.motion),
                 selector: Selector::new(self.settings.selection),
             });
@@ -434,19 +442,31 @@ impl Locator {
             let ahead = |[one, other]: [u16; 2], time_ns| arrivals.ahead(one.into(), other.into(), time_ns);
             emitter.bank.set_clocks(&ahead);
         }
+        let mut cue = None;
         for line in lines {
             let after_s = line.after_s(emitter.last_ns);
             let (models, turning_since_ns) = ((&settings.motion, &settings.consistency), emitter.turning_since_ns);
             emitter.bank.add(line, after_s, turning_since_ns, models, &mut notes);
             emitter.last_ns = line.time_ns;
+            cue = emitter.cue(line).or(cue);
             if line.ray().is_some() || emitter.last.ray().is_none() {
                 emitter.last = *line;
             }
         }
         let (number, time_ns) = (emitter.number, emitter.last_ns);
-        let fix = emitter.bank.fix_at(time_ns);
+        let fix = emitter.bank.fix_at(time_ns, &settings.motion);
         for (kind, value, limit) in notes.iter() {
             self.decide(time_ns, number, kind, value, limit);
+        }
+        if let Some(cue) = cue {
+            let kind = LocatorDecisionKind::RangeNeedsTurn(cue.side);
+            self.decide(
+                time_ns,
+                number,
+                kind,
+                cue.course_rad.to_degrees(),
+                cue.present_rad.to_degrees(),
+            );
         }
         self.select(slot, fix)
     }
@@ -533,6 +553,7 @@ impl Locator {
                 last_ns: line.time_ns,
                 last_heading_rad: None,
                 turning_since_ns: None,
+                cued_rad: None,
                 bank: Bank::new(&self.settings.motion),
                 selector: Selector::new(self.settings.selection),
             });
@@ -549,7 +570,7 @@ impl Locator {
         emitter.is_labelled = is_labelled;
         emitter.frequency_hz = frequency_hz.unwrap_or(ANY_FREQUENCY_HZ);
         (emitter.first_ns, emitter.last, emitter.last_ns) = (line.time_ns, *line, line.time_ns);
-        (emitter.last_heading_rad, emitter.turning_since_ns) = (None, None);
+        (emitter.last_heading_rad, emitter.turning_since_ns, emitter.cued_rad) = (None, None, None);
         if let Err(place) = self.place(is_labelled, number) {
             self.index.insert(place, (is_labelled, number, slot as u32));
         }
@@ -618,6 +639,26 @@ impl Emitter {
         let along = ray.cosine * last.cosine + ray.sine * last.sine;
         let difference = across.atan2(along);
         (difference * difference / variance, variance.ln())
+    }
+
+    /// The turn that would show the range, if it is open: once on each course. `line` is not the last one yet.
+    fn cue(&mut self, line: &LineOfBearing) -> Option<TurnCue> {
+        if !self.bank.is_range_open() {
+            self.cued_rad = None;
+            return None;
+        }
+        let cue = turn_for_range(self.last.ray()?, line.ray()?)?;
+        if line.after_s(self.first_ns) <= CUED_AFTER_S {
+            return None;
+        }
+        let is_known = self
+            .cued_rad
+            .is_some_and(|cued| (cue.present_rad - cued).cos() > COURSE_CHANGE_RAD.cos());
+        if is_known {
+            return None;
+        }
+        self.cued_rad = Some(cue.present_rad);
+        Some(cue)
     }
 
     /// Detects whether and since when the platform turns, by the heading at the line after the last line.

@@ -15,7 +15,7 @@ use crate::line_of_bearing::{LineOfBearing, Shape};
 use crate::triangulation::crossing;
 
 /// Fewest bearings of a start, and fewest lines if some are no bearings.
-const BEARINGS_MIN: usize = 3;
+pub(crate) const BEARINGS_MIN: usize = 3;
 const LINES_MIN: usize = 2;
 /// Distances of the places around the receivers, in units of the receivers' spread, and directions.
 const RINGS: [f64; 5] = [0.35, 0.8, 1.5, 3.0, 8.0];

@@ -45,6 +45,13 @@
 //!
 //! Source: patent JP7553304B2.
 
+/// Steered: while the variance falls by this share from fix to fix, fixes are passed on, if the output is more than a
+/// standard deviation away.
+const FALLING_SHARE: f64 = 0.2;
+/// Steered: an output this many standard deviations away from the fix, for so many fixes in a row, is given up.
+const DEPARTED_SIGMAS: f64 = 3.0;
+const DEPARTED_FIXES: u32 = 2;
+
 settings::words! {
     /// Choice of the fixes that steer the output.
     pub enum Select {
@@ -186,6 +193,8 @@ pub enum SelectionReason {
     Settled,
     /// No minimum came for long.
     MinimaRare,
+    /// The fix has left the output behind: fixes are passed on.
+    Departed,
 }
 
 impl SelectionReason {
@@ -202,6 +211,7 @@ impl SelectionReason {
             Self::UpCrossing => "variance above its threshold: motion up to the last fix below it",
             Self::DownCrossing => "variance below its threshold again: motion since the first fix below it",
             Self::Settled => "minima come often enough: they are used from now on",
+            Self::Departed => "the fixes have left the output: they are passed on",
             Self::MinimaRare => "no minimum for long: intervals are used from now on",
         }
     }
@@ -228,6 +238,9 @@ pub struct Selector {
     due_s: f64,
     /// The fix before, and whether it was below the threshold.
     last: Option<(Point, bool)>,
+    /// Steered: variance of the fix before, and for how many fixes the output has been far from them.
+    last_variance_m2: f64,
+    departed: u32,
     was_above_at_selection: bool,
     /// Last fix before the variance rose above its threshold, first fix after it fell below.
     up: Option<Point>,
@@ -253,6 +266,8 @@ impl Selector {
             previous: nowhere,
             due_s: f64::INFINITY,
             last: None,
+            last_variance_m2: f64::INFINITY,
+            departed: 0,
             was_above_at_selection: false,
             up: None,
             down: None,
@@ -289,6 +304,7 @@ impl Selector {
             Select::Staged => self.staged(fix, seen, before, is_below, minimum),
         };
         self.last = Some((seen, is_below));
+        self.last_variance_m2 = fix.variance_m2;
         let after = self.output_at(seen);
         let is_line = !matches!(self.stage, SelectionStage::Passing | SelectionStage::First);
         Some(Output {
@@ -323,12 +339,22 @@ impl Selector {
     /// Every fix heads the output to where the emitter will be a steering time later.
     fn steer(&mut self, fix: &Fix, before: Point, is_below: bool) -> Option<(SelectionReason, f64, f64)> {
         let is_first = self.stage != SelectionStage::Steered;
-        if is_first && !is_below {
+        let is_falling = fix.variance_m2 < (1.0 - FALLING_SHARE) * self.last_variance_m2;
+        if is_first && (!is_below || is_falling) {
             return None;
+        }
+        let off_m2 = squared_distance(fix.position_m, before.position_m);
+        if self.has_departed(off_m2, fix.variance_m2) || (is_falling && off_m2 > fix.variance_m2) {
+            self.stage = SelectionStage::Passing;
+            return Some((
+                SelectionReason::Departed,
+                off_m2.sqrt(),
+                DEPARTED_SIGMAS * fix.variance_m2.sqrt(),
+            ));
         }
         // The next fix must not come after the output has passed its aim.
         let last_step_s = self.last.map_or(0.0, |(last, _)| fix.time_s - last.time_s);
-        let steering_s = self.settings.steering_s.max(2.0 * last_step_s);
+        let steering_s = self.settings.steering_s.max(last_step_s);
         self.stage = SelectionStage::Steered;
         self.line = before;
         self.velocity_mps = std::array::from_fn(|axis| {
@@ -339,6 +365,13 @@ impl Selector {
             fix.variance_m2,
             self.settings.variance_max_m2(),
         ))
+    }
+
+    /// Steered: whether the fixes have left the output, because the belief about the emitter has changed.
+    fn has_departed(&mut self, off_m2: f64, variance_m2: f64) -> bool {
+        let is_far = off_m2 > DEPARTED_SIGMAS * DEPARTED_SIGMAS * variance_m2;
+        self.departed = if is_far { self.departed + 1 } else { 0 };
+        self.departed >= DEPARTED_FIXES
     }
 
     /// EL-4 … EL-8.
@@ -504,6 +537,10 @@ impl SelectionReason {
 
 fn moved(position_m: [f64; 3], velocity_mps: [f64; 3], after_s: f64) -> [f64; 3] {
     std::array::from_fn(|axis| position_m[axis] + velocity_mps[axis] * after_s)
+}
+
+fn squared_distance(one: [f64; 3], other: [f64; 3]) -> f64 {
+    one.iter().zip(other).map(|(one, other)| (one - other).powi(2)).sum()
 }
 
 /// The first selection time after `now_s`; intervals that passed without a fix are passed over.

@@ -378,23 +378,60 @@ fn staged_selection_goes_to_minima_and_back() {
 #[test]
 fn steering_meets_the_filter_without_a_jump() {
     let mut selector = Selector::new(settings(Select::Auto, AboveThreshold::Continue));
-    let outputs = run(&mut selector, &[(0.0, [0.0, 0.0], ABOVE), (1.0, [3.0, 4.0], BELOW)]);
+    // While the variance falls fast, fixes are passed on.
+    let first = [
+        (0.0, [0.0, 0.0], ABOVE),
+        (1.0, [3.0, 4.0], BELOW),
+        (1.5, [3.0, 4.0], 0.9 * BELOW),
+    ];
+    let outputs = run(&mut selector, &first);
     assert_eq!(
-        [outputs[0].stage, outputs[1].stage],
-        [SelectionStage::Passing, SelectionStage::Steered]
+        [outputs[0].stage, outputs[1].stage, outputs[2].stage],
+        [
+            SelectionStage::Passing,
+            SelectionStage::Passing,
+            SelectionStage::Steered
+        ]
     );
-    assert_eq!(reason(&outputs[1]), Some(SelectionReason::FirstBelow));
-    // The filter says 0.5 and 0.25 m/s, and jumps by 100 m.
+    assert_eq!(reason(&outputs[2]), Some(SelectionReason::FirstBelow));
+    // The filter says 0.5 and 0.25 m/s, and jumps by 10 m.
     let rows: Vec<_> = (2..200)
         .map(|time| {
             let at = f64::from(time);
-            (at, [103.0 + 0.5 * at, 4.0 + 0.25 * at], BELOW)
+            (at, [13.0 + 0.5 * at, 4.0 + 0.25 * at], BELOW)
         })
         .collect();
     let outputs = run(&mut selector, &rows);
     let [x, y] = place(outputs.last().unwrap());
-    assert!((x - (103.0 + 0.5 * 199.0)).abs() < 0.01 && (y - (4.0 + 0.25 * 199.0)).abs() < 0.01);
+    assert!((x - (13.0 + 0.5 * 199.0)).abs() < 0.01 && (y - (4.0 + 0.25 * 199.0)).abs() < 0.01);
     assert!(outputs.iter().all(|output| output.is_selected));
+}
+
+#[test]
+fn the_output_follows_fixes_that_have_left_it() {
+    let mut selector = Selector::new(settings(Select::Auto, AboveThreshold::Continue));
+    let rows = |jumped, times: std::ops::Range<u32>| {
+        times
+            .map(move |time| (f64::from(time), [jumped, 0.0], BELOW))
+            .collect::<Vec<_>>()
+    };
+    run(&mut selector, &rows(0.0, 0..5));
+    // Three standard deviations are 21 m. A single fix farther away may be wrong.
+    for (time, jumped, stage, expected) in [
+        (5.0, 25.0, SelectionStage::Steered, None),
+        (6.0, 0.0, SelectionStage::Steered, None),
+        (7.0, 40.0, SelectionStage::Steered, None),
+        (8.0, 40.0, SelectionStage::Passing, Some(SelectionReason::Departed)),
+        (9.0, 40.0, SelectionStage::Steered, Some(SelectionReason::FirstBelow)),
+    ] {
+        let output = selector.fix(&fix(time, [jumped, 0.0], BELOW)).unwrap();
+        assert_eq!(
+            (output.stage, output.decision.map(|(reason, ..)| reason)),
+            (stage, expected),
+            "{time}"
+        );
+        assert_eq!(output.position_m[0] == 40.0, time > 7.0, "{time}");
+    }
 }
 
 #[test]

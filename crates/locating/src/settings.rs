@@ -25,23 +25,30 @@ settings::settings! {
     /// How emitters may move (EL-2).
     #[derive(Copy)]
     pub struct EmitterMotionSettings {
-        /// Competing models: `auto`, a fixed point, straight motion and manoeuvring, chosen by the data; `fixed`, a
+        /// Competing models: `auto`, a fixed point, straight motion and manoeuvring, mixed by the data; `fixed`, a
         /// fixed and a wandering point; `straight`, straight motion and manoeuvring; `none`, as `auto`, but ready-made
         /// fixes pass to the selection as they are.
         filter: FilterChoice = FilterChoice::Auto;
         /// Standard deviation of an unknown emitter's position about the platform, along each axis.
         range_sigma_m: f64 = 300e3, in [above 0];
-        /// Standard deviation of an unknown emitter's velocity, along each axis.
+        /// Standard deviation of a moving emitter's velocity, along each axis, as long as the bearings do not show a
+        /// greater velocity.
+        slow_sigma_mps: f64 = 2.0, in [above 0];
+        /// Greatest standard deviation of a moving emitter's velocity, along each axis.
         speed_sigma_mps: f64 = 30.0, in [above 0];
+        /// Standard deviation of the velocity of an emitter that seems fixed but drifts, along each axis; at most half of
+        /// `slow_sigma_mps` is used.
+        still_sigma_mps: f64 = 0.25, in [above 0];
+        /// Probability that an emitter moves, before its first bearing, if the platform is no faster than
+        /// `slow_sigma_mps`. The velocity of a moving emitter may be as great as the platform's; the probability that it
+        /// is slow falls with the square of the platform's speed.
+        moving_probability: f64 = 0.2, in [1e-9, 0.5];
+        /// Probability that an emitter drifts with `still_sigma_mps`, likewise.
+        drifting_probability: f64 = 0.1, in [1e-9, 0.5];
         /// Growth of the variance of position in the model of a wandering point, the alternative to the fixed point.
         wandering_noise_m2ps: f64 = 400.0, in [above 0];
         /// Spectral density of accelerations in the model of manoeuvring, the alternative to straight motion.
         manoeuvring_noise_m2ps3: f64 = 0.01, in [above 0];
-        /// Evidence at which straight motion replaces a fixed point: twice the logarithm of the Bayes factor.
-        evidence_min: f64 = 20.0, in [from 0];
-        /// Number of successive bearings with this evidence before the change. As many with the opposite evidence
-        /// restore the fixed point.
-        evidence_bearings: u32 = 16;
     }
 
     /// Consistency of bearings: bearings that contradict the others are set aside.

@@ -29,17 +29,21 @@
 //! 2001), chapters 3 and 10; B. M. Bell, F. W. Cathey, *The iterated Kalman filter update as a Gauss–Newton method*,
 //! IEEE Transactions on Automatic Control 38 (1993).
 
-use nalgebra::{Matrix4, SMatrix, SVector};
+use nalgebra::{Matrix4, SMatrix, SVector, Vector4};
 
 use crate::gauss_newton::{DEVIATION_MAX, LeastSquaresProblem, StatePrior};
 use crate::kinematics::{add_process_noise, longest_half_axis, position, sensitivity, transition};
 use crate::line_of_bearing::LineOfBearing;
 use crate::linear::Factor;
-use crate::search_start::start_position;
+use crate::ranges::RangeHypotheses;
+use crate::search_start::{BEARINGS_MIN, start_position};
 use crate::window::Window;
 
 /// The geometry allows a fix when the longest half-axis of its error ellipse is below this share of the range.
 const LOCATED_SHARE: f64 = 0.3;
+/// While hypotheses about the range compete, this is a share of the present range; or it is below this share of the
+/// longer of the first and the present one.
+const LOCATED_SHARE_LONGEST: f64 = 0.08;
 /// … and no longer above this one.
 const LOST_SHARE: f64 = 0.5;
 /// From this share on the linearisation is good enough to judge bearings one by one.
@@ -55,6 +59,8 @@ const SEARCHED_EVERY: u64 = 16;
 /// Rounds of the search for a first fix, and of its improvement.
 const ROUNDS_FIRST: usize = 20;
 const ROUNDS: usize = 3;
+/// The prior of the velocity is widened when the velocity is found beyond so many of its standard deviations.
+const SPEED_SIGMAS: f64 = 3.0;
 
 /// Share of the running sum of innovations that is kept at each bearing, and the sum's standard deviation.
 const SUM_KEPT: f64 = 0.85;
@@ -79,8 +85,10 @@ pub(crate) struct Model {
     pub(crate) process_noise: f64,
     /// Standard deviation of an unknown emitter's position about the platform, metres.
     pub(crate) range_sigma_m: f64,
-    /// … of its speed along each axis, m/s; of no meaning for fixed points.
+    /// … of its velocity along each axis, m/s; of no meaning for fixed points.
     pub(crate) speed_sigma_mps: f64,
+    /// … as long as the bearings do not show a greater velocity.
+    pub(crate) slow_sigma_mps: f64,
 }
 
 /// Bounds of the running sum of innovations.
@@ -119,6 +127,10 @@ pub(crate) struct Smoother<const D: usize> {
     /// Time of prior and estimate.
     reference_ns: i64,
     prior: StatePrior<D>,
+    /// Standard deviation of the velocity in the prior, m/s.
+    speed_sigma_mps: f64,
+    /// Hypotheses about the range, until the geometry has shown one.
+    ranges: Option<RangeHypotheses<D>>,
     window: Window,
     estimate: SVector<f64, D>,
     covariance: SMatrix<f64, D, D>,
@@ -160,6 +172,8 @@ impl<const D: usize> Smoother<D> {
             model,
             reference_ns: 0,
             prior: StatePrior::default(),
+            speed_sigma_mps: model.slow_sigma_mps,
+            ranges: None,
             window: Window::EMPTY,
             estimate: SVector::zeros(),
             covariance: SMatrix::zeros(),
@@ -190,39 +204,30 @@ impl<const D: usize> Smoother<D> {
         self.is_distrusting
     }
 
-    /// Position and velocity at a time, and their covariance.
-    pub(crate) fn state_at(&self, time_ns: i64) -> ([f64; 2], [f64; 2], Matrix4<f64>) {
-        let after_s = seconds(time_ns - self.reference_ns);
-        let (state, covariance) = self.moved(after_s);
-        let mut full = Matrix4::zeros();
-        full.fixed_view_mut::<D, D>(0, 0).copy_from(&covariance);
-        let velocity = match D {
-            4 => [state[2], state[3]],
-            _ => [0.0; 2],
-        };
-        ([state[0], state[1]], velocity, full)
+    /// Position and velocity at a time, and their covariance; without a velocity it is exactly zero.
+    pub(crate) fn state_at(&self, time_ns: i64) -> (Vector4<f64>, Matrix4<f64>) {
+        let (state, covariance) = self.moved(seconds(time_ns - self.reference_ns));
+        let (mut full, mut spread) = (Vector4::zeros(), Matrix4::zeros());
+        full.fixed_rows_mut::<D>(0).copy_from(&state);
+        spread.fixed_view_mut::<D, D>(0, 0).copy_from(&covariance);
+        (full, spread)
     }
 
-    /// Returns whether the search continues without contrary evidence.
-    pub(crate) fn is_open(&self) -> bool {
-        self.stage < FilterStage::Located && !self.is_misfit
+    /// Standard deviation of the velocity in the prior, m/s.
+    pub(crate) fn speed_sigma_mps(&self) -> f64 {
+        self.speed_sigma_mps
     }
 
-    /// Evidence for the velocity against rest: 2 ln of the Bayes factor (Savage and Dickey: how
-    /// much the bearings have lowered the probability density of rest); `None` for a model without velocity.
-    pub(crate) fn evidence_of_motion(&self) -> Option<f64> {
-        if D != 4 || self.stage != FilterStage::Settled {
-            return None;
-        }
-        let covariance = self.covariance.fixed_view::<2, 2>(2, 2).into_owned();
-        let factor = Factor::of(&covariance)?;
-        let velocity = SVector::<f64, 2>::new(self.estimate[2], self.estimate[3]);
-        let log_prior = 4.0 * self.model.speed_sigma_mps.ln();
-        let squared = velocity.dot(&factor.solve(&velocity));
-        // Far from a straight line of states the local Gaussian exaggerates; the true cost of rest, where it is known,
-        // does not.
-        let lead = self.lead_over_rest.map_or(squared, |lead| lead.min(squared));
-        Some(lead + factor.log_determinant() - log_prior)
+    /// Twice the logarithm by which rest at the fixed point's fix explains the lines worse; infinite if unknown.
+    ///
+    /// Far from a straight line of states the local Gaussian exaggerates; this true cost does not.
+    pub(crate) fn cost_of_rest(&self) -> f64 {
+        self.lead_over_rest.unwrap_or(f64::INFINITY)
+    }
+
+    /// Whether the lines fit together, but do not determine the range.
+    pub(crate) fn is_range_open(&self) -> bool {
+        self.stage == FilterStage::Vague
     }
 
     /// Compares a line of bearing with its prediction: squared normalised innovation, and the logarithm of the
@@ -266,11 +271,14 @@ impl<const D: usize> Smoother<D> {
             self.improve(line);
         }
         self.keep(LineOfBearing { is_used, ..*line });
+        if line.ray().is_none() && self.ranges.is_some() {
+            self.end_ranges();
+        }
         let is_distrusted = matches!(taken, BearingTreatment::Distrusted(_));
         if is_distrusted || self.is_due() {
             self.linearise();
         }
-        let is_weak = self.settled_for < YOUNG || self.share(line) > LOCATED_SHARE;
+        let is_weak = self.settled_for < YOUNG || self.shares(line)[1] > LOCATED_SHARE;
         if is_distrusted && is_weak || self.wrong > WRONG_MAX {
             // The fix is young, rests on removed lines, or differs from most arrival times, which do not go wrong
             // together: the fix is wrong, not the lines.
@@ -324,6 +332,8 @@ impl<const D: usize> Smoother<D> {
     /// Whether the window is to be linearised anew: at every bearing at first, then less often.
     fn is_due(&self) -> bool {
         let wait = match self.stage {
+            // A velocity is found late: while the filter is young, its linearisation ages fast.
+            FilterStage::Settled if D == 4 => (self.settled_for / 2).min(RELINEARISED_EVERY),
             FilterStage::Settled => RELINEARISED_EVERY,
             _ => (self.bearings / SEARCHED_EVERY).min(RELINEARISED_EVERY),
         };
@@ -358,6 +368,7 @@ impl<const D: usize> Smoother<D> {
         self.prior.mean = other.estimate;
         self.prior.information = factor.inverse();
         self.window.clear();
+        self.ranges = None;
         self.stage = FilterStage::Settled;
         (self.sum, self.wrong, self.is_distrusting) = (0.0, 0.0, false);
         self.lead_over_rest = None;
@@ -367,7 +378,8 @@ impl<const D: usize> Smoother<D> {
     /// Tests rest at a fixed point, and continues from there if it explains prior and window better: a search that
     /// began with few bearings may have ended at a false position.
     pub(crate) fn reconsider(&mut self, position_m: Option<[f64; 2]>, latest: &LineOfBearing) {
-        if self.is_recursive() || self.since_linearised > 0 || self.stage < FilterStage::Vague {
+        if self.is_recursive() || self.since_linearised > 0 || self.ranges.is_some() || self.stage < FilterStage::Vague
+        {
             return;
         }
         self.lead_over_rest = None;
@@ -393,10 +405,18 @@ impl<const D: usize> Smoother<D> {
     fn begin(&mut self, first: &LineOfBearing) {
         self.reference_ns = first.time_ns;
         self.prior = StatePrior::default();
+        self.ranges = match D {
+            4 => RangeHypotheses::new(first, self.model.range_sigma_m),
+            _ => None,
+        };
+        self.speed_sigma_mps = match self.ranges {
+            Some(_) => self.model.slow_sigma_mps,
+            None => self.model.speed_sigma_mps,
+        };
         for axis in 0..D {
             let sigma = match axis {
                 0 | 1 => self.model.range_sigma_m,
-                _ => self.model.speed_sigma_mps,
+                _ => self.speed_sigma_mps,
             };
             self.prior.information[(axis, axis)] = 1.0 / (sigma * sigma);
         }
@@ -483,7 +503,7 @@ impl<const D: usize> Smoother<D> {
             } else if self.stage == FilterStage::Searching && self.is_misfit {
                 self.window.forget_first(FOLDED_AT_ONCE);
             } else if self.window.merge(place) == 0 {
-                match self.is_located() {
+                match self.is_located() && self.ranges.is_none() {
                     true => self.fold(FOLDED_AT_ONCE),
                     false => _ = self.window.merge(None),
                 }
@@ -527,6 +547,10 @@ impl<const D: usize> Smoother<D> {
     /// Searches the state that explains prior and window best, with all lines linearised there.
     fn linearise(&mut self) {
         self.since_linearised = 0;
+        if self.ranges.is_some() {
+            self.search_ranges();
+            return;
+        }
         let is_first = self.stage == FilterStage::Searching;
         let Some(start) = self.start() else { return };
         let rounds = if is_first { ROUNDS_FIRST } else { ROUNDS };
@@ -547,6 +571,62 @@ impl<const D: usize> Smoother<D> {
         self.covariance = found.covariance;
         if is_first {
             self.stage = FilterStage::Vague;
+        }
+    }
+
+    /// Searches with a hypothesis for each range.
+    fn search_ranges(&mut self) {
+        let lines = self.window.all();
+        if lines.iter().filter(|line| line.is_used).count() < BEARINGS_MIN {
+            return;
+        }
+        let (prior, range_sigma_m) = (&self.prior, self.model.range_sigma_m);
+        let Some(found) =
+            (self.ranges.as_mut()).and_then(|ranges| ranges.search(prior, range_sigma_m, lines, self.reference_ns))
+        else {
+            return;
+        };
+        let squared: f64 = found.mean.iter().skip(2).map(|speed| speed * speed).sum();
+        let is_fast = squared > (SPEED_SIGMAS * self.speed_sigma_mps).powi(2);
+        if (is_fast || !found.is_plausible) && self.speed_sigma_mps < self.model.speed_sigma_mps {
+            self.widen_speed();
+            return;
+        }
+        self.is_misfit = !found.is_plausible;
+        if self.is_misfit {
+            // The lines at hand later may fit together: all ranges are possible again.
+            self.stage = FilterStage::Searching;
+            self.renew_ranges();
+            return;
+        }
+        self.estimate = found.mean;
+        self.covariance = found.covariance;
+        self.stage = self.stage.max(FilterStage::Vague);
+    }
+
+    /// Continues with a wider prior of the velocity, and all ranges again.
+    fn widen_speed(&mut self) {
+        self.speed_sigma_mps = (2.0 * self.speed_sigma_mps).min(self.model.speed_sigma_mps);
+        for axis in 2..D {
+            self.prior.information[(axis, axis)] = self.speed_sigma_mps.powi(-2);
+        }
+        self.renew_ranges();
+        self.since_linearised = RELINEARISED_EVERY;
+    }
+
+    /// Continues without hypotheses about the range, which lines of other kinds than bearings show.
+    fn end_ranges(&mut self) {
+        self.ranges = None;
+        self.stage = FilterStage::Searching;
+        self.speed_sigma_mps = self.model.speed_sigma_mps;
+        for axis in 2..D {
+            self.prior.information[(axis, axis)] = self.speed_sigma_mps.powi(-2);
+        }
+    }
+
+    fn renew_ranges(&mut self) {
+        if let Some(first) = self.window.all().first() {
+            self.ranges = RangeHypotheses::new(first, self.model.range_sigma_m);
         }
     }
 
@@ -575,22 +655,31 @@ impl<const D: usize> Smoother<D> {
         if self.stage < FilterStage::Vague {
             return;
         }
-        let share = self.share(latest);
+        let [present, longest] = self.shares(latest);
+        let (share, is_located) = match self.ranges.is_some() {
+            true => (present, present < LOCATED_SHARE || longest < LOCATED_SHARE_LONGEST),
+            false => (longest, longest < LOCATED_SHARE),
+        };
         if share > LOST_SHARE {
             self.stage = FilterStage::Vague;
-        } else if share < LOCATED_SHARE {
+        } else if is_located {
             self.stage = self.stage.max(FilterStage::Located);
         }
         if share < SETTLED_SHARE {
             self.stage = FilterStage::Settled;
+            if self.ranges.take().is_some() {
+                self.linearise();
+            }
         }
     }
 
-    /// Longest half-axis of the error ellipse over the range.
-    fn share(&self, latest: &LineOfBearing) -> f64 {
+    /// Longest half-axis of the error ellipse over the present range, and over the longer of the first and the present
+    /// one.
+    fn shares(&self, latest: &LineOfBearing) -> [f64; 2] {
         let range = |line: &LineOfBearing| line.distance_m(self.position_at(line.time_ns));
-        let range_m = self.window.all().first().map_or(0.0, range).max(range(latest));
-        self.error_m(latest.time_ns) / range_m
+        let (present_m, error_m) = (range(latest), self.error_m(latest.time_ns));
+        let first_m = self.window.all().first().map_or(0.0, range);
+        [error_m / present_m, error_m / present_m.max(first_m)]
     }
 
     /// Longest half-axis of the position's error ellipse at a time, metres.

@@ -3,7 +3,7 @@
 use crate::common::{Noise, bearing};
 use locating::selection::Select;
 use locating::settings::FilterChoice;
-use locating::{EmitterReport, Locator, MotionModel, Settings};
+use locating::{EmitterReport, Locator, LocatorDecisionKind, MotionModel, Settings, TurnSide};
 use observations::Bearing;
 
 /// The last report of a flight.
@@ -81,8 +81,10 @@ fn check_broadside(filter: FilterChoice, baseline_m: f64, sigma_deg: f64, bearin
     let bound = bound_m2(baseline_m, sigma_rad, bearings);
     let ratios = [(across / bound[0]).sqrt(), (along / bound[1]).sqrt()];
     assert!(ratios.iter().all(|ratio| *ratio < 1.12), "{ratios:?}");
+    // The mixture admits that an emitter which seems fixed may drift, so its covariance is larger.
+    let least = if filter == FilterChoice::Auto { 1.2 } else { 1.65 };
     assert!(
-        (consistency - 2.0).abs() < 0.35,
+        (least..2.35).contains(&consistency),
         "normalised error squared {consistency}"
     );
 }
@@ -226,9 +228,9 @@ fn every_selection_gives_a_continuous_output() {
                 let Some(report) = locator.bearing(&measured).unwrap() else {
                     continue;
                 };
-                if let Some(before) =
-                    before.filter(|before| !["passing", "first"].contains(&before.output.stage.word()))
-                {
+                // Fixes that have left the output are passed on; on a line, the output does not jump.
+                let is_line = |report: &EmitterReport| !["passing", "first"].contains(&report.output.stage.word());
+                if let Some(before) = before.filter(|before| is_line(before) && is_line(&report)) {
                     let seconds = (report.time_ns - before.time_ns) as f64 * 1e-9;
                     let expected = before.output.position_m[0] + before.output.velocity_mps[0] * seconds;
                     assert!(
@@ -246,4 +248,98 @@ fn every_selection_gives_a_continuous_output() {
             );
         }
     }
+}
+
+/// Speed of a ship and its course, as a velocity, m/s.
+fn sailing(knots: f64, course_deg: f64) -> [f64; 2] {
+    let (sine, cosine) = course_deg.to_radians().sin_cos();
+    [knots * 0.514_444 * sine, knots * 0.514_444 * cosine]
+}
+
+/// A ship 5 km away in bearing 80 degrees on course 220 degrees at 4 knots, heard every minute by another ship, which
+/// sails 5 knots on course 140 degrees and, from minute 13 to 17, turns to `course_after_deg`. Each bearing with the
+/// truth then.
+fn ships(seed: u64, course_after_deg: f64, minutes: u32) -> Vec<(Bearing, [f64; 2])> {
+    let mut noise = Noise::new(seed);
+    let sigma = f64::to_radians(1.5);
+    let start = sailing(5_000.0 / 0.514_444, 80.0);
+    let velocity = sailing(4.0, 220.0);
+    let (mut own, mut heard) = ([0.0; 2], Vec::new());
+    for second in 0..=60 * minutes {
+        let time = f64::from(second);
+        let truth = [0, 1].map(|axis| start[axis] + velocity[axis] * time);
+        if second.is_multiple_of(60) {
+            heard.push((bearing(time, own, truth, sigma, sigma * noise.next()), truth));
+        }
+        let turned = ((time / 60.0 - 13.0) / 4.0).clamp(0.0, 1.0);
+        let way = sailing(5.0, 140.0 + turned * (course_after_deg - 140.0));
+        own = [own[0] + way[0], own[1] + way[1]];
+    }
+    heard
+}
+
+/// Until own ship turns, the range of a ship that may move is not observable: no fix is better than a certain one.
+/// After the turn fixes are as good as the bearings allow (Cramér–Rao bounds without prior knowledge).
+#[test]
+fn a_moving_ship_has_no_fix_until_its_range_is_observable_and_then_a_true_one() {
+    const RUNS: u64 = 60;
+    let bounds_m = [(20, 162.0), (22, 73.0), (25, 43.6), (30, 52.4)];
+    let mut sums = [[0.0; 3]; 4];
+    for seed in 1..=RUNS {
+        let mut locator = Locator::new(with_filter(FilterChoice::Auto)).unwrap();
+        for (k, (measured, truth)) in ships(seed, 20.0, 30).iter().enumerate() {
+            let report = locator.bearing(measured).unwrap();
+            assert!(k > 14 || report.is_none(), "a fix after {k} minutes");
+            let Some(place) = bounds_m.iter().position(|(at, _)| *at == k) else {
+                continue;
+            };
+            let report = report.expect("the range is observable");
+            let squared = |position: [f64; 2]| (position[0] - truth[0]).powi(2) + (position[1] - truth[1]).powi(2);
+            let [x, y, _] = report.output.position_m;
+            sums[place][0] += squared(report.raw.position_m) / RUNS as f64;
+            sums[place][1] += squared([x, y]) / RUNS as f64;
+            sums[place][2] += normalised(&report, *truth) / 2.0 / RUNS as f64;
+        }
+    }
+    // 60 runs know a root mean square to 9 %, a mean of chi-square with two degrees of freedom over two to 0.13.
+    for ([raw, output, consistency], (k, bound)) in sums.into_iter().zip(bounds_m) {
+        assert!(raw.sqrt() < 1.3 * bound, "{} m after {k} minutes", raw.sqrt());
+        assert!(
+            output < 1.2 * 1.2 * raw,
+            "{k}: output {} m, raw {} m",
+            output.sqrt(),
+            raw.sqrt()
+        );
+        assert!((0.5..1.6).contains(&consistency), "{consistency} after {k} minutes");
+    }
+}
+
+#[test]
+fn a_range_that_is_not_observable_names_the_turn_that_would_show_it() {
+    let cues = |course_after_deg: f64| {
+        let mut locator = Locator::new(with_filter(FilterChoice::Auto)).unwrap();
+        let (mut cues, mut fix_at) = (Vec::new(), None);
+        for (k, (measured, _)) in ships(5, course_after_deg, 30).iter().enumerate() {
+            let report = locator.bearing(measured).unwrap();
+            fix_at = fix_at.or(report.map(|_| k));
+            for decision in locator.decisions() {
+                if let LocatorDecisionKind::RangeNeedsTurn(side) = decision.kind {
+                    cues.push((k, side, decision.value, measured.bearing_rad.to_degrees()));
+                }
+            }
+        }
+        (cues, fix_at)
+    };
+    // Straight on, there is no fix in half an hour, and one cue: at right angles to the bearing, to its other side.
+    let (straight_on, fix_at) = cues(140.0);
+    assert_eq!(fix_at, None);
+    let [(at, side, course_deg, bearing_deg)] = straight_on[..] else {
+        panic!("{straight_on:?}");
+    };
+    assert!((2..=4).contains(&at) && side == TurnSide::Port, "{straight_on:?}");
+    let off = (course_deg - bearing_deg + 90.0).rem_euclid(360.0);
+    assert!(off < 1e-6 || off > 360.0 - 1e-6, "{course_deg} for {bearing_deg}");
+    // A ship that follows the cue has a fix soon.
+    let (_, fix_at) = cues(course_deg - 360.0);
+    assert!(fix_at.is_some_and(|k| (15..=19).contains(&k)), "{fix_at:?}");
 }

@@ -29,7 +29,7 @@ impl LocateSummary {
     pub(super) fn count(&mut self, decisions: &[Decision]) {
         for decision in decisions {
             match decision.kind {
-                LocatorDecisionKind::ModelChosen(motion) => _ = self.models.insert(decision.emitter, motion.word()),
+                LocatorDecisionKind::ModelLeads(motion) => _ = self.models.insert(decision.emitter, motion.word()),
                 LocatorDecisionKind::BearingsSetAside(_) => self.times_set_aside += 1,
                 LocatorDecisionKind::ModelRestarted(_) => self.restarts += 1,
                 _ => {}
