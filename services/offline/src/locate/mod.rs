@@ -120,10 +120,13 @@ impl Location<'_> {
 
     /// Processes the transmissions that are complete before `next`, or all at the end.
     fn complete(&mut self, next: Option<&MeasuredRow<'_>>, refusals: &mut SkippedRows) -> anyhow::Result<()> {
-        while let Some(taken) = self.locator.complete(next.map(|row| row.measured.time_ns())) {
+        loop {
+            let begin_ns = runtime::clock::mono_ns();
+            let complete = self.locator.complete(next.map(|row| row.measured.time_ns()));
+            self.summary.locator_ns += runtime::clock::mono_ns() - begin_ns;
+            let Some(taken) = complete else { return Ok(()) };
             self.conclude(taken, next, true, refusals)?;
         }
-        Ok(())
     }
 
     /// Writes the result of a row, or of a transmission that ended before the row.
