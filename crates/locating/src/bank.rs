@@ -18,10 +18,10 @@
 //! slow drift: one part of it is the fixed point, another the straight motion with a prior of a drifting emitter's
 //! velocity. The latter keeps the covariance true for emitters that only seem to rest.
 //!
-//! *The model with process noise against its base*, the model before it without. Both predict each bearing; the
-//! likelihoods' ratio is summed within bounds, so that a change of the motion is noticed at any time. A base whose
-//! bearings disagree for long while the platform does not turn has failed: it restarts (straight motion at the state of
-//! the model with process noise, a fixed point with its last lines), and has the lower bound of probability.
+//! *The model with process noise against its base*, the model before it without. A base whose bearings disagree for
+//! long while the platform does not turn has failed: it restarts (straight motion at the state of the model with process
+//! noise, a fixed point with its last lines), and has the least probability. From then on both predict each bearing, and
+//! the likelihoods' ratio is summed, until the base has its full probability again.
 //!
 //! # Not yet observable
 //!
@@ -315,8 +315,9 @@ impl Bank {
             let (squared, log_variance) = filter.compare(line)?;
             Some(-0.5 * (squared.min(SQUARED_MAX) + log_variance))
         };
-        // Bearings that are set aside are no evidence.
-        let base = base.filter(|base| base.is_settled() && !base.is_distrusting());
+        // Without a failure there is no doubt; and bearings that are set aside are no evidence.
+        let has_failed = self.lead > -LEAD_MAX;
+        let base = base.filter(|base| has_failed && base.is_settled() && !base.is_distrusting());
         if let (Some(base), Some(stand_in)) = (base.and_then(log_likelihood), stand_in.and_then(log_likelihood)) {
             self.lead = (self.lead + stand_in - base).clamp(-LEAD_MAX, LEAD_MAX);
         }

@@ -19,7 +19,7 @@ pub struct LocatorCounts {
     pub associated: u64,
     /// Bearings of emitters without a fix: the geometry does not allow one.
     pub without_fix: u64,
-    /// Bearings set aside by the chosen model.
+    /// Bearings set aside by the most probable model.
     pub set_aside: u64,
     /// Fixes given out.
     pub fixes: u64,

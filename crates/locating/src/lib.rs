@@ -12,7 +12,7 @@
 //! 1. [`Locator::bearing`] checks the bearing and finds its emitter: by the id in the bearing, or by frequency and
 //!    direction.
 //! 2. Each model of the emitter's motion processes the bearing: fixed point, straight motion, or manoeuvres.
-//!    (`smoother` describes the method and the treatment of wrong bearings.) `bank` chooses one of the models.
+//!    (`smoother` describes the method and the treatment of wrong bearings.) `bank` mixes the models.
 //! 3. If the geometry allows a fix, its position, velocity and variance go through the [`selection`], a state
 //!    machine independent of bearings, and becomes the output.
 //!

@@ -3,7 +3,7 @@
 //! Bearings from a platform that flies straight on do not contain the range of a moving emitter: its position and
 //! velocity may be scaled together. A search from one start ends somewhere on this line of states, and a Gaussian
 //! about its end is too certain. Here the prior is a sum of Gaussians, one for each of several ranges of the first
-//! bearing, each twice as far as its predecessor (N. Peach, *Bearings-only tracking using a set of range-parameterised
+//! bearing, each √2 times as far as its predecessor (N. Peach, *Bearings-only tracking using a set of range-parameterised
 //! extended Kalman filters*, IEE Proceedings Control Theory and Applications 142, 1995). Within a hypothesis the range
 //! is known to a share, so that a linearisation at its best state is good. Their weights are their evidence, by
 //! Laplace's approximation; mean and covariance are those of the mixture.
@@ -74,7 +74,7 @@ impl<const D: usize> RangeHypotheses<D> {
         self.is_new = false;
         let mut beliefs: [Option<Weighted<D>>; RANGES] = [None; RANGES];
         let mut best = (f64::NEG_INFINITY, false);
-        for place in 0..RANGES {
+        for (place, belief) in beliefs.iter_mut().enumerate() {
             let Some(start) = self.states[place] else { continue };
             let range_m = range_sigma_m * 0.5f64.sqrt().powi((RANGES - place) as i32);
             let prior = self.prior(prior, range_m);
@@ -95,7 +95,7 @@ impl<const D: usize> RangeHypotheses<D> {
                 continue;
             }
             self.states[place] = Some(found.state);
-            beliefs[place] = Some(Weighted {
+            *belief = Some(Weighted {
                 log_weight,
                 mean: found.state,
                 covariance: found.covariance,

@@ -333,7 +333,7 @@ impl<const D: usize> Smoother<D> {
     fn is_due(&self) -> bool {
         let wait = match self.stage {
             // A velocity is found late: while the filter is young, its linearisation ages fast.
-            FilterStage::Settled if D == 4 => (self.settled_for / 2).min(RELINEARISED_EVERY),
+            FilterStage::Settled if D == 4 => (self.settled_for / 16).min(RELINEARISED_EVERY),
             FilterStage::Settled => RELINEARISED_EVERY,
             _ => (self.bearings / SEARCHED_EVERY).min(RELINEARISED_EVERY),
         };
@@ -503,8 +503,11 @@ impl<const D: usize> Smoother<D> {
             } else if self.stage == FilterStage::Searching && self.is_misfit {
                 self.window.forget_first(FOLDED_AT_ONCE);
             } else if self.window.merge(place) == 0 {
-                match self.is_located() && self.ranges.is_none() {
-                    true => self.fold(FOLDED_AT_ONCE),
+                match self.is_located() {
+                    true => {
+                        self.end_ranges();
+                        self.fold(FOLDED_AT_ONCE);
+                    }
                     false => _ = self.window.merge(None),
                 }
             }
@@ -667,9 +670,14 @@ impl<const D: usize> Smoother<D> {
         }
         if share < SETTLED_SHARE {
             self.stage = FilterStage::Settled;
-            if self.ranges.take().is_some() {
-                self.linearise();
-            }
+            self.end_ranges();
+        }
+    }
+
+    /// Continues from the mixture of ranges with one state.
+    fn end_ranges(&mut self) {
+        if self.ranges.take().is_some() {
+            self.linearise();
         }
     }
 
