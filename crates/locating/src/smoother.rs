@@ -272,7 +272,7 @@ impl<const D: usize> Smoother<D> {
         }
         self.keep(LineOfBearing { is_used, ..*line });
         if line.ray().is_none() && self.ranges.is_some() {
-            self.end_ranges();
+            self.search_without_ranges();
         }
         let is_distrusted = matches!(taken, BearingTreatment::Distrusted(_));
         if is_distrusted || self.is_due() {
@@ -618,7 +618,7 @@ impl<const D: usize> Smoother<D> {
     }
 
     /// Continues without hypotheses about the range, which lines of other kinds than bearings show.
-    fn end_ranges(&mut self) {
+    fn search_without_ranges(&mut self) {
         self.ranges = None;
         self.stage = FilterStage::Searching;
         self.speed_sigma_mps = self.model.speed_sigma_mps;
