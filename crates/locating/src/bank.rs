@@ -20,6 +20,7 @@
 //! While the simplest model only lacks geometry, no fix is published: a model with more freedom cannot be more
 //! accurate.
 
+use kept::{Get, Kept, Put, kept};
 use nalgebra::Matrix4;
 
 use crate::explanation::LocatorDecisionKind;
@@ -395,5 +396,48 @@ impl EmitterFilter {
 
     fn state_at(&self, time_ns: i64) -> ([f64; 2], [f64; 2], Matrix4<f64>) {
         either!(self, filter => filter.state_at(time_ns))
+    }
+}
+
+kept!(Bank {
+    members: [Option<BankMember>; MODELS_MAX],
+    chosen: Option<usize>,
+    is_moving: bool,
+    doubts: u32,
+});
+kept!(BankMember {
+    motion: MotionModel,
+    filter: EmitterFilter,
+    disagreed_s: f64,
+    disagreed: u32,
+    agreed: u32,
+    patience: u32,
+});
+
+/// The kind in one word, then the filter; the record has room for the larger kind.
+impl Kept for EmitterFilter {
+    const WORDS: usize = 1 + Smoother::<4>::WORDS;
+
+    fn put(&self, to: &mut Put<'_>) {
+        match self {
+            Self::Point(filter) => {
+                true.put(to);
+                filter.put(to);
+                (Smoother::<2>::WORDS..Smoother::<4>::WORDS).for_each(|_| to.word(0));
+            }
+            Self::Motion(filter) => {
+                false.put(to);
+                filter.put(to);
+            }
+        }
+    }
+
+    fn get(from: &mut Get<'_>) -> Option<Self> {
+        if !bool::get(from)? {
+            return Smoother::get(from).map(Self::Motion);
+        }
+        let filter = Smoother::get(from)?;
+        from.0 = from.0.get(Smoother::<4>::WORDS - Smoother::<2>::WORDS..)?;
+        Some(Self::Point(filter))
     }
 }

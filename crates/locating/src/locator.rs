@@ -117,10 +117,12 @@ struct Emitter {
     turning_since_ns: Option<i64>,
     bank: Bank,
     selector: Selector,
+    /// Whether it has changed since it was kept.
+    is_changed: bool,
 }
 
 kept! {
-    /// An emitter, but for its fix.
+    /// An emitter, but for its filters.
     #[derive(Clone, Copy, Debug, PartialEq)]
     pub(crate) struct EmitterRecord {
         pub(crate) number: u32,
@@ -141,6 +143,8 @@ pub struct Locator {
     index: Vec<(bool, u32, u32)>,
     emitters: Vec<Emitter>,
     next_number: u32,
+    /// Places in `emitters` of those that have changed since they were kept.
+    changed: Vec<u32>,
     decisions: Vec<Decision>,
     counts: LocatorCounts,
 }
@@ -157,6 +161,7 @@ impl Locator {
             index: Vec::with_capacity(settings.emitters_max),
             emitters: Vec::with_capacity(settings.emitters_max),
             next_number: OWN_NUMBERS,
+            changed: Vec::with_capacity(settings.emitters_max),
             decisions: Vec::with_capacity(DECISIONS_MAX),
             counts: LocatorCounts::default(),
         })
@@ -219,37 +224,46 @@ impl Locator {
         self.next_number = self.next_number.max(next);
     }
 
-    /// All emitters, but for their fixes.
-    pub(crate) fn known(&self) -> impl Iterator<Item = EmitterRecord> {
-        self.emitters.iter().map(|emitter| EmitterRecord {
-            number: emitter.number,
-            is_labelled: emitter.is_labelled,
-            frequency_hz: emitter.frequency_hz,
-            first_ns: emitter.first_ns,
-            last: emitter.last,
-            last_heading_rad: emitter.last_heading_rad,
-            turning_since_ns: emitter.turning_since_ns,
-        })
+    /// Passes the emitters that have changed since the last call, or all of them, with their places, to `each`.
+    pub(crate) fn each_changed(&mut self, all: bool, mut each: impl FnMut(usize, &EmitterRecord, &Bank, &Selector)) {
+        if all {
+            self.changed.clear();
+            self.changed.extend(0..self.emitters.len() as u32);
+        }
+        for slot in self.changed.drain(..) {
+            let emitter = &mut self.emitters[slot as usize];
+            emitter.is_changed = false;
+            each(slot as usize, &emitter.record(), &emitter.bank, &emitter.selector);
+        }
     }
 
-    /// Adds an emitter that has no fix, if there is room and none of its number.
-    pub(crate) fn resume_emitter(&mut self, known: &EmitterRecord) {
+    /// Adds an emitter of a predecessor, if there is room. Of two with the same number, the later one stays.
+    pub(crate) fn resume_emitter(&mut self, known: &EmitterRecord, bank: Bank, selector: Selector) {
+        let emitter = Emitter {
+            number: known.number,
+            is_labelled: known.is_labelled,
+            frequency_hz: known.frequency_hz,
+            first_ns: known.first_ns,
+            last: known.last,
+            last_heading_rad: known.last_heading_rad,
+            turning_since_ns: known.turning_since_ns,
+            bank,
+            selector,
+            is_changed: false,
+        };
         let slot = self.emitters.len();
-        if let Err(place) = self.place(known.is_labelled, known.number)
-            && slot < self.settings.emitters_max
-        {
-            self.index.insert(place, (known.is_labelled, known.number, slot as u32));
-            self.emitters.push(Emitter {
-                number: known.number,
-                is_labelled: known.is_labelled,
-                frequency_hz: known.frequency_hz,
-                first_ns: known.first_ns,
-                last: known.last,
-                last_heading_rad: known.last_heading_rad,
-                turning_since_ns: known.turning_since_ns,
-                bank: Bank::new(&self.settings.motion),
-                selector: Selector::new(self.settings.selection),
-            });
+        match self.place(known.is_labelled, known.number) {
+            Ok(place) => {
+                let other = &mut self.emitters[self.index[place].2 as usize];
+                if other.last.time_ns < emitter.last.time_ns {
+                    *other = emitter;
+                }
+            }
+            Err(place) if slot < self.settings.emitters_max => {
+                self.index.insert(place, (known.is_labelled, known.number, slot as u32));
+                self.emitters.push(emitter);
+            }
+            Err(_) => {}
         }
     }
 
@@ -261,6 +275,9 @@ impl Locator {
         let (models, turning_since_ns) = ((&settings.motion, &settings.consistency), emitter.turning_since_ns);
         emitter.bank.add(line, after_s, turning_since_ns, models, &mut notes);
         emitter.last = *line;
+        if !std::mem::replace(&mut emitter.is_changed, true) {
+            self.changed.push(slot as u32);
+        }
         let (number, first_ns, time_ns) = (emitter.number, emitter.first_ns, line.time_ns);
         let fix = emitter.bank.fix_at(time_ns);
         let output = fix.and_then(|raw| emitter.selector.fix(&selectable(&raw, time_ns - first_ns)));
@@ -340,6 +357,7 @@ impl Locator {
                 turning_since_ns: None,
                 bank: Bank::new(&self.settings.motion),
                 selector: Selector::new(self.settings.selection),
+                is_changed: false,
             });
             self.emitters.len() - 1
         } else {
@@ -406,6 +424,19 @@ impl Locator {
 }
 
 impl Emitter {
+    /// The emitter, but for its filters.
+    fn record(&self) -> EmitterRecord {
+        EmitterRecord {
+            number: self.number,
+            is_labelled: self.is_labelled,
+            frequency_hz: self.frequency_hz,
+            first_ns: self.first_ns,
+            last: self.last,
+            last_heading_rad: self.last_heading_rad,
+            turning_since_ns: self.turning_since_ns,
+        }
+    }
+
     /// Fit of a bearing without id: squared normalised difference, logarithm of its variance.
     fn compare(&self, line: &LineOfBearing, rate_max_rad_per_s: f64) -> (f64, f64) {
         if let Some(compared) = self.bank.compare(line) {

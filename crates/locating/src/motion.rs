@@ -1,5 +1,7 @@
 //! Models of an emitter's motion, from the simplest on.
 
+use kept::kept_variants;
+
 use crate::settings::{EmitterMotionSettings, FilterChoice};
 use crate::smoother::Model;
 
@@ -49,6 +51,13 @@ impl MotionModel {
         }
     }
 }
+
+kept_variants!(MotionModel {
+    Fixed,
+    Wandering,
+    Straight,
+    Manoeuvring,
+});
 
 #[cfg(test)]
 mod tests {

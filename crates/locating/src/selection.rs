@@ -45,6 +45,8 @@
 //!
 //! Source: patent JP7553304B2.
 
+use kept::{Get, Kept, Put, kept, kept_variants};
+
 settings::words! {
     /// Choice of the fixes that steer the output.
     pub enum Select {
@@ -556,6 +558,88 @@ impl Valley {
             self.least = Some(here);
         }
         None
+    }
+}
+
+kept_variants!(SelectionStage {
+    Passing,
+    First,
+    Interval,
+    Minimum,
+    Steered,
+});
+kept!(Point {
+    time_s: f64,
+    position_m: [f64; 3],
+});
+kept!(Minimum {
+    variance_m2: f64,
+    seen: Point,
+    output: Point,
+});
+kept!(Valley {
+    least: Option<Minimum>,
+    greatest: Option<f64>,
+});
+
+/// State of a selector in the memory for a successor, which has the settings.
+impl Selector {
+    pub(crate) const KEPT_WORDS: usize = SelectionStage::WORDS
+        + 2 * Point::WORDS
+        + <[f64; 3]>::WORDS
+        + 2 * f64::WORDS
+        + u32::WORDS
+        + bool::WORDS
+        + Option::<(Point, bool)>::WORDS
+        + 2 * Option::<Point>::WORDS
+        + Valley::WORDS;
+
+    pub(crate) fn put(&self, to: &mut Put<'_>) {
+        let Self {
+            settings: _,
+            stage,
+            line,
+            velocity_mps,
+            previous,
+            due_s,
+            last,
+            was_above_at_selection,
+            up,
+            down,
+            valley,
+            last_minimum_s,
+            minima,
+        } = self;
+        stage.put(to);
+        line.put(to);
+        velocity_mps.put(to);
+        previous.put(to);
+        due_s.put(to);
+        last.put(to);
+        was_above_at_selection.put(to);
+        up.put(to);
+        down.put(to);
+        valley.put(to);
+        last_minimum_s.put(to);
+        minima.put(to);
+    }
+
+    pub(crate) fn get(settings: SelectionSettings, from: &mut Get<'_>) -> Option<Self> {
+        Some(Self {
+            settings,
+            stage: Kept::get(from)?,
+            line: Kept::get(from)?,
+            velocity_mps: Kept::get(from)?,
+            previous: Kept::get(from)?,
+            due_s: Kept::get(from)?,
+            last: Kept::get(from)?,
+            was_above_at_selection: Kept::get(from)?,
+            up: Kept::get(from)?,
+            down: Kept::get(from)?,
+            valley: Kept::get(from)?,
+            last_minimum_s: Kept::get(from)?,
+            minima: Kept::get(from)?,
+        })
     }
 }
 

@@ -29,6 +29,7 @@
 //! 2001), chapters 3 and 10; B. M. Bell, F. W. Cathey, *The iterated Kalman filter update as a Gauss–Newton method*,
 //! IEEE Transactions on Automatic Control 38 (1993).
 
+use kept::{kept, kept_variants};
 use nalgebra::{Matrix4, SMatrix, SVector};
 
 use crate::gauss_newton::{DEVIATION_MAX, LeastSquaresProblem, StatePrior};
@@ -588,3 +589,40 @@ impl<const D: usize> Smoother<D> {
 fn seconds(ns: i64) -> f64 {
     ns as f64 * 1e-9
 }
+
+kept_variants!(FilterStage {
+    Empty,
+    Searching,
+    Vague,
+    Located,
+    Settled,
+});
+kept!(Model {
+    process_noise: f64,
+    range_sigma_m: f64,
+    speed_sigma_mps: f64,
+});
+
+/// Fields of a filter of so many components, in the memory for a successor.
+macro_rules! kept_smoother {
+    ($components:literal) => {
+        kept!(Smoother<$components> {
+            model: Model,
+            reference_ns: i64,
+            prior: StatePrior<$components>,
+            window: Window,
+            estimate: SVector<f64, $components>,
+            covariance: SMatrix<f64, $components, $components>,
+            bearings: u64,
+            since_linearised: u64,
+            settled_for: u64,
+            stage: FilterStage,
+            is_misfit: bool,
+            lead_over_rest: Option<f64>,
+            sum: f64,
+            is_distrusting: bool,
+        });
+    };
+}
+kept_smoother!(2);
+kept_smoother!(4);

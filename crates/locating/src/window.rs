@@ -5,6 +5,8 @@
 //! are merged if no information is lost: two bearings taken a distance s apart, of an emitter at range r, are as good
 //! as their mean taken half-way, except for s²/8r² radians.
 
+use kept::{Get, Kept, Put};
+
 use crate::line_of_bearing::LineOfBearing;
 
 /// Most lines of bearing that a filter keeps.
@@ -111,6 +113,21 @@ fn may_merge(one: &LineOfBearing, other: &LineOfBearing, position_m: Option<[f64
     let information = one.information + other.information;
     let limit = 8.0 * LOSS_MAX * range;
     apart * apart * information < limit * limit
+}
+
+impl Kept for Window {
+    const WORDS: usize = <[LineOfBearing; WINDOW_MAX]>::WORDS + usize::WORDS;
+
+    fn put(&self, to: &mut Put<'_>) {
+        let Self { lines, len } = self;
+        lines.put(to);
+        len.put(to);
+    }
+
+    fn get(from: &mut Get<'_>) -> Option<Self> {
+        let (lines, len) = (Kept::get(from)?, usize::get(from)?);
+        (len <= WINDOW_MAX).then_some(Self { lines, len })
+    }
 }
 
 #[cfg(test)]
