@@ -12,6 +12,7 @@ mod check_region;
 mod check_source;
 mod checked;
 mod external_detections;
+mod finder_on_board;
 mod locating;
 mod offline;
 mod platform;
