@@ -188,7 +188,11 @@ fn check_locator(index: usize, raw: &SourceTable, input: &Input, network: &Netwo
             .music()
             .map_err(|error| SettingsError::new(key("array"), error.to_string()))?;
     }
-    Ok(Some(FinderSettings { locator, array }))
+    Ok(Some(FinderSettings {
+        locator,
+        array,
+        dropped: raw.dropped.clone(),
+    }))
 }
 
 fn check_recorded(index: usize, raw: &RecordedTable) -> Checked<Recorded> {

@@ -27,7 +27,7 @@ use crate::explanation::LocatorDecisionKind;
 use crate::line_of_bearing::LineOfBearing;
 use crate::motion::MotionModel;
 use crate::settings::{ConsistencySettings, EmitterMotionSettings};
-use crate::smoother::{BearingTreatment, Bounds, Smoother};
+use crate::smoother::{BearingTreatment, Bounds, Model, Smoother, StartPoint};
 
 /// Most models of one emitter.
 pub(crate) const MODELS_MAX: usize = 3;
@@ -102,19 +102,15 @@ pub(crate) struct Bank {
 pub(crate) type BankNotes = crate::explanation::Notes<{ 2 * MODELS_MAX + 1 }>;
 
 impl Bank {
-    pub(crate) fn new(settings: &EmitterMotionSettings) -> Self {
+    pub(crate) fn new(settings: &EmitterMotionSettings, start: Option<StartPoint>) -> Self {
         let motions = MotionModel::of(settings.filter);
+        let member = |place| Some(BankMember::new(*motions.get(place)?, settings, start));
         Self {
-            members: std::array::from_fn(|place| motions.get(place).map(|motion| BankMember::new(*motion, settings))),
+            members: std::array::from_fn(member),
             chosen: None,
             is_moving: false,
             doubts: 0,
         }
-    }
-
-    /// Restarts with another emitter.
-    pub(crate) fn reset(&mut self, settings: &EmitterMotionSettings) {
-        *self = Self::new(settings);
     }
 
     /// Fix at a time; `None` while the geometry does not allow one.
@@ -329,8 +325,11 @@ impl Bank {
 }
 
 impl BankMember {
-    fn new(motion: MotionModel, settings: &EmitterMotionSettings) -> Self {
-        let model = motion.model(settings);
+    fn new(motion: MotionModel, settings: &EmitterMotionSettings, start: Option<StartPoint>) -> Self {
+        let model = Model {
+            start,
+            ..motion.model(settings)
+        };
         let filter = match motion {
             MotionModel::Fixed | MotionModel::Wandering => EmitterFilter::Point(Smoother::new(model)),
             MotionModel::Straight | MotionModel::Manoeuvring => EmitterFilter::Motion(Smoother::new(model)),

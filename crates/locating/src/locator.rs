@@ -10,7 +10,8 @@ use crate::counts::LocatorCounts;
 use crate::explanation::{Decision, LocatorDecisionKind};
 use crate::line_of_bearing::LineOfBearing;
 use crate::selection::{Fix, Output, Selector};
-use crate::settings::Settings;
+use crate::settings::{DroppedEmitter, Settings};
+use crate::smoother::StartPoint;
 
 /// First number of emitters that the locator distinguishes itself.
 pub const OWN_NUMBERS: u32 = 1_000_001;
@@ -22,6 +23,8 @@ const SIGMA_MAX_RAD: f64 = 1.0;
 const COORDINATE_MAX_M: f64 = 1e9;
 /// Heights are not observed: standard deviation, metres.
 const HEIGHT_SIGMA_M: f64 = 1e4;
+/// Seconds of a day.
+const DAY_S: i64 = 86_400;
 /// Frequencies that were not measured fit all.
 const ANY_FREQUENCY_HZ: f64 = 0.0;
 
@@ -143,6 +146,8 @@ pub struct Locator {
     index: Vec<(bool, u32, u32)>,
     emitters: Vec<Emitter>,
     next_number: u32,
+    /// Emitters whose first place is known.
+    dropped: Vec<DroppedEmitter>,
     /// Places in `emitters` of those that have changed since they were kept.
     changed: Vec<u32>,
     decisions: Vec<Decision>,
@@ -161,10 +166,17 @@ impl Locator {
             index: Vec::with_capacity(settings.emitters_max),
             emitters: Vec::with_capacity(settings.emitters_max),
             next_number: OWN_NUMBERS,
+            dropped: Vec::new(),
             changed: Vec::with_capacity(settings.emitters_max),
             decisions: Vec::with_capacity(DECISIONS_MAX),
             counts: LocatorCounts::default(),
         })
+    }
+
+    /// Sets the emitters whose first place is known; it applies to emitters that begin later. The last one of a number
+    /// counts.
+    pub fn set_dropped(&mut self, dropped: &[DroppedEmitter]) {
+        self.dropped = dropped.to_vec();
     }
 
     /// Takes a bearing. `None`: the geometry does not allow a fix yet.
@@ -280,7 +292,7 @@ impl Locator {
         }
         let (number, first_ns, time_ns) = (emitter.number, emitter.first_ns, line.time_ns);
         let fix = emitter.bank.fix_at(time_ns);
-        let output = fix.and_then(|raw| emitter.selector.fix(&selectable(&raw, time_ns - first_ns)));
+        let output = fix.and_then(|raw| emitter.selector.fix(&selectable(&raw, time_ns - first_ns, line)));
         for (kind, value, limit) in notes.iter() {
             self.decide(time_ns, number, kind, value, limit);
         }
@@ -346,6 +358,7 @@ impl Locator {
             Some(id) => (true, id),
             None => (false, self.next_number),
         };
+        let start = self.start_of(bearing);
         let slot = if self.emitters.len() < self.settings.emitters_max {
             self.emitters.push(Emitter {
                 number,
@@ -355,7 +368,7 @@ impl Locator {
                 last: *line,
                 last_heading_rad: None,
                 turning_since_ns: None,
-                bank: Bank::new(&self.settings.motion),
+                bank: Bank::new(&self.settings.motion, start),
                 selector: Selector::new(self.settings.selection),
                 is_changed: false,
             });
@@ -365,6 +378,7 @@ impl Locator {
                 self.counts.table_full += 1;
                 return Err(BearingRejection::TableFull);
             };
+            self.emitters[slot].bank = Bank::new(&self.settings.motion, start);
             slot
         };
         let emitter = &mut self.emitters[slot];
@@ -391,6 +405,20 @@ impl Locator {
         Ok(slot)
     }
 
+    /// Place and time of the drop of a bearing's emitter, on the day nearest to the bearing.
+    fn start_of(&self, bearing: &Bearing) -> Option<StartPoint> {
+        let id = bearing.emitter_id?;
+        let dropped = self.dropped.iter().rfind(|dropped| dropped.emitter_id == id)?;
+        let (heard_ns, day_ns) = (bearing.time_of_measurement_ns, DAY_S * 1_000_000_000);
+        let of_day_ns = (dropped.time_s * 1e9) as i64;
+        let days = (heard_ns - of_day_ns + day_ns / 2).div_euclid(day_ns);
+        Some(StartPoint {
+            time_ns: days * day_ns + of_day_ns,
+            position_m: dropped.position_m,
+            sigma_m: dropped.sigma_m,
+        })
+    }
+
     /// Returns the emptied slot of the emitter with the longest silence, if the silence was long enough.
     fn given_up(&mut self, time_ns: i64) -> Option<usize> {
         let (slot, emitter) = (self.emitters.iter_mut().enumerate()).min_by_key(|(_, emitter)| emitter.last.time_ns)?;
@@ -399,7 +427,6 @@ impl Locator {
             return None;
         }
         let (is_labelled, number) = (emitter.is_labelled, emitter.number);
-        emitter.bank.reset(&self.settings.motion);
         emitter.selector = Selector::new(self.settings.selection);
         if let Ok(place) = self.place(is_labelled, number) {
             self.index.remove(place);
@@ -493,11 +520,13 @@ fn fault(bearing: &Bearing) -> Option<&'static str> {
     }
 }
 
-fn selectable(raw: &RawFix, after_ns: i64) -> Fix {
+fn selectable(raw: &RawFix, after_ns: i64, line: &LineOfBearing) -> Fix {
+    let from_platform: [f64; 2] = std::array::from_fn(|axis| raw.position_m[axis] - line.platform_m[axis]);
     Fix {
         time_s: after_ns as f64 * 1e-9,
         position_m: [raw.position_m[0], raw.position_m[1], 0.0],
         velocity_mps: [raw.velocity_mps[0], raw.velocity_mps[1], 0.0],
         variance_m2: raw.variance_m2(),
+        direction_rad: Some(from_platform[0].atan2(from_platform[1])),
     }
 }

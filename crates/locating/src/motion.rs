@@ -48,6 +48,7 @@ impl MotionModel {
             process_noise,
             range_sigma_m: settings.range_sigma_m,
             speed_sigma_mps: settings.speed_sigma_mps,
+            start: None,
         }
     }
 }

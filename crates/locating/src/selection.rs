@@ -45,6 +45,7 @@
 //!
 //! Source: patent JP7553304B2.
 
+use ::settings::Degrees;
 use kept::{Get, Kept, Put, kept, kept_variants};
 
 settings::words! {
@@ -60,6 +61,14 @@ settings::words! {
         Minimum = "minimum",
         /// Each interval at first, then at minima (EL-10).
         Staged = "staged",
+    }
+
+    /// What ends an interval of interval selection (EL-5).
+    pub enum SelectionInterval {
+        /// Time.
+        Time = "time",
+        /// A change of the direction from the platform to the emitter.
+        Geometry = "geometry",
     }
 
     /// Motion while the variance is above its threshold (EL-7, EL-8).
@@ -81,8 +90,13 @@ settings::settings! {
         select: Select = Select::Auto;
         /// Square root of the threshold of the variance value.
         position_sigma_max_m: f64 = 500.0, in [above 0];
+        /// End of an interval: `time`, after `interval_s`; `geometry`, after a change of the emitter's direction from
+        /// the platform by `interval_deg`.
+        interval: SelectionInterval = SelectionInterval::Time;
         /// Time between selections; longer than between fixes.
         interval_s: f64 = 250.0, in [above 0];
+        /// Change of the emitter's direction between selections.
+        interval_deg: Degrees = Degrees::of(60.0), in [1, 180];
         /// Motion above the threshold: `continue` keeps direction and speed; `use-crossings` uses the direction and
         /// speed between the fix before the variance rose and the fix after it fell.
         above_threshold: AboveThreshold = AboveThreshold::Continue;
@@ -118,6 +132,9 @@ pub struct Fix {
     pub velocity_mps: [f64; 3],
     /// Variance of the position (EL-3), m².
     pub variance_m2: f64,
+    /// Direction of the position from the platform, radians clockwise from north; `None` if it is unknown: intervals
+    /// are then of time.
+    pub direction_rad: Option<f64>,
 }
 
 /// Output for a fix.
@@ -226,8 +243,9 @@ pub struct Selector {
     velocity_mps: [f64; 3],
     /// t(n−1), and P(n−1); while there is one selection only, S1.
     previous: Point,
-    /// End of the next interval, seconds.
+    /// End of the next interval, seconds; and the direction at its beginning.
     due_s: f64,
+    begun_rad: Option<f64>,
     /// The fix before, and whether it was below the threshold.
     last: Option<(Point, bool)>,
     was_above_at_selection: bool,
@@ -254,6 +272,7 @@ impl Selector {
             velocity_mps: [0.0; 3],
             previous: nowhere,
             due_s: f64::INFINITY,
+            begun_rad: None,
             last: None,
             was_above_at_selection: false,
             up: None,
@@ -360,11 +379,13 @@ impl Selector {
             self.stage = SelectionStage::First;
             self.previous = seen;
             self.due_s = fix.time_s + self.settings.interval_s;
+            self.begun_rad = fix.direction_rad;
             return found;
         }
-        if fix.time_s < self.due_s {
+        if !self.is_due(fix) {
             return None;
         }
+        self.begun_rad = fix.direction_rad;
         self.due_s = next_due(self.due_s, self.settings.interval_s, fix.time_s);
         if self.stage == SelectionStage::First {
             if !is_below {
@@ -379,6 +400,18 @@ impl Selector {
         self.was_above_at_selection = !is_below;
         self.turn(SelectionStage::Interval, before, way, before);
         found
+    }
+
+    /// Whether an interval is over: of time (EL-5), or of the change of direction.
+    fn is_due(&self, fix: &Fix) -> bool {
+        let is_geometric = self.settings.interval == SelectionInterval::Geometry;
+        match self.begun_rad.zip(fix.direction_rad).filter(|_| is_geometric) {
+            Some((begun_rad, direction_rad)) => {
+                let change = direction_rad - begun_rad;
+                change.sin().atan2(change.cos()).abs() >= self.settings.interval_deg.rad()
+            }
+            None => fix.time_s >= self.due_s,
+        }
     }
 
     /// Start and end of the way that gives the output's next velocity, at a selection time; `None`: the velocity
@@ -471,6 +504,7 @@ impl Selector {
             self.was_above_at_selection = !is_below;
             self.turn(SelectionStage::Interval, before, way, before);
             self.due_s = fix.time_s + self.settings.interval_s;
+            self.begun_rad = fix.direction_rad;
             return Some((SelectionReason::MinimaRare, silent_s, wait_s));
         }
         if self.stage == SelectionStage::Interval && minimum.is_some() && self.minima >= self.settings.settled_minima {
@@ -588,6 +622,7 @@ impl Selector {
         + 2 * Point::WORDS
         + <[f64; 3]>::WORDS
         + 2 * f64::WORDS
+        + Option::<f64>::WORDS
         + u32::WORDS
         + bool::WORDS
         + Option::<(Point, bool)>::WORDS
@@ -602,6 +637,7 @@ impl Selector {
             velocity_mps,
             previous,
             due_s,
+            begun_rad,
             last,
             was_above_at_selection,
             up,
@@ -615,6 +651,7 @@ impl Selector {
         velocity_mps.put(to);
         previous.put(to);
         due_s.put(to);
+        begun_rad.put(to);
         last.put(to);
         was_above_at_selection.put(to);
         up.put(to);
@@ -632,6 +669,7 @@ impl Selector {
             velocity_mps: Kept::get(from)?,
             previous: Kept::get(from)?,
             due_s: Kept::get(from)?,
+            begun_rad: Kept::get(from)?,
             last: Kept::get(from)?,
             was_above_at_selection: Kept::get(from)?,
             up: Kept::get(from)?,

@@ -79,6 +79,18 @@ pub(crate) struct Model {
     pub(crate) range_sigma_m: f64,
     /// … of its speed along each axis, m/s; of no meaning for fixed points.
     pub(crate) speed_sigma_mps: f64,
+    /// Known first place, in place of the unknown one about the platform.
+    pub(crate) start: Option<StartPoint>,
+}
+
+/// Known place of an emitter at a time, before its first bearing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct StartPoint {
+    pub(crate) time_ns: i64,
+    /// East and north, metres.
+    pub(crate) position_m: [f64; 2],
+    /// Standard deviation along each axis, metres.
+    pub(crate) sigma_m: f64,
 }
 
 /// Bounds of the running sum of innovations.
@@ -372,17 +384,23 @@ impl<const D: usize> Smoother<D> {
     }
 
     fn begin(&mut self, first: &LineOfBearing) {
-        self.reference_ns = first.time_ns;
+        let unknown = StartPoint {
+            time_ns: first.time_ns,
+            position_m: first.platform_m,
+            sigma_m: self.model.range_sigma_m,
+        };
+        let start = self.model.start.unwrap_or(unknown);
+        self.reference_ns = start.time_ns;
         self.prior = StatePrior::default();
         for axis in 0..D {
             let sigma = match axis {
-                0 | 1 => self.model.range_sigma_m,
+                0 | 1 => start.sigma_m,
                 _ => self.model.speed_sigma_mps,
             };
             self.prior.information[(axis, axis)] = 1.0 / (sigma * sigma);
         }
-        self.prior.mean[0] = first.platform_m[0];
-        self.prior.mean[1] = first.platform_m[1];
+        self.prior.mean[0] = start.position_m[0];
+        self.prior.mean[1] = start.position_m[1];
         self.stage = FilterStage::Searching;
         (self.sum, self.is_distrusting) = (0.0, false);
     }
@@ -526,6 +544,9 @@ impl<const D: usize> Smoother<D> {
         if self.stage != FilterStage::Searching {
             return Some(self.estimate);
         }
+        if self.model.start.is_some() {
+            return Some(self.prior.mean);
+        }
         if self.window.all().iter().filter(|line| line.is_used).count() < LINES_MIN {
             return None;
         }
@@ -601,6 +622,12 @@ kept!(Model {
     process_noise: f64,
     range_sigma_m: f64,
     speed_sigma_mps: f64,
+    start: Option<StartPoint>,
+});
+kept!(StartPoint {
+    time_ns: i64,
+    position_m: [f64; 2],
+    sigma_m: f64,
 });
 
 /// Fields of a filter of so many components, in the memory for a successor.

@@ -13,7 +13,7 @@ use estimation::SourceClock;
 use frames::SystemFrame;
 use kept::{Memory, MemoryRefusal};
 use locating::music::ArraySettings;
-use locating::{EmitterMemory, LeftEmitters, Locator, Settings};
+use locating::{DroppedEmitter, EmitterMemory, LeftEmitters, Locator, Settings};
 use messages::{Counter, Counters, SensorTrack};
 use observations::{Bearing, Sampled, SnapshotBlock};
 use platform::{Assumed, BearingRoom, History, Mount, State};
@@ -32,6 +32,8 @@ pub struct FinderSettings {
     pub locator: Settings,
     /// Array whose snapshots give the bearings; `None` if the finder delivers bearings.
     pub array: Option<ArraySettings>,
+    /// Emitters whose first place is known.
+    pub dropped: Vec<DroppedEmitter>,
 }
 
 /// Most bearings of a finder on board that wait for a state of its platform.
@@ -88,10 +90,12 @@ impl BearingLocator {
     /// The first unusable setting.
     pub fn new(source: u16, limits: PlausibilityLimits, settings: &FinderSettings) -> Result<Self, SettingsError> {
         let intake = settings.array.as_ref().map(SnapshotIntake::new).transpose();
+        let mut locator = Locator::new(settings.locator)?;
+        locator.set_dropped(&settings.dropped);
         Ok(Self {
             source,
             limits,
-            locator: Locator::new(settings.locator)?,
+            locator,
             intake: intake.map_err(|error| SettingsError::new("array", error.to_string()))?,
             boarded: None,
             with_spectrum: false,

@@ -17,7 +17,7 @@ use anyhow::Context as _;
 use formats::bearings_csv::BearingReader;
 use locating::selection::Select;
 use locating::settings::{FilterChoice, Settings};
-use locating::{BearingRejection, Locator};
+use locating::{BearingRejection, DroppedEmitter, Locator};
 use observations::Bearing;
 use platform::{Assumed, History, Mount, Refusal};
 
@@ -50,7 +50,10 @@ pub(crate) fn run(locate: &Locate, host: &dyn Host) -> anyhow::Result<()> {
             .chain(&locate.platform),
         &outputs,
     )?;
-    let mut locator = Locator::new(settings(locate, host)?).map_err(|fault| Usage(fault.to_string()))?;
+    let (settings, mut dropped) = settings(locate, host)?;
+    dropped.extend_from_slice(&locate.dropped);
+    let mut locator = Locator::new(settings).map_err(|fault| Usage(fault.to_string()))?;
+    locator.set_dropped(&dropped);
     let mut input = BearingInput::open(host, &locate.bearings)?;
     let mut out = host.begin(&locate.out)?;
     let unwritten = || format!("{} cannot be written", locate.out.display());
@@ -128,17 +131,20 @@ fn on_board(ship: &History, bearing: &Bearing) -> Result<Bearing, Refusal> {
     Mount::default().carry_bearing(bearing, &pose, None)
 }
 
-/// Returns the settings of the command line and the configuration.
-fn settings(locate: &Locate, host: &dyn Host) -> anyhow::Result<Settings> {
-    let mut settings = match &locate.config {
+/// Returns the settings of the command line and the configuration, and the emitters of the latter with a known place.
+fn settings(locate: &Locate, host: &dyn Host) -> anyhow::Result<(Settings, Vec<DroppedEmitter>)> {
+    let (mut settings, dropped) = match &locate.config {
         Some(path) => {
             let text = host.text(path)?;
             configuration::locating_settings(path, &text)?
         }
-        None => Settings {
-            emitters_max: EMITTERS_MAX,
-            ..Settings::default()
-        },
+        None => {
+            let settings = Settings {
+                emitters_max: EMITTERS_MAX,
+                ..Settings::default()
+            };
+            (settings, Vec::new())
+        }
     };
     if let Some(word) = &locate.filter {
         let words = FilterChoice::ALL.map(FilterChoice::word);
@@ -148,7 +154,7 @@ fn settings(locate: &Locate, host: &dyn Host) -> anyhow::Result<Settings> {
         let words = Select::ALL.map(Select::word);
         settings.selection.select = Select::from_word(word).ok_or_else(|| not_known("--select", word, &words))?;
     }
-    Ok(settings)
+    Ok((settings, dropped))
 }
 
 fn not_known(option: &str, word: &str, words: &[&str]) -> Usage {
