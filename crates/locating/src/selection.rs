@@ -621,7 +621,7 @@ impl Selector {
     pub(crate) const KEPT_WORDS: usize = SelectionStage::WORDS
         + 2 * Point::WORDS
         + <[f64; 3]>::WORDS
-        + 2 * f64::WORDS
+        + <[f64; 2]>::WORDS
         + Option::<f64>::WORDS
         + u32::WORDS
         + bool::WORDS
