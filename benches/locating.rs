@@ -3,9 +3,11 @@
 //! `cargo bench -p koseki --bench locating`. A thousand emitters with ten bearings a second each are 10,000
 //! bearings a second. The cost must not grow with the duration of reception.
 
+use std::sync::atomic::AtomicU64;
+
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use locating::settings::FilterChoice;
-use locating::{Locator, Settings};
+use locating::{EmitterMemory, Locator, Settings};
 use observations::Bearing;
 
 const PERIOD_NS: u64 = 100_000_000;
@@ -62,5 +64,35 @@ fn per_bearing(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, per_bearing);
+/// The same with each emitter kept for a successor of the process, as in a live adapter.
+fn kept(criterion: &mut Criterion) {
+    let (emitters, seconds) = (1_000, 20);
+    let settings = Settings {
+        emitters_max: emitters as usize,
+        ..Settings::default()
+    };
+    let words = EmitterMemory::words(&settings);
+    println!(
+        "memory for each of {emitters} emitters: {} bytes",
+        8 * words as u64 / emitters
+    );
+    let memory: Vec<AtomicU64> = (0..words).map(|_| AtomicU64::new(0)).collect();
+    let mut memory = EmitterMemory::begin(Box::new(memory), "bench", &settings);
+    let mut locator = Locator::new(settings).expect("sound settings");
+    let mut next = 0u64;
+    let mut one = |locator: &mut Locator| {
+        let taken = locator.bearing(&bearing(next, emitters));
+        locator.keep(&mut memory, next as i64);
+        next += 1;
+        taken.expect("sound bearings").is_some()
+    };
+    for _ in 0..emitters * seconds * 10 {
+        one(&mut locator);
+    }
+    criterion.bench_function("locator/bearing/auto, kept", |bencher| {
+        bencher.iter(|| one(&mut locator))
+    });
+}
+
+criterion_group!(benches, per_bearing, kept);
 criterion_main!(benches);

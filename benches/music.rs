@@ -18,6 +18,7 @@ fn per_measurement(criterion: &mut Criterion) {
             sources: SourceCount::Mdl,
             frequency_max_hz: FREQUENCY_HZ,
             phase_sigma_rad: 0.01,
+            paths: 1,
         };
         let mut music = Music::new(array.expect("usable"), settings).expect("usable");
         let waves = SimulatedWaves::independent(&[0.2, 1.0], 10.0, FREQUENCY_HZ, 100);

@@ -201,3 +201,38 @@ fn what_makes_no_sense_is_refused_and_leaves_nothing() {
     }
     assert_eq!(folder.names(), before);
 }
+
+/// A dropped emitter has a fix with its first bearing; what cannot be meant is refused in one line.
+#[test]
+fn a_dropped_emitter_is_located_from_its_first_bearing_on() {
+    let folder = Folder::new();
+    folder.write("flight.csv", flight(20));
+    let arguments = "locate --bearings flight.csv --dropped 4:0:1000,500:20 --out fixes.csv";
+    folder.succeed(arguments);
+    let fixes = rows(&folder.read("fixes.csv"));
+    let first = &fixes[0];
+    assert_eq!((first["time_s"].as_str(), first["emitter_id"].as_str()), ("0", "4"));
+    assert!(
+        (number(first, "x") - 1e3).hypot(number(first, "y") - 500.0) < 60.0,
+        "{first:?}"
+    );
+    // The same by a file.
+    let text = "[[dropped]]\nemitter_id = 4\ntime_s = 0\nposition_m = [1000, 500]\nsigma_m = 20\n";
+    folder.write("drop.toml", text);
+    folder.succeed("locate --bearings flight.csv --config drop.toml --out again.csv");
+    let without_config = |name: &str| rows(&folder.read(name))[0]["x"].clone();
+    assert_eq!(without_config("again.csv"), without_config("fixes.csv"));
+    for (dropped, expected) in [
+        ("4:0", "it must be ID:TIME_S:EAST,NORTH"),
+        ("four:0:1,2", "four is no number of an emitter"),
+        ("4:90000:1,2", "time_s: 90000 is out of range"),
+        ("4:0:1,2:0", "sigma_m: 0 is out of range; it must be greater than 0"),
+    ] {
+        let output = folder.run(&format!(
+            "locate --bearings flight.csv --dropped {dropped} --out out.csv"
+        ));
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.contains(expected), "{said}");
+    }
+}

@@ -48,6 +48,7 @@ mod live_designations;
 mod live_feed;
 mod live_on_board;
 mod live_plots;
+mod live_snapshots;
 mod orders;
 mod queues;
 mod recording;

@@ -97,7 +97,7 @@ fn what_is_no_recording_and_what_cannot_be_meant_is_said() {
     for (arguments, expected) in [
         (
             vec!["notes.txt", "--to", "127.0.0.1:9"],
-            "holds neither data blocks of ASTERIX nor lines of SBS-1",
+            "holds neither data blocks of ASTERIX, lines of SBS-1 nor snapshots of an antenna array",
         ),
         (vec!["missing.ast", "--to", "127.0.0.1:9"], "cannot be read"),
         (vec!["notes.txt", "--to", "127.0.0.1"], "invalid value"),

@@ -21,7 +21,7 @@ use iceoryx2::service::Service as Medium;
 use crate::error::BusError;
 use crate::root::Root;
 use crate::service::{
-    self, DeadProcesses, Loan, PublisherPort, Service, SubscriberPort, TakenSlice, TopicHold, WakeUps,
+    self, DeadProcesses, Loan, PublisherPort, Service, Slices, SubscriberPort, TakenSlice, TopicHold, WakeUps,
 };
 use crate::transport::{InProcess, SharedMemory};
 
@@ -65,17 +65,21 @@ pub trait Ports: Medium + Sized + 'static {
     #[doc(hidden)]
     fn wake(wake_ups: &WakeUps<Self>) -> bool;
     #[doc(hidden)]
+    fn has_subscribers(slices: &Slices<Self>) -> bool;
+    #[doc(hidden)]
     fn receive(port: &SubscriberPort<Self>) -> Result<Option<DropGuard<TakenSlice<Self>>>, ReceiveError>;
     #[doc(hidden)]
     fn has_slices(port: &SubscriberPort<Self>) -> bool;
 }
 
-/// Ports behind a publisher, iceoryx2's numbers of the process and of the port, and a counter of failed connections.
+/// Ports and topic behind a publisher, iceoryx2's numbers of the process and of the port, and a counter of failed
+/// connections.
 #[derive(Debug)]
 pub struct Sending<S: Medium> {
     pub(crate) node: u128,
     pub(crate) origin: u128,
     pub(crate) port: DropGuard<PublisherPort<S>>,
+    pub(crate) slices: DropGuard<Slices<S>>,
     pub(crate) wake_ups: DropGuard<WakeUps<S>>,
     pub(crate) failed_connections: Arc<AtomicU64>,
 }
@@ -172,13 +176,14 @@ macro_rules! transport {
             }
 
             fn publish(node: &Node<Self>, service: &Service<'_>) -> Result<Sending<Self>, BusError> {
-                let (port, failed_connections) = service.publisher(node)?;
+                let (port, slices, failed_connections) = service.publisher(node)?;
                 // After the port: making the notifier wakes subscribers, which then connect to the port.
                 let wake_ups = DropGuard::new(service.wake_ups(node)?);
                 Ok(Sending {
                     node: node.id().value(),
                     origin: port.id().value(),
                     port: DropGuard::new(port),
+                    slices: DropGuard::new(slices),
                     wake_ups,
                     failed_connections,
                 })
@@ -216,6 +221,10 @@ macro_rules! transport {
 
             fn wake(wake_ups: &WakeUps<Self>) -> bool {
                 service::wake(wake_ups)
+            }
+
+            fn has_subscribers(slices: &Slices<Self>) -> bool {
+                service::has_subscribers(slices)
             }
 
             fn receive(port: &SubscriberPort<Self>) -> Result<Option<DropGuard<TakenSlice<Self>>>, ReceiveError> {

@@ -19,7 +19,7 @@ use crate::line::OwnLine;
 use crate::loaned::LoanedSlice;
 use crate::ports::{DropGuard, Sending, Transport};
 use crate::sends::Word as _;
-use crate::service::PublisherPort;
+use crate::service::{PublisherPort, Slices};
 use crate::transport::Payload;
 use crate::wake_up::WakeUp;
 
@@ -27,6 +27,7 @@ use crate::wake_up::WakeUp;
 #[derive(Debug)]
 pub struct Publisher<S: Transport, T: Payload> {
     port: DropGuard<PublisherPort<S>>,
+    slices: DropGuard<Slices<S>>,
     wake_up: WakeUp<S>,
     /// Dropped after the port: when the line is marked as ended, no further slice enters the queue.
     line: Option<OwnLine>,
@@ -74,6 +75,7 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
     ) -> Self {
         Self {
             port: opened.port,
+            slices: opened.slices,
             wake_up: WakeUp::new(opened.wake_ups),
             line,
             hint,
@@ -259,6 +261,12 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
     /// count as lost with the next slice.
     pub fn pass_over(&mut self, count: u64) {
         self.header.first_sequence += count;
+    }
+
+    /// Whether the topic has subscribers: what nobody receives need not be computed. A subscriber that ended without
+    /// leaving counts until it is [removed](crate::Bus::remove_dead).
+    pub fn has_subscribers(&self) -> bool {
+        S::has_subscribers(&self.slices)
     }
 
     /// Name of the topic.

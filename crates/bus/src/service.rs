@@ -49,7 +49,10 @@ pub struct WakeUps<S: Medium> {
 pub(crate) type TakenSlice<S> = iceoryx2::sample::Sample<S, Octets, Header>;
 /// A slice that is to be written.
 pub(crate) type Loan<S> = SampleMutUninit<S, [MaybeUninit<CustomPayloadMarker>], Header>;
-type Slices<S> = publish_subscribe::PortFactory<S, Octets, Header>;
+/// The topic itself, which knows its readers.
+pub(crate) type Slices<S> = publish_subscribe::PortFactory<S, Octets, Header>;
+/// Port of a publisher, its topic, and a counter of its failed connections.
+type OpenedPublisher<S> = (PublisherPort<S>, Slices<S>, Arc<AtomicU64>);
 
 /// Pause between two tries.
 const OPEN_PAUSE: Duration = Duration::from_millis(10);
@@ -133,8 +136,8 @@ impl Service<'_> {
         })
     }
 
-    /// The port of a publisher, and a counter of its failed connections.
-    pub(crate) fn publisher<S: Medium>(&self, node: &Node<S>) -> Result<(PublisherPort<S>, Arc<AtomicU64>), BusError> {
+    /// The port of a publisher, its topic, and a counter of its failed connections.
+    pub(crate) fn publisher<S: Medium>(&self, node: &Node<S>) -> Result<OpenedPublisher<S>, BusError> {
         let slices = self.open_slices(node)?;
         let failed_connections = Arc::new(AtomicU64::new(0));
         // The topic's creator may have permitted longer queues than those of this process.
@@ -162,7 +165,7 @@ impl Service<'_> {
             PublisherCreateError::ExceedsMaxSupportedPublishers => self.full(PortRole::Publisher),
             error => topic_error(self.name, "make a publisher", error),
         })?;
-        Ok((port, failed_connections))
+        Ok((port, slices, failed_connections))
     }
 
     /// The port of a subscriber with a queue of `queue` slices, and a counter of its failed connections.
@@ -336,6 +339,11 @@ pub(crate) fn wake<S: Medium>(wake_ups: &WakeUps<S>) -> bool {
         let _ = wake_ups.notifier.notify();
     }
     has_listeners
+}
+
+/// Whether a topic has subscribers.
+pub(crate) fn has_subscribers<S: Medium>(slices: &Slices<S>) -> bool {
+    slices.dynamic_config().number_of_subscribers() > 0
 }
 
 /// The next slice of the queue.

@@ -14,6 +14,7 @@ use super::check_qnh::check_qnh;
 use super::check_region::check_regions;
 use super::check_source::check_source;
 use super::checked::{Checked, place};
+use super::finder_on_board::mount_finders;
 use super::platform::{check_platform_names, check_platforms, find_radars};
 use super::tables::{DeploymentTable, FusionTable};
 use super::tracker_links::check_links;
@@ -56,6 +57,7 @@ pub(super) fn check(path: &Path, mut raw: DeploymentTable) -> Checked<(Deploymen
     }
     let wide_area_sensors = check_wide_area_sensors(&raw, &frame, &mut network)?;
     check_links(&mut sources, &raw.sources, &raw.wide_area_sensors)?;
+    mount_finders(&raw, &mut sources)?;
     let mut trackers = check_trackers(&raw, names, &frame, &mut network)?;
     for (mut source, processed, weighed) in trackers.sources.drain(..) {
         let place = usize::from(source.number);

@@ -16,7 +16,7 @@ use super::external_detections::takes_detections;
 use super::tables::{PlaceTable, RecordedTable, SourceTable};
 use super::tracker::source_tracker;
 use deployment::{Input, Instrument, Links, Recorded, RecordedFormat, SampleDelivery, Source};
-use sources::{Processing, TrackerSettings};
+use sources::{FinderSettings, Processing, TrackerSettings};
 
 /// Shortest silence that is told, seconds: processes speak five times a second.
 const SILENT_MIN_S: f64 = 1.0;
@@ -119,7 +119,9 @@ fn delivery(processing: &Processing) -> SampleDelivery {
         Processing::Detections(tracker) => SampleDelivery::Detections {
             cues: tracker.outputs.cues,
         },
-        Processing::Bearings(_) => SampleDelivery::Bearings,
+        Processing::Bearings(finder) => SampleDelivery::Bearings {
+            array: finder.array.is_some(),
+        },
     }
 }
 
@@ -158,28 +160,39 @@ fn check_tracker(
 
 /// A direction finder has bearings and nothing else, whether it is simulated or said to be one by its
 /// `[source.locator]`.
-fn check_locator(
-    index: usize,
-    raw: &SourceTable,
-    input: &Input,
-    network: &Network,
-) -> Checked<Option<locating::Settings>> {
-    let key = format!("source[{index}].locator");
+fn check_locator(index: usize, raw: &SourceTable, input: &Input, network: &Network) -> Checked<Option<FinderSettings>> {
+    let key = |part: &str| format!("source[{index}].{part}");
     let may_have_bearings = match input {
         Input::Live(live) => network.is_udp(&live.receiver),
         Input::Simulated(simulated) => matches!(simulated.instrument, Instrument::DirectionFinder(_)),
         Input::Recorded(_) | Input::External | Input::Tracker(_) => false,
     };
-    match (&raw.locator, input) {
-        (Some(locator), _) if may_have_bearings => Ok(Some(*locator)),
+    let locator = match (&raw.locator, input) {
+        (Some(locator), _) if may_have_bearings => *locator,
         (Some(_), _) => {
             let what =
                 "takes bearings: of a [[receiver]] with [receiver.udp], or of a [source.simulated_direction_finder]";
-            Err(SettingsError::new(key, what))
+            return Err(SettingsError::new(key("locator"), what));
         }
-        (None, Input::Simulated(_)) if may_have_bearings => Ok(Some(locating::Settings::default())),
-        (None, _) => Ok(None),
+        (None, Input::Simulated(_)) if may_have_bearings => locating::Settings::default(),
+        (None, _) => return Ok(None),
+    };
+    let array = raw.array.clone();
+    if let Some(array) = &array {
+        if !matches!(input, Input::Live(_)) {
+            let what = "takes snapshots of a [[receiver]] with [receiver.udp]; a simulated direction finder delivers \
+                        bearings: leave it out";
+            return Err(SettingsError::new(key("array"), what));
+        }
+        array
+            .music()
+            .map_err(|error| SettingsError::new(key("array"), error.to_string()))?;
     }
+    Ok(Some(FinderSettings {
+        locator,
+        array,
+        dropped: raw.dropped.clone(),
+    }))
 }
 
 fn check_recorded(index: usize, raw: &RecordedTable) -> Checked<Recorded> {

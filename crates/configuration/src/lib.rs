@@ -12,6 +12,7 @@ mod check_region;
 mod check_source;
 mod checked;
 mod external_detections;
+mod finder_on_board;
 mod locating;
 mod offline;
 mod platform;
@@ -41,11 +42,18 @@ pub use tracker::{SeenDetections, Tracking};
 /// Stands for the configuration of the demonstration, which is part of the executable.
 pub const BUILT_IN_DEMO: &str = "built-in:demo";
 
+/// Stands for the configuration of `koseki torture`, which is part of the executable: that of the demonstration with a
+/// direction finder.
+pub const BUILT_IN_TORTURE: &str = "built-in:torture";
+
 /// Beginning of the lines at the end of [`Deployment::text`] that state replaced values.
 const OVERRIDE: &str = "# --set ";
 
 /// The configuration of the demonstration, as text.
 pub const DEMO: &str = include_str!("../../../config/demo.toml");
+
+/// The configuration of `koseki torture`, as text.
+const TORTURE: &str = concat!(include_str!("../../../config/demo.toml"), include_str!("torture.toml"));
 
 /// A checked deployment, with the settings of its algorithms, and without those of services.
 pub type Config = ConfigWith<()>;
@@ -133,6 +141,9 @@ impl<P: Parts> ConfigWith<P> {
     pub fn read(path: &Path, overrides: &[String]) -> Result<Self, ConfigError> {
         if path == Path::new(BUILT_IN_DEMO) {
             return Self::parse(path, DEMO, overrides);
+        }
+        if path == Path::new(BUILT_IN_TORTURE) {
+            return Self::parse(path, TORTURE, overrides);
         }
         Self::parse(path, &text(path)?, overrides)
     }

@@ -9,15 +9,20 @@ settings::settings! {
     pub struct LocatingTable {
         /// How emitters are located.
         locating: ::locating::Settings = ::locating::Settings::default();
+        /// Emitters that the platform dropped at a known place and time.
+        dropped: Vec<::locating::DroppedEmitter> = Vec::new();
     }
 }
 
-/// Reads the text of `path`: the table `[locating]`, and nothing else.
+/// Reads the text of `path`: the table `[locating]` and the emitters in `[[dropped]]`.
 ///
 /// # Errors
 /// [`ConfigError`] with file, line, key, value and remedy.
-pub fn locating_settings(path: &Path, text: &str) -> Result<::locating::Settings, ConfigError> {
-    super::read::<LocatingTable>(path, text).map(|table| table.locating)
+pub fn locating_settings(
+    path: &Path,
+    text: &str,
+) -> Result<(::locating::Settings, Vec<::locating::DroppedEmitter>), ConfigError> {
+    super::read::<LocatingTable>(path, text).map(|table| (table.locating, table.dropped))
 }
 
 #[cfg(test)]
@@ -29,7 +34,8 @@ mod tests {
     use super::*;
 
     fn read(text: &str) -> Result<LocatingSettings, String> {
-        locating_settings(Path::new("locate.toml"), text).map_err(|error| error.to_string())
+        let read = locating_settings(Path::new("locate.toml"), text);
+        read.map(|(settings, _)| settings).map_err(|error| error.to_string())
     }
 
     #[test]
@@ -52,6 +58,19 @@ mod tests {
     }
 
     #[test]
+    fn dropped_emitters_have_a_place_and_a_time() {
+        let text = "[[dropped]]\nemitter_id = 7\ntime_s = 36000\nposition_m = [10, -20]\n";
+        let (_, dropped) = locating_settings(Path::new("locate.toml"), text).unwrap();
+        let expected = ::locating::DroppedEmitter {
+            emitter_id: 7,
+            time_s: 36_000.0,
+            position_m: [10.0, -20.0],
+            sigma_m: 50.0,
+        };
+        assert_eq!(dropped, [expected]);
+    }
+
+    #[test]
     fn what_cannot_be_is_refused_with_file_line_key_value_and_remedy() {
         for (text, expected) in [
             (
@@ -65,6 +84,18 @@ mod tests {
             (
                 "\n[locating]\nemitter_max = 3\n",
                 "locate.toml:3: locating.emitter_max: unknown key; there are: emitters_max, motion",
+            ),
+            (
+                "[[dropped]]\nemitter_id = 7\ntime_s = -1\nposition_m = [0, 0]\n",
+                "locate.toml:3: dropped[0].time_s: -1 is out of range; it must lie between 0 and 86400",
+            ),
+            (
+                "[[dropped]]\nemitter_id = 7\ntime_s = 1\n",
+                "locate.toml:1: dropped[0].position_m",
+            ),
+            (
+                "[locating.selection]\ninterval = \"bearing\"\n",
+                "locate.toml:2: locating.selection.interval: \"bearing\" is not known; there are: time, geometry",
             ),
             (
                 "[locating.motion]\nfilter = \"still\"\n",

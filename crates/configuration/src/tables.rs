@@ -192,6 +192,12 @@ settings::settings! {
         tracker: Option<SourceTrackerTable> = None;
         /// Locator for the source's bearings.
         locator: Option<locating::Settings> = None;
+        /// Emitters that the platform dropped at a known place and time.
+        dropped: Vec<locating::DroppedEmitter> = Vec::new();
+        /// Antenna array whose snapshots arrive in place of bearings: the keys of `koseki bearings --array`.
+        array: Option<locating::music::ArraySettings> = None;
+        /// Mounting of a direction finder on a platform that moves: its bearings are then from the nose.
+        on_board: Option<FinderOnBoardTable> = None;
         /// Limits of the sensor's reports.
         limits: PlausibilityLimits = PlausibilityLimits::default();
         /// Covariance of the source's reports.
@@ -350,6 +356,12 @@ settings::settings! {
         on_board: Option<OnBoardTable> = None;
     }
 
+    /// Mounting of a direction finder on a platform.
+    pub struct FinderOnBoardTable with mount: Mount {
+        /// Name of the platform whose states place the bearings.
+        platform: String;
+    }
+
     /// Mounting of a tracker's sensor on a platform.
     pub struct OnBoardTable with mount: Mount {
         /// Name of the platform whose states place the detections.
@@ -504,6 +516,15 @@ impl SourceTable {
         if self.locator.is_some() && self.tracker.is_some() {
             let what = "bearings are located, detections are tracked: leave one of locator and tracker out";
             return Err(SettingsError::new("locator", what));
+        }
+        let has_locator = self.locator.is_some() || self.simulated_direction_finder.is_some();
+        if !self.dropped.is_empty() && !has_locator {
+            let what = "names emitters for a locator, which is missing; add [source.locator]";
+            return Err(SettingsError::new("dropped", what));
+        }
+        if self.array.is_some() && self.locator.is_none() {
+            let what = "measures bearings for a locator, which is missing; add [source.locator]";
+            return Err(SettingsError::new("array", what));
         }
         let wait_s = self.tracker.as_ref().and_then(|tracker| tracker.wait_s);
         // The longest turn that is found, where none is configured.

@@ -87,7 +87,12 @@ impl Source {
 
     /// Whether its tracks are made of its bearings.
     pub fn has_bearings(&self) -> bool {
-        self.delivers == SampleDelivery::Bearings
+        matches!(self.delivers, SampleDelivery::Bearings { .. })
+    }
+
+    /// Whether its bearings are measured from snapshots of an antenna array.
+    pub fn has_array(&self) -> bool {
+        self.delivers == SampleDelivery::Bearings { array: true }
     }
 
     /// Whether its tracker publishes places for the sensor's next look.
@@ -128,7 +133,10 @@ pub enum SampleDelivery {
         cues: bool,
     },
     /// Bearings and states of the platform, of which its adapter makes tracks.
-    Bearings,
+    Bearings {
+        /// Whether the bearings are measured from snapshots of an antenna array.
+        array: bool,
+    },
     /// Detections and no tracks: a sensor of a tracker process.
     Plots {
         /// Content of the datagrams or of the file.

@@ -33,6 +33,9 @@ impl runtime::DeploymentParts for Deployment {
         for sensor in &self.tracker_sensors {
             visit.visit(&messages::sensor_detections(&sensor.name), publishers)?;
         }
+        for source in self.sources.iter().filter(|source| source.has_array()) {
+            visit.visit(&messages::sensor_spectrum(&source.name), publishers)?;
+        }
         for platform in &self.platforms {
             visit.visit(&messages::platform_states(&platform.name), publishers)?;
         }

@@ -8,6 +8,7 @@
 //! - [`recording`]: a recording as a whole: its credible records, and statistics;
 //! - [`foreign`]: kinds of files that are taken for recordings of ASTERIX and are none;
 //! - [`sbs`]: lines of transponder receivers (SBS-1, BaseStation);
+//! - [`snapshot_datagram`]: snapshots of an antenna array in datagrams;
 //! - [`autoferry`]: a public data set of detections;
 //! - [`rows`]: tables of values, a row each, whatever their kind; each table declares its columns in one list;
 //! - [`sensor_tracks_csv`], [`detections_csv`], [`bearings_csv`], [`emitter_rows_csv`], [`wide_area_csv`]:
@@ -40,6 +41,7 @@ pub mod rows;
 pub mod sbs;
 pub mod scan_rows_csv;
 pub mod sensor_tracks_csv;
+pub mod snapshot_datagram;
 pub mod snapshots_csv;
 pub mod tracks_csv;
 pub mod wide_area_csv;

@@ -79,6 +79,34 @@ macro_rules! kept {
     };
 }
 
+/// Implements [`Kept`] for an enum without values: one word, the place of the variant in the list of all.
+#[macro_export]
+macro_rules! kept_variants {
+    ($name:ident { $($variant:ident),* $(,)? }) => {
+        impl $crate::Kept for $name {
+            const WORDS: usize = 1;
+
+            #[inline]
+            fn put(&self, to: &mut $crate::Put<'_>) {
+                let mut place = 0;
+                $(
+                    if matches!(self, Self::$variant) {
+                        return to.word(place);
+                    }
+                    place += 1;
+                )*
+                // A variant that is not in the list does not compile.
+                match self { $(Self::$variant)|* => to.word(place) }
+            }
+
+            fn get(from: &mut $crate::Get<'_>) -> Option<Self> {
+                let place = usize::try_from(from.word()?).ok()?;
+                [$(Self::$variant),*].into_iter().nth(place)
+            }
+        }
+    };
+}
+
 /// Implements [`Kept`] for a number in one word.
 macro_rules! number {
     ($($kind:ty, $value:ident => $put:expr, $word:ident => $get:expr;)*) => {
@@ -105,6 +133,7 @@ number! {
     u32, value => u64::from(value), word => word.try_into().ok();
     u16, value => u64::from(value), word => word.try_into().ok();
     u8, value => u64::from(value), word => word.try_into().ok();
+    usize, value => value as u64, word => word.try_into().ok();
     bool, value => u64::from(value), word => (word < 2).then_some(word == 1);
     i32, value => u64::from(value.cast_unsigned()), word => Some(u32::try_from(word).ok()?.cast_signed());
     f64, value => value.to_bits(), word => Some(f64::from_bits(word));

@@ -28,6 +28,7 @@
 //! There is no fix before the geometry determines the range even if the emitter moves slowly, that is, before the base
 //! has a fix. A fixed point would be certain too early.
 
+use kept::{Get, Kept, Put, kept};
 use nalgebra::{Matrix4, Vector4};
 
 use crate::explanation::LocatorDecisionKind;
@@ -35,7 +36,7 @@ use crate::line_of_bearing::LineOfBearing;
 use crate::mixture::{Slowed, Weighted, matched, slowed};
 use crate::motion::MotionModel;
 use crate::settings::{ConsistencySettings, EmitterMotionSettings};
-use crate::smoother::{BearingTreatment, Bounds, Smoother};
+use crate::smoother::{BearingTreatment, Bounds, Model, Smoother, StartPoint};
 
 /// Most models of one emitter.
 pub(crate) const MODELS_MAX: usize = 3;
@@ -140,10 +141,11 @@ impl Way {
 pub(crate) type BankNotes = crate::explanation::Notes<{ 2 * MODELS_MAX + 1 }>;
 
 impl Bank {
-    pub(crate) fn new(settings: &EmitterMotionSettings) -> Self {
+    pub(crate) fn new(settings: &EmitterMotionSettings, start: Option<StartPoint>) -> Self {
         let motions = MotionModel::of(settings.filter);
+        let member = |place| Some(BankMember::new(*motions.get(place)?, settings, start));
         Self {
-            members: std::array::from_fn(|place| motions.get(place).map(|motion| BankMember::new(*motion, settings))),
+            members: std::array::from_fn(member),
             probabilities: [0.0; MODELS_MAX],
             drifting: 0.0,
             leading: None,
@@ -151,11 +153,6 @@ impl Bank {
             log_odds_fixed: [f64::NEG_INFINITY; 2],
             way: Way::default(),
         }
-    }
-
-    /// Restarts with another emitter.
-    pub(crate) fn reset(&mut self, settings: &EmitterMotionSettings) {
-        *self = Self::new(settings);
     }
 
     /// Fix at a time; `None` while the range is not observable.
@@ -451,8 +448,11 @@ impl Bank {
 }
 
 impl BankMember {
-    fn new(motion: MotionModel, settings: &EmitterMotionSettings) -> Self {
-        let model = motion.model(settings);
+    fn new(motion: MotionModel, settings: &EmitterMotionSettings, start: Option<StartPoint>) -> Self {
+        let model = Model {
+            start,
+            ..motion.model(settings)
+        };
         let filter = match motion {
             MotionModel::Fixed | MotionModel::Wandering | MotionModel::Given => {
                 EmitterFilter::Point(Smoother::new(model))
@@ -527,5 +527,54 @@ impl EmitterFilter {
 
     fn state_at(&self, time_ns: i64) -> (Vector4<f64>, Matrix4<f64>) {
         either!(self, filter => filter.state_at(time_ns))
+    }
+}
+
+kept!(Bank {
+    members: [Option<BankMember>; MODELS_MAX],
+    probabilities: [f64; MODELS_MAX],
+    drifting: f64,
+    leading: Option<usize>,
+    lead: f64,
+    log_odds_fixed: [f64; 2],
+    way: Way,
+});
+kept!(Way {
+    length_m: f64,
+    duration_s: f64,
+    last_m: Option<[f64; 2]>,
+});
+kept!(BankMember {
+    motion: MotionModel,
+    filter: EmitterFilter,
+    disagreed_s: f64,
+    disagreed: u32,
+});
+
+/// The kind in one word, then the filter; the record has room for the larger kind.
+impl Kept for EmitterFilter {
+    const WORDS: usize = 1 + Smoother::<4>::WORDS;
+
+    fn put(&self, to: &mut Put<'_>) {
+        match self {
+            Self::Point(filter) => {
+                true.put(to);
+                filter.put(to);
+                (Smoother::<2>::WORDS..Smoother::<4>::WORDS).for_each(|_| to.word(0));
+            }
+            Self::Motion(filter) => {
+                false.put(to);
+                filter.put(to);
+            }
+        }
+    }
+
+    fn get(from: &mut Get<'_>) -> Option<Self> {
+        if !bool::get(from)? {
+            return Smoother::get(from).map(Self::Motion);
+        }
+        let filter = Smoother::get(from)?;
+        from.0 = from.0.get(Smoother::<4>::WORDS - Smoother::<2>::WORDS..)?;
+        Some(Self::Point(filter))
     }
 }

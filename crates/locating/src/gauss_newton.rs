@@ -1,5 +1,6 @@
 //! Search of the state that explains a prior and lines of bearing best: Gauss–Newton iteration with robust weights.
 
+use kept::kept;
 use nalgebra::{SMatrix, SVector};
 
 use crate::kinematics::{position, sensitivity};
@@ -201,3 +202,12 @@ fn robust(squared: f64, knee: f64) -> (f64, f64) {
         (knee * (1.0 + (squared / knee).ln()), knee / squared)
     }
 }
+
+kept!(StatePrior<2> {
+    mean: SVector<f64, 2>,
+    information: SMatrix<f64, 2, 2>,
+});
+kept!(StatePrior<4> {
+    mean: SVector<f64, 4>,
+    information: SMatrix<f64, 4, 4>,
+});

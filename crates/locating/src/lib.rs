@@ -88,5 +88,5 @@ pub use explanation::{Decision, LocatorDecisionKind};
 pub use locator::{BearingRejection, EmitterReport, Locator, OWN_NUMBERS};
 pub use motion::MotionModel;
 pub use resumption::{EmitterMemory, LeftEmitters};
-pub use settings::Settings;
+pub use settings::{DroppedEmitter, Settings};
 pub use window::WINDOW_MAX as LINES_MAX;

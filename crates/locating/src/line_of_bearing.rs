@@ -370,6 +370,12 @@ impl Straight {
     }
 }
 
+kept!(Ray {
+    platform_m: [f64; 2],
+    sine: f64,
+    cosine: f64,
+});
+
 /// Numbers of a [`Shape`], kept in as many words.
 const NUMBERS: usize = 12;
 

@@ -14,7 +14,8 @@ use crate::explanation::{Decision, LocatorDecisionKind};
 use crate::line_of_bearing::LineOfBearing;
 use crate::motion::MotionModel;
 use crate::selection::{Fix, Output, Selector};
-use crate::settings::{FilterChoice, Settings};
+use crate::settings::{DroppedEmitter, FilterChoice, Settings};
+use crate::smoother::StartPoint;
 
 /// First number of emitters that the locator distinguishes itself.
 pub const OWN_NUMBERS: u32 = 1_000_001;
@@ -30,6 +31,8 @@ const HEIGHT_SIGMA_M: f64 = 1e4;
 /// much, radians.
 const CUED_AFTER_S: f64 = 120.0;
 const COURSE_CHANGE_RAD: f64 = 0.5;
+/// Seconds of a day.
+const DAY_S: i64 = 86_400;
 /// Frequencies that were not measured fit all.
 const ANY_FREQUENCY_HZ: f64 = 0.0;
 
@@ -153,10 +156,12 @@ struct Emitter {
     cued_rad: Option<f64>,
     bank: Bank,
     selector: Selector,
+    /// Whether it has changed since it was kept.
+    is_changed: bool,
 }
 
 kept! {
-    /// An emitter, but for its fix.
+    /// An emitter, but for its filters.
     #[derive(Clone, Copy, Debug, PartialEq)]
     pub(crate) struct EmitterRecord {
         pub(crate) number: u32,
@@ -164,8 +169,10 @@ kept! {
         pub(crate) frequency_hz: f64,
         pub(crate) first_ns: i64,
         pub(crate) last: LineOfBearing,
+        pub(crate) last_ns: i64,
         pub(crate) last_heading_rad: Option<f64>,
         pub(crate) turning_since_ns: Option<i64>,
+        pub(crate) cued_rad: Option<f64>,
     }
 }
 
@@ -177,6 +184,10 @@ pub struct Locator {
     index: Vec<(bool, u32, u32)>,
     emitters: Vec<Emitter>,
     next_number: u32,
+    /// Emitters whose first place is known.
+    dropped: Vec<DroppedEmitter>,
+    /// Places in `emitters` of those that have changed since they were kept.
+    changed: Vec<u32>,
     decisions: Vec<Decision>,
     counts: LocatorCounts,
     arrivals: Arrivals,
@@ -194,10 +205,18 @@ impl Locator {
             index: Vec::with_capacity(settings.emitters_max),
             emitters: Vec::with_capacity(settings.emitters_max),
             next_number: OWN_NUMBERS,
+            dropped: Vec::new(),
+            changed: Vec::with_capacity(settings.emitters_max),
             decisions: Vec::with_capacity(DECISIONS_MAX),
             counts: LocatorCounts::default(),
             arrivals: Arrivals::new(settings.arrivals),
         })
+    }
+
+    /// Sets the emitters whose first place is known; it applies to emitters that begin later. The last one of a number
+    /// counts.
+    pub fn set_dropped(&mut self, dropped: &[DroppedEmitter]) {
+        self.dropped = dropped.to_vec();
     }
 
     /// Takes a bearing. `None`: the geometry does not allow a fix yet.
@@ -397,39 +416,48 @@ impl Locator {
         self.next_number = self.next_number.max(next);
     }
 
-    /// All emitters, but for their fixes.
-    pub(crate) fn known(&self) -> impl Iterator<Item = EmitterRecord> {
-        self.emitters.iter().map(|emitter| EmitterRecord {
-            number: emitter.number,
-            is_labelled: emitter.is_labelled,
-            frequency_hz: emitter.frequency_hz,
-            first_ns: emitter.first_ns,
-            last: emitter.last,
-            last_heading_rad: emitter.last_heading_rad,
-            turning_since_ns: emitter.turning_since_ns,
-        })
+    /// Passes the emitters that have changed since the last call, or all of them, with their places, to `each`.
+    pub(crate) fn each_changed(&mut self, all: bool, mut each: impl FnMut(usize, &EmitterRecord, &Bank, &Selector)) {
+        if all {
+            self.changed.clear();
+            self.changed.extend(0..self.emitters.len() as u32);
+        }
+        for slot in self.changed.drain(..) {
+            let emitter = &mut self.emitters[slot as usize];
+            emitter.is_changed = false;
+            each(slot as usize, &emitter.record(), &emitter.bank, &emitter.selector);
+        }
     }
 
-    /// Adds an emitter that has no fix, if there is room and none of its number.
-    pub(crate) fn resume_emitter(&mut self, known: &EmitterRecord) {
+    /// Adds an emitter of a predecessor, if there is room. Of two with the same number, the later one stays.
+    pub(crate) fn resume_emitter(&mut self, known: &EmitterRecord, bank: Bank, selector: Selector) {
+        let emitter = Emitter {
+            number: known.number,
+            is_labelled: known.is_labelled,
+            frequency_hz: known.frequency_hz,
+            first_ns: known.first_ns,
+            last: known.last,
+            last_ns: known.last_ns,
+            last_heading_rad: known.last_heading_rad,
+            turning_since_ns: known.turning_since_ns,
+            cued_rad: known.cued_rad,
+            bank,
+            selector,
+            is_changed: false,
+        };
         let slot = self.emitters.len();
-        if let Err(place) = self.place(known.is_labelled, known.number)
-            && slot < self.settings.emitters_max
-        {
-            self.index.insert(place, (known.is_labelled, known.number, slot as u32));
-            self.emitters.push(Emitter {
-                number: known.number,
-                is_labelled: known.is_labelled,
-                frequency_hz: known.frequency_hz,
-                first_ns: known.first_ns,
-                last: known.last,
-                last_ns: known.last.time_ns,
-                last_heading_rad: known.last_heading_rad,
-                turning_since_ns: known.turning_since_ns,
-                cued_rad: None,
-                bank: Bank::new(&self.settings.motion),
-                selector: Selector::new(self.settings.selection),
-            });
+        match self.place(known.is_labelled, known.number) {
+            Ok(place) => {
+                let other = &mut self.emitters[self.index[place].2 as usize];
+                if other.last_ns < emitter.last_ns {
+                    *other = emitter;
+                }
+            }
+            Err(place) if slot < self.settings.emitters_max => {
+                self.index.insert(place, (known.is_labelled, known.number, slot as u32));
+                self.emitters.push(emitter);
+            }
+            Err(_) => {}
         }
     }
 
@@ -453,6 +481,9 @@ impl Locator {
                 emitter.last = *line;
             }
         }
+        if !std::mem::replace(&mut emitter.is_changed, true) {
+            self.changed.push(slot as u32);
+        }
         let (number, time_ns) = (emitter.number, emitter.last_ns);
         let fix = emitter.bank.fix_at(time_ns, &settings.motion);
         for (kind, value, limit) in notes.iter() {
@@ -475,7 +506,11 @@ impl Locator {
     fn select(&mut self, slot: usize, fix: Option<RawFix>) -> Option<EmitterReport> {
         let emitter = &mut self.emitters[slot];
         let (number, first_ns, time_ns) = (emitter.number, emitter.first_ns, emitter.last_ns);
-        let output = fix.and_then(|raw| emitter.selector.fix(&selectable(&raw, time_ns - first_ns)));
+        let output = fix.and_then(|raw| {
+            emitter
+                .selector
+                .fix(&selectable(&raw, time_ns - first_ns, &emitter.last))
+        });
         let (Some(raw), Some(output)) = (fix, output) else {
             self.counts.without_fix += 1;
             return None;
@@ -543,6 +578,7 @@ impl Locator {
             Some(id) => (true, id),
             None => (false, self.next_number),
         };
+        let start = self.start_of(emitter_id, line);
         let slot = if self.emitters.len() < self.settings.emitters_max {
             self.emitters.push(Emitter {
                 number,
@@ -554,8 +590,9 @@ impl Locator {
                 last_heading_rad: None,
                 turning_since_ns: None,
                 cued_rad: None,
-                bank: Bank::new(&self.settings.motion),
+                bank: Bank::new(&self.settings.motion, start),
                 selector: Selector::new(self.settings.selection),
+                is_changed: false,
             });
             self.emitters.len() - 1
         } else {
@@ -563,6 +600,7 @@ impl Locator {
                 self.counts.table_full += 1;
                 return Err(BearingRejection::TableFull);
             };
+            self.emitters[slot].bank = Bank::new(&self.settings.motion, start);
             slot
         };
         let emitter = &mut self.emitters[slot];
@@ -589,6 +627,20 @@ impl Locator {
         Ok(slot)
     }
 
+    /// Place and time of the drop of an emitter, on the day nearest to its first line.
+    fn start_of(&self, emitter_id: Option<u32>, first: &LineOfBearing) -> Option<StartPoint> {
+        let id = emitter_id?;
+        let dropped = self.dropped.iter().rfind(|dropped| dropped.emitter_id == id)?;
+        let (heard_ns, day_ns) = (first.time_ns, DAY_S * 1_000_000_000);
+        let of_day_ns = (dropped.time_s * 1e9) as i64;
+        let days = (heard_ns - of_day_ns + day_ns / 2).div_euclid(day_ns);
+        Some(StartPoint {
+            time_ns: days * day_ns + of_day_ns,
+            position_m: dropped.position_m,
+            sigma_m: dropped.sigma_m,
+        })
+    }
+
     /// Returns the emptied slot of the emitter with the longest silence, if the silence was long enough.
     fn given_up(&mut self, time_ns: i64) -> Option<usize> {
         let (slot, emitter) = (self.emitters.iter_mut().enumerate()).min_by_key(|(_, emitter)| emitter.last_ns)?;
@@ -597,7 +649,6 @@ impl Locator {
             return None;
         }
         let (is_labelled, number) = (emitter.is_labelled, emitter.number);
-        emitter.bank.reset(&self.settings.motion);
         emitter.selector = Selector::new(self.settings.selection);
         if let Ok(place) = self.place(is_labelled, number) {
             self.index.remove(place);
@@ -622,6 +673,21 @@ impl Locator {
 }
 
 impl Emitter {
+    /// The emitter, but for its filters.
+    fn record(&self) -> EmitterRecord {
+        EmitterRecord {
+            number: self.number,
+            is_labelled: self.is_labelled,
+            frequency_hz: self.frequency_hz,
+            first_ns: self.first_ns,
+            last: self.last,
+            last_ns: self.last_ns,
+            last_heading_rad: self.last_heading_rad,
+            turning_since_ns: self.turning_since_ns,
+            cued_rad: self.cued_rad,
+        }
+    }
+
     /// Fit of a bearing without id: squared normalised difference, logarithm of its variance.
     fn compare(&self, line: &LineOfBearing, rate_max_rad_per_s: f64) -> (f64, f64) {
         if let Some(compared) = self.bank.compare(line) {
@@ -723,11 +789,14 @@ fn arrival_fault(arrival: &Arrival) -> Option<&'static str> {
     }
 }
 
-fn selectable(raw: &RawFix, after_ns: i64) -> Fix {
+fn selectable(raw: &RawFix, after_ns: i64, line: &LineOfBearing) -> Fix {
+    let origin_m = line.origin_m();
+    let from_platform: [f64; 2] = std::array::from_fn(|axis| raw.position_m[axis] - origin_m[axis]);
     Fix {
         time_s: after_ns as f64 * 1e-9,
         position_m: [raw.position_m[0], raw.position_m[1], 0.0],
         velocity_mps: [raw.velocity_mps[0], raw.velocity_mps[1], 0.0],
         variance_m2: raw.variance_m2(),
+        direction_rad: Some(from_platform[0].atan2(from_platform[1])),
     }
 }

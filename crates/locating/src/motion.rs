@@ -1,5 +1,7 @@
 //! Models of an emitter's motion, from the simplest on.
 
+use kept::kept_variants;
+
 use crate::settings::{EmitterMotionSettings, FilterChoice};
 use crate::smoother::Model;
 
@@ -50,9 +52,18 @@ impl MotionModel {
             range_sigma_m: settings.range_sigma_m,
             speed_sigma_mps: settings.speed_sigma_mps,
             slow_sigma_mps: settings.slow_sigma_mps.min(settings.speed_sigma_mps),
+            start: None,
         }
     }
 }
+
+kept_variants!(MotionModel {
+    Fixed,
+    Wandering,
+    Straight,
+    Manoeuvring,
+    Given,
+});
 
 #[cfg(test)]
 mod tests {

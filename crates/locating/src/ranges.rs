@@ -10,6 +10,7 @@
 //!
 //! A hypothesis without weight is dropped, so that few remain when the bearings are many.
 
+use kept::kept;
 use nalgebra::{SMatrix, SVector};
 
 use crate::gauss_newton::{LeastSquaresProblem, StatePrior};
@@ -131,3 +132,14 @@ impl<const D: usize> RangeHypotheses<D> {
         prior
     }
 }
+
+kept!(RangeHypotheses<2> {
+    first: Ray,
+    states: [Option<SVector<f64, 2>>; RANGES],
+    is_new: bool,
+});
+kept!(RangeHypotheses<4> {
+    first: Ray,
+    states: [Option<SVector<f64, 4>>; RANGES],
+    is_new: bool,
+});

@@ -45,6 +45,9 @@
 //!
 //! Source: patent JP7553304B2.
 
+use ::settings::Degrees;
+use kept::{Get, Kept, Put, kept, kept_variants};
+
 /// Steered: while the variance falls by this share from fix to fix, fixes are passed on, if the output is more than a
 /// standard deviation away.
 const FALLING_SHARE: f64 = 0.2;
@@ -67,6 +70,14 @@ settings::words! {
         Staged = "staged",
     }
 
+    /// What ends an interval of interval selection (EL-5).
+    pub enum SelectionInterval {
+        /// Time.
+        Time = "time",
+        /// A change of the direction from the platform to the emitter.
+        Geometry = "geometry",
+    }
+
     /// Motion while the variance is above its threshold (EL-7, EL-8).
     pub enum AboveThreshold {
         /// Option a: direction and speed stay as they are.
@@ -86,8 +97,13 @@ settings::settings! {
         select: Select = Select::Auto;
         /// Square root of the threshold of the variance value.
         position_sigma_max_m: f64 = 500.0, in [above 0];
+        /// End of an interval: `time`, after `interval_s`; `geometry`, after a change of the emitter's direction from
+        /// the platform by `interval_deg`.
+        interval: SelectionInterval = SelectionInterval::Time;
         /// Time between selections; longer than between fixes.
         interval_s: f64 = 250.0, in [above 0];
+        /// Change of the emitter's direction between selections.
+        interval_deg: Degrees = Degrees::of(60.0), in [1, 180];
         /// Motion above the threshold: `continue` keeps direction and speed; `use-crossings` uses the direction and
         /// speed between the fix before the variance rose and the fix after it fell.
         above_threshold: AboveThreshold = AboveThreshold::Continue;
@@ -123,6 +139,9 @@ pub struct Fix {
     pub velocity_mps: [f64; 3],
     /// Variance of the position (EL-3), m².
     pub variance_m2: f64,
+    /// Direction of the position from the platform, radians clockwise from north; `None` if it is unknown: intervals
+    /// are then of time.
+    pub direction_rad: Option<f64>,
 }
 
 /// Output for a fix.
@@ -234,8 +253,9 @@ pub struct Selector {
     velocity_mps: [f64; 3],
     /// t(n−1), and P(n−1); while there is one selection only, S1.
     previous: Point,
-    /// End of the next interval, seconds.
+    /// End of the next interval, seconds; and the direction at its beginning.
     due_s: f64,
+    begun_rad: Option<f64>,
     /// The fix before, and whether it was below the threshold.
     last: Option<(Point, bool)>,
     /// Steered: variance of the fix before, and for how many fixes the output has been far from them.
@@ -265,6 +285,7 @@ impl Selector {
             velocity_mps: [0.0; 3],
             previous: nowhere,
             due_s: f64::INFINITY,
+            begun_rad: None,
             last: None,
             last_variance_m2: f64::INFINITY,
             departed: 0,
@@ -391,11 +412,13 @@ impl Selector {
             self.stage = SelectionStage::First;
             self.previous = seen;
             self.due_s = fix.time_s + self.settings.interval_s;
+            self.begun_rad = fix.direction_rad;
             return found;
         }
-        if fix.time_s < self.due_s {
+        if !self.is_due(fix) {
             return None;
         }
+        self.begun_rad = fix.direction_rad;
         self.due_s = next_due(self.due_s, self.settings.interval_s, fix.time_s);
         if self.stage == SelectionStage::First {
             if !is_below {
@@ -410,6 +433,18 @@ impl Selector {
         self.was_above_at_selection = !is_below;
         self.turn(SelectionStage::Interval, before, way, before);
         found
+    }
+
+    /// Whether an interval is over: of time (EL-5), or of the change of direction.
+    fn is_due(&self, fix: &Fix) -> bool {
+        let is_geometric = self.settings.interval == SelectionInterval::Geometry;
+        match self.begun_rad.zip(fix.direction_rad).filter(|_| is_geometric) {
+            Some((begun_rad, direction_rad)) => {
+                let change = direction_rad - begun_rad;
+                change.sin().atan2(change.cos()).abs() >= self.settings.interval_deg.rad()
+            }
+            None => fix.time_s >= self.due_s,
+        }
     }
 
     /// Start and end of the way that gives the output's next velocity, at a selection time; `None`: the velocity
@@ -502,6 +537,7 @@ impl Selector {
             self.was_above_at_selection = !is_below;
             self.turn(SelectionStage::Interval, before, way, before);
             self.due_s = fix.time_s + self.settings.interval_s;
+            self.begun_rad = fix.direction_rad;
             return Some((SelectionReason::MinimaRare, silent_s, wait_s));
         }
         if self.stage == SelectionStage::Interval && minimum.is_some() && self.minima >= self.settings.settled_minima {
@@ -593,6 +629,99 @@ impl Valley {
             self.least = Some(here);
         }
         None
+    }
+}
+
+kept_variants!(SelectionStage {
+    Passing,
+    First,
+    Interval,
+    Minimum,
+    Steered,
+});
+kept!(Point {
+    time_s: f64,
+    position_m: [f64; 3],
+});
+kept!(Minimum {
+    variance_m2: f64,
+    seen: Point,
+    output: Point,
+});
+kept!(Valley {
+    least: Option<Minimum>,
+    greatest: Option<f64>,
+});
+
+/// State of a selector in the memory for a successor, which has the settings.
+impl Selector {
+    pub(crate) const KEPT_WORDS: usize = SelectionStage::WORDS
+        + 2 * Point::WORDS
+        + <[f64; 3]>::WORDS
+        + <[f64; 2]>::WORDS
+        + f64::WORDS
+        + Option::<f64>::WORDS
+        + 2 * u32::WORDS
+        + bool::WORDS
+        + Option::<(Point, bool)>::WORDS
+        + 2 * Option::<Point>::WORDS
+        + Valley::WORDS;
+
+    pub(crate) fn put(&self, to: &mut Put<'_>) {
+        let Self {
+            settings: _,
+            stage,
+            line,
+            velocity_mps,
+            previous,
+            due_s,
+            begun_rad,
+            last,
+            last_variance_m2,
+            departed,
+            was_above_at_selection,
+            up,
+            down,
+            valley,
+            last_minimum_s,
+            minima,
+        } = self;
+        stage.put(to);
+        line.put(to);
+        velocity_mps.put(to);
+        previous.put(to);
+        due_s.put(to);
+        begun_rad.put(to);
+        last.put(to);
+        last_variance_m2.put(to);
+        departed.put(to);
+        was_above_at_selection.put(to);
+        up.put(to);
+        down.put(to);
+        valley.put(to);
+        last_minimum_s.put(to);
+        minima.put(to);
+    }
+
+    pub(crate) fn get(settings: SelectionSettings, from: &mut Get<'_>) -> Option<Self> {
+        Some(Self {
+            settings,
+            stage: Kept::get(from)?,
+            line: Kept::get(from)?,
+            velocity_mps: Kept::get(from)?,
+            previous: Kept::get(from)?,
+            due_s: Kept::get(from)?,
+            begun_rad: Kept::get(from)?,
+            last: Kept::get(from)?,
+            last_variance_m2: Kept::get(from)?,
+            departed: Kept::get(from)?,
+            was_above_at_selection: Kept::get(from)?,
+            up: Kept::get(from)?,
+            down: Kept::get(from)?,
+            valley: Kept::get(from)?,
+            last_minimum_s: Kept::get(from)?,
+            minima: Kept::get(from)?,
+        })
     }
 }
 

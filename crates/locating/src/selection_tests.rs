@@ -17,6 +17,7 @@ fn settings(select: Select, above: AboveThreshold) -> SelectionSettings {
         settled_minima: 2,
         minimum_wait_s: 30.0,
         steering_s: 10.0,
+        ..SelectionSettings::default()
     }
 }
 
@@ -26,6 +27,7 @@ fn fix(time_s: f64, [x, y]: [f64; 2], variance_m2: f64) -> Fix {
         position_m: [x, y, 7.0],
         velocity_mps: [0.5, 0.25, 0.0],
         variance_m2,
+        direction_rad: None,
     }
 }
 
@@ -495,4 +497,35 @@ fn late_and_impossible_fixes_change_nothing_and_gaps_are_bridged() {
     );
     // The same time twice is no error.
     assert!(selector.fix(&fix(80.0, [0.0; 2], BELOW)).is_some());
+}
+
+/// Selections by the change of direction: each 29.9 degrees, whatever the time; without directions, each interval.
+#[test]
+fn geometry_selects_after_equal_changes_of_direction() {
+    let geometric = SelectionSettings {
+        interval: SelectionInterval::Geometry,
+        interval_deg: Degrees::of(29.9),
+        ..settings(Select::Interval, AboveThreshold::Continue)
+    };
+    let selected_at = |direction_deg: fn(f64) -> Option<f64>| {
+        let mut selector = Selector::new(geometric);
+        let mut selected = Vec::new();
+        for step in 0..80 {
+            let time_s = f64::from(step);
+            let fix = Fix {
+                direction_rad: direction_deg(time_s).map(f64::to_radians),
+                ..fix(time_s, [0.0; 2], BELOW)
+            };
+            if selector.fix(&fix).unwrap().is_selected {
+                selected.push(step);
+            }
+        }
+        selected
+    };
+    // Two degrees a second through north; then nothing changes any more.
+    let turning = |time_s: f64| Some((330.0 + 2.0 * time_s.min(50.0)).rem_euclid(360.0));
+    assert_eq!(selected_at(turning), [0, 15, 30, 45]);
+    let back = |time_s: f64| Some(330.0 - 2.0 * time_s.min(31.0));
+    assert_eq!(selected_at(back), [0, 15, 30]);
+    assert_eq!(selected_at(|_| None), [0, 10, 20, 30, 40, 50, 60, 70]);
 }

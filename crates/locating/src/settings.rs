@@ -51,6 +51,19 @@ settings::settings! {
         manoeuvring_noise_m2ps3: f64 = 0.01, in [above 0];
     }
 
+    /// An emitter that the platform dropped: its first place is known.
+    #[derive(Copy)]
+    pub struct DroppedEmitter {
+        /// Number of the emitter in the bearings.
+        emitter_id: u32;
+        /// Time of the drop, since midnight (UTC); the day is the one nearest to the emitter's first bearing.
+        time_s: f64, in [0, 86400];
+        /// Place of the drop, east and north in the system frame.
+        position_m: [f64; 2], in [-1e9, 1e9];
+        /// Standard deviation of the place, along each axis.
+        sigma_m: f64 = 50.0, in [above 0];
+    }
+
     /// Consistency of bearings: bearings that contradict the others are set aside.
     #[derive(Copy)]
     pub struct ConsistencySettings {

@@ -29,6 +29,7 @@
 //! 2001), chapters 3 and 10; B. M. Bell, F. W. Cathey, *The iterated Kalman filter update as a Gauss–Newton method*,
 //! IEEE Transactions on Automatic Control 38 (1993).
 
+use kept::{kept, kept_variants};
 use nalgebra::{Matrix4, SMatrix, SVector, Vector4};
 
 use crate::gauss_newton::{DEVIATION_MAX, LeastSquaresProblem, StatePrior};
@@ -89,6 +90,18 @@ pub(crate) struct Model {
     pub(crate) speed_sigma_mps: f64,
     /// … as long as the bearings do not show a greater velocity.
     pub(crate) slow_sigma_mps: f64,
+    /// Known first place, in place of the unknown one about the platform.
+    pub(crate) start: Option<StartPoint>,
+}
+
+/// Known place of an emitter at a time, before its first bearing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct StartPoint {
+    pub(crate) time_ns: i64,
+    /// East and north, metres.
+    pub(crate) position_m: [f64; 2],
+    /// Standard deviation along each axis, metres.
+    pub(crate) sigma_m: f64,
 }
 
 /// Bounds of the running sum of innovations.
@@ -403,10 +416,16 @@ impl<const D: usize> Smoother<D> {
     }
 
     fn begin(&mut self, first: &LineOfBearing) {
-        self.reference_ns = first.time_ns;
+        let unknown = StartPoint {
+            time_ns: first.time_ns,
+            position_m: first.origin_m(),
+            sigma_m: self.model.range_sigma_m,
+        };
+        let start = self.model.start.unwrap_or(unknown);
+        self.reference_ns = start.time_ns;
         self.prior = StatePrior::default();
-        self.ranges = match D {
-            4 => RangeHypotheses::new(first, self.model.range_sigma_m),
+        self.ranges = match self.model.start {
+            None if D == 4 => RangeHypotheses::new(first, self.model.range_sigma_m),
             _ => None,
         };
         self.speed_sigma_mps = match self.ranges {
@@ -415,14 +434,13 @@ impl<const D: usize> Smoother<D> {
         };
         for axis in 0..D {
             let sigma = match axis {
-                0 | 1 => self.model.range_sigma_m,
+                0 | 1 => start.sigma_m,
                 _ => self.speed_sigma_mps,
             };
             self.prior.information[(axis, axis)] = 1.0 / (sigma * sigma);
         }
-        let [east, north] = first.origin_m();
-        self.prior.mean[0] = east;
-        self.prior.mean[1] = north;
+        self.prior.mean[0] = start.position_m[0];
+        self.prior.mean[1] = start.position_m[1];
         self.stage = FilterStage::Searching;
         (self.sum, self.wrong, self.is_distrusting) = (0.0, 0.0, false);
     }
@@ -646,6 +664,9 @@ impl<const D: usize> Smoother<D> {
         if self.stage != FilterStage::Searching {
             return Some(self.estimate);
         }
+        if self.model.start.is_some() {
+            return Some(self.prior.mean);
+        }
         let [east, north] = start_position(self.window.all())?;
         let mut start = SVector::zeros();
         start[0] = east;
@@ -720,3 +741,50 @@ impl<const D: usize> Smoother<D> {
 fn seconds(ns: i64) -> f64 {
     ns as f64 * 1e-9
 }
+
+kept_variants!(FilterStage {
+    Empty,
+    Searching,
+    Vague,
+    Located,
+    Settled,
+});
+kept!(Model {
+    process_noise: f64,
+    range_sigma_m: f64,
+    speed_sigma_mps: f64,
+    slow_sigma_mps: f64,
+    start: Option<StartPoint>,
+});
+kept!(StartPoint {
+    time_ns: i64,
+    position_m: [f64; 2],
+    sigma_m: f64,
+});
+
+/// Fields of a filter of so many components, in the memory for a successor.
+macro_rules! kept_smoother {
+    ($components:literal) => {
+        kept!(Smoother<$components> {
+            model: Model,
+            reference_ns: i64,
+            prior: StatePrior<$components>,
+            speed_sigma_mps: f64,
+            ranges: Option<RangeHypotheses<$components>>,
+            window: Window,
+            estimate: SVector<f64, $components>,
+            covariance: SMatrix<f64, $components, $components>,
+            bearings: u64,
+            since_linearised: u64,
+            settled_for: u64,
+            stage: FilterStage,
+            is_misfit: bool,
+            lead_over_rest: Option<f64>,
+            sum: f64,
+            wrong: f64,
+            is_distrusting: bool,
+        });
+    };
+}
+kept_smoother!(2);
+kept_smoother!(4);

@@ -5,6 +5,8 @@
 //! are merged if no information is lost: two bearings taken a distance s apart, of an emitter at range r, are as good
 //! as their mean taken half-way, except for s²/8r² radians.
 
+use kept::{Get, Kept, Put};
+
 use crate::line_of_bearing::LineOfBearing;
 
 /// Most lines of bearing that a filter keeps.
@@ -143,6 +145,21 @@ impl Window {
     fn remove(&mut self, place: usize) {
         self.lines.copy_within(place + 1..self.len, place);
         self.len -= 1;
+    }
+}
+
+impl Kept for Window {
+    const WORDS: usize = <[LineOfBearing; WINDOW_MAX]>::WORDS + usize::WORDS;
+
+    fn put(&self, to: &mut Put<'_>) {
+        let Self { lines, len } = self;
+        lines.put(to);
+        len.put(to);
+    }
+
+    fn get(from: &mut Get<'_>) -> Option<Self> {
+        let (lines, len) = (Kept::get(from)?, usize::get(from)?);
+        (len <= WINDOW_MAX).then_some(Self { lines, len })
     }
 }
 

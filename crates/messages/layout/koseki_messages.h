@@ -9,20 +9,21 @@
 #define KOSEKI_SENSOR_TRACK_SCHEMA UINT64_C(0xd57b159a09bf25f1) /* BatchHeader.schema of its slices. */
 #define KOSEKI_SENSOR_DETECTION_SCHEMA UINT64_C(0xb3d1d23463cd8924) /* BatchHeader.schema of its slices. */
 #define KOSEKI_SENSOR_BEARING_SCHEMA UINT64_C(0x91e05a7e1c4e0342) /* BatchHeader.schema of its slices. */
+#define KOSEKI_SENSOR_SPECTRUM_SCHEMA UINT64_C(0x294141f134fd3cce) /* BatchHeader.schema of its slices. */
 #define KOSEKI_PLATFORM_STATE_SCHEMA UINT64_C(0x8d494f0b5412852b) /* BatchHeader.schema of its slices. */
 #define KOSEKI_WIDE_AREA_SCHEMA UINT64_C(0x3b99c7106b96bc51) /* BatchHeader.schema of its slices. */
 #define KOSEKI_CUE_SCHEMA UINT64_C(0x628bf8748d0293cc) /* BatchHeader.schema of its slices. */
 #define KOSEKI_SYSTEM_TRACK_SCHEMA UINT64_C(0x65ea2ab17958d2dc) /* BatchHeader.schema of its slices. */
 #define KOSEKI_ALARM_SCHEMA UINT64_C(0x63c086661489479) /* BatchHeader.schema of its slices. */
 #define KOSEKI_DECISION_SCHEMA UINT64_C(0x9f26827141266f51) /* BatchHeader.schema of its slices. */
-#define KOSEKI_HEALTH_SCHEMA UINT64_C(0x6e653e97c332ce46) /* BatchHeader.schema of its slices. */
+#define KOSEKI_HEALTH_SCHEMA UINT64_C(0xe920fd2f602e146d) /* BatchHeader.schema of its slices. */
 #define KOSEKI_PROGRESS_SCHEMA UINT64_C(0x724a090fd5e41882) /* BatchHeader.schema of its slices. */
 #define KOSEKI_ORDER_STATE_SCHEMA UINT64_C(0x75a8ec42ae46cfc0) /* BatchHeader.schema of its slices. */
 #define KOSEKI_FRAME_ORIGIN_SCHEMA UINT64_C(0x7a0c5d4e9d39fa05) /* BatchHeader.schema of its slices. */
 #define KOSEKI_WORK_STEP_SCHEMA UINT64_C(0x44541240a46ea825) /* BatchHeader.schema of its slices. */
 #define KOSEKI_RESTORED_SCHEMA UINT64_C(0xb57ebe5154fb4a98) /* BatchHeader.schema of its slices. */
 #define KOSEKI_CONTRIBUTIONS_MAX UINT64_C(0x10) /* Length of SystemTrack.contributions. */
-#define KOSEKI_COUNTERS_MAX UINT64_C(0x80) /* Length of Counters.values. */
+#define KOSEKI_COUNTERS_MAX UINT64_C(0xa0) /* Length of Counters.values. */
 #define KOSEKI_IDENTITY_MODE_3A UINT64_C(0x1) /* `mode_3a` holds a Mode 3/A code. */
 #define KOSEKI_IDENTITY_CALLSIGN UINT64_C(0x2) /* `callsign` holds a callsign. */
 #define KOSEKI_IDENTITY_NAME UINT64_C(0x4) /* `name` holds a name. */
@@ -485,6 +486,32 @@ static_assert(offsetof(KosekiSensorBearing, emitter_id) == 112, "offset");
 static_assert(offsetof(KosekiSensorBearing, source) == 116, "offset");
 static_assert(offsetof(KosekiSensorBearing, valid) == 118, "offset");
 
+typedef struct KosekiSensorSpectrum {
+    int64_t time_of_measurement_ns; /* Time of measurement, UTC, nanoseconds since 1970. */
+    uint64_t sequence; /* The spectrum's sequence number at its publisher. */
+    KosekiStageTimes stages; /* Stages passed so far. */
+    double forward_rad; /* Direction of the forward axis, radians clockwise from north; from the bow if the snapshots state no heading. */
+    double frequency_hz; /* Frequency of the measurement, hertz. */
+    double noise_variance; /* Variance of the noise at one antenna, in squares of the samples' unit. */
+    uint32_t snapshots; /* Number of snapshots of the measurement. */
+    uint32_t transmitters; /* Number of transmitters, as given or estimated. */
+    uint16_t source; /* Source: its number in the configuration (TI-2). */
+    uint16_t reserved[7]; /* Reserved, 0. */
+    float spectrum_db[360]; /* Spectrum of the directions from k to k + 1 degrees clockwise from the forward axis, decibels: 0 without a wave. */
+} KosekiSensorSpectrum;
+static_assert(sizeof(KosekiSensorSpectrum) == 1536, "size");
+static_assert(offsetof(KosekiSensorSpectrum, time_of_measurement_ns) == 0, "offset");
+static_assert(offsetof(KosekiSensorSpectrum, sequence) == 8, "offset");
+static_assert(offsetof(KosekiSensorSpectrum, stages) == 16, "offset");
+static_assert(offsetof(KosekiSensorSpectrum, forward_rad) == 48, "offset");
+static_assert(offsetof(KosekiSensorSpectrum, frequency_hz) == 56, "offset");
+static_assert(offsetof(KosekiSensorSpectrum, noise_variance) == 64, "offset");
+static_assert(offsetof(KosekiSensorSpectrum, snapshots) == 72, "offset");
+static_assert(offsetof(KosekiSensorSpectrum, transmitters) == 76, "offset");
+static_assert(offsetof(KosekiSensorSpectrum, source) == 80, "offset");
+static_assert(offsetof(KosekiSensorSpectrum, reserved) == 82, "offset");
+static_assert(offsetof(KosekiSensorSpectrum, spectrum_db) == 96, "offset");
+
 typedef struct KosekiPlatformState {
     int64_t time_ns; /* Time at which the platform was there, UTC, nanoseconds since 1970. */
     uint64_t sequence; /* The state's sequence number at its publisher. */
@@ -804,9 +831,9 @@ static_assert(offsetof(KosekiRegistration, dependent_sources) == 184, "offset");
 static_assert(offsetof(KosekiRegistration, dependence) == 192, "offset");
 
 typedef struct KosekiCounters {
-    uint64_t values[128]; /* Counts since the process started, indexed by the codes of `Counter`; a few are levels. */
+    uint64_t values[160]; /* Counts since the process started, indexed by the codes of `Counter`; a few are levels. */
 } KosekiCounters;
-static_assert(sizeof(KosekiCounters) == 1024, "size");
+static_assert(sizeof(KosekiCounters) == 1280, "size");
 static_assert(offsetof(KosekiCounters, values) == 0, "offset");
 
 typedef struct KosekiHealth {
@@ -824,7 +851,7 @@ typedef struct KosekiHealth {
     KosekiCounters counters; /* Values of the counters. */
     KosekiRegistration registration; /* Biases of the source, if estimated by fusion. */
 } KosekiHealth;
-static_assert(sizeof(KosekiHealth) == 1360, "size");
+static_assert(sizeof(KosekiHealth) == 1616, "size");
 static_assert(offsetof(KosekiHealth, said_ns) == 0, "offset");
 static_assert(offsetof(KosekiHealth, incarnation) == 8, "offset");
 static_assert(offsetof(KosekiHealth, progress_ns) == 16, "offset");
@@ -837,7 +864,7 @@ static_assert(offsetof(KosekiHealth, misfit) == 36, "offset");
 static_assert(offsetof(KosekiHealth, name) == 40, "offset");
 static_assert(offsetof(KosekiHealth, note) == 72, "offset");
 static_assert(offsetof(KosekiHealth, counters) == 128, "offset");
-static_assert(offsetof(KosekiHealth, registration) == 1152, "offset");
+static_assert(offsetof(KosekiHealth, registration) == 1408, "offset");
 
 typedef struct KosekiProgress {
     uint64_t consumer_incarnation; /* Monotonic start time of the consumer, nanoseconds: a restart shows as a new value. */

@@ -11,20 +11,21 @@ import ctypes
 SENSOR_TRACK_SCHEMA = 0xd57b159a09bf25f1  # BatchHeader.schema of its slices.
 SENSOR_DETECTION_SCHEMA = 0xb3d1d23463cd8924  # BatchHeader.schema of its slices.
 SENSOR_BEARING_SCHEMA = 0x91e05a7e1c4e0342  # BatchHeader.schema of its slices.
+SENSOR_SPECTRUM_SCHEMA = 0x294141f134fd3cce  # BatchHeader.schema of its slices.
 PLATFORM_STATE_SCHEMA = 0x8d494f0b5412852b  # BatchHeader.schema of its slices.
 WIDE_AREA_SCHEMA = 0x3b99c7106b96bc51  # BatchHeader.schema of its slices.
 CUE_SCHEMA = 0x628bf8748d0293cc  # BatchHeader.schema of its slices.
 SYSTEM_TRACK_SCHEMA = 0x65ea2ab17958d2dc  # BatchHeader.schema of its slices.
 ALARM_SCHEMA = 0x63c086661489479  # BatchHeader.schema of its slices.
 DECISION_SCHEMA = 0x9f26827141266f51  # BatchHeader.schema of its slices.
-HEALTH_SCHEMA = 0x6e653e97c332ce46  # BatchHeader.schema of its slices.
+HEALTH_SCHEMA = 0xe920fd2f602e146d  # BatchHeader.schema of its slices.
 PROGRESS_SCHEMA = 0x724a090fd5e41882  # BatchHeader.schema of its slices.
 ORDER_STATE_SCHEMA = 0x75a8ec42ae46cfc0  # BatchHeader.schema of its slices.
 FRAME_ORIGIN_SCHEMA = 0x7a0c5d4e9d39fa05  # BatchHeader.schema of its slices.
 WORK_STEP_SCHEMA = 0x44541240a46ea825  # BatchHeader.schema of its slices.
 RESTORED_SCHEMA = 0xb57ebe5154fb4a98  # BatchHeader.schema of its slices.
 CONTRIBUTIONS_MAX = 0x10  # Length of SystemTrack.contributions.
-COUNTERS_MAX = 0x80  # Length of Counters.values.
+COUNTERS_MAX = 0xa0  # Length of Counters.values.
 IDENTITY_MODE_3A = 0x1  # `mode_3a` holds a Mode 3/A code.
 IDENTITY_CALLSIGN = 0x2  # `callsign` holds a callsign.
 IDENTITY_NAME = 0x4  # `name` holds a name.
@@ -576,6 +577,40 @@ assert SensorBearing.source.offset == 116
 assert SensorBearing.valid.offset == 118
 
 
+class SensorSpectrum(ctypes.Structure):
+    _fields_ = [
+        ("time_of_measurement_ns", ctypes.c_int64),  # Time of measurement, UTC, nanoseconds since 1970.
+        ("sequence", ctypes.c_uint64),  # The spectrum's sequence number at its publisher.
+        ("stages", StageTimes),  # Stages passed so far.
+        ("forward_rad", ctypes.c_double),  # Direction of the forward axis, radians clockwise from north; from the bow if the snapshots state no heading.
+        ("frequency_hz", ctypes.c_double),  # Frequency of the measurement, hertz.
+        ("noise_variance", ctypes.c_double),  # Variance of the noise at one antenna, in squares of the samples' unit.
+        ("snapshots", ctypes.c_uint32),  # Number of snapshots of the measurement.
+        ("transmitters", ctypes.c_uint32),  # Number of transmitters, as given or estimated.
+        ("source", ctypes.c_uint16),  # Source: its number in the configuration (TI-2).
+        ("reserved", ctypes.c_uint16 * 7),  # Reserved, 0.
+        ("spectrum_db", ctypes.c_float * 360),  # Spectrum of the directions from k to k + 1 degrees clockwise from the forward axis, decibels: 0 without a wave.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "SensorSpectrum"
+
+
+assert ctypes.sizeof(SensorSpectrum) == 1536
+assert SensorSpectrum.time_of_measurement_ns.offset == 0
+assert SensorSpectrum.sequence.offset == 8
+assert SensorSpectrum.stages.offset == 16
+assert SensorSpectrum.forward_rad.offset == 48
+assert SensorSpectrum.frequency_hz.offset == 56
+assert SensorSpectrum.noise_variance.offset == 64
+assert SensorSpectrum.snapshots.offset == 72
+assert SensorSpectrum.transmitters.offset == 76
+assert SensorSpectrum.source.offset == 80
+assert SensorSpectrum.reserved.offset == 82
+assert SensorSpectrum.spectrum_db.offset == 96
+
+
 class PlatformState(ctypes.Structure):
     _fields_ = [
         ("time_ns", ctypes.c_int64),  # Time at which the platform was there, UTC, nanoseconds since 1970.
@@ -960,7 +995,7 @@ assert Registration.dependence.offset == 192
 
 class Counters(ctypes.Structure):
     _fields_ = [
-        ("values", ctypes.c_uint64 * 128),  # Counts since the process started, indexed by the codes of `Counter`; a few are levels.
+        ("values", ctypes.c_uint64 * 160),  # Counts since the process started, indexed by the codes of `Counter`; a few are levels.
     ]
 
     @staticmethod
@@ -968,7 +1003,7 @@ class Counters(ctypes.Structure):
         return "Counters"
 
 
-assert ctypes.sizeof(Counters) == 1024
+assert ctypes.sizeof(Counters) == 1280
 assert Counters.values.offset == 0
 
 
@@ -994,7 +1029,7 @@ class Health(ctypes.Structure):
         return "Health"
 
 
-assert ctypes.sizeof(Health) == 1360
+assert ctypes.sizeof(Health) == 1616
 assert Health.said_ns.offset == 0
 assert Health.incarnation.offset == 8
 assert Health.progress_ns.offset == 16
@@ -1007,7 +1042,7 @@ assert Health.misfit.offset == 36
 assert Health.name.offset == 40
 assert Health.note.offset == 72
 assert Health.counters.offset == 128
-assert Health.registration.offset == 1152
+assert Health.registration.offset == 1408
 
 
 class Progress(ctypes.Structure):

@@ -10,13 +10,13 @@ use crate::ProcessKind;
 use crate::layout::sample;
 
 /// Length of [`Counters::values`].
-pub const COUNTERS_MAX: usize = 128;
+pub const COUNTERS_MAX: usize = 160;
 
 sample! {
     /// Values of all counters of a process, or of a source within a process.
-    Counters, size 1024 {
+    Counters, size 1280 {
         /// Counts since the process started, indexed by the codes of `Counter`; a few are levels.
-        values: [u64; 128] = [0; COUNTERS_MAX],
+        values: [u64; 160] = [0; COUNTERS_MAX],
     }
 }
 
@@ -415,6 +415,28 @@ counters! {
         "Detections rejected because no state of the sensor's platform belongs to their time.";
     DesignationsFollowed = "designations_followed", AdapterRemark by [Adapter],
         "Designations of targets that the tracker followed already; they change nothing.";
+    SnapshotsForeign = "snapshots_foreign", AdapterRemark by [Adapter],
+        "Datagrams of array snapshots rejected because they have another layout or version.";
+    SnapshotsLength = "snapshots_length", AdapterRemark by [Adapter],
+        "Datagrams of array snapshots rejected because their length is not the one that they state.";
+    SnapshotsValue = "snapshots_value", AdapterRemark by [Adapter],
+        "Datagrams of array snapshots rejected because of an impossible value, or one unlike the rest of their measurement.";
+    SnapshotsAntennas = "snapshots_antennas", AdapterRemark by [Adapter],
+        "Datagrams of array snapshots rejected because the configured array has another number of antennas.";
+    SnapshotsRepeated = "snapshots_repeated", AdapterRemark by [Adapter],
+        "Datagrams of array snapshots rejected because they came twice, or after a later measurement.";
+    SnapshotsMissing = "snapshots_missing", AdapterRemark by [Adapter],
+        "Array snapshots that did not come; their measurement was made without them.";
+    MeasurementsUnusable = "measurements_unusable", AdapterRemark by [Adapter],
+        "Measurements of an antenna array without a result: too few snapshots, no power, or too high a frequency.";
+    BearingsAmbiguous = "bearings_ambiguous", AdapterRemark by [Adapter],
+        "Bearings not used because the antenna array cannot distinguish them from others.";
+    BearingsOutsideSector = "bearings_outside_sector", AdapterRemark by [Adapter],
+        "Bearings not used because they are outside the sector of the antenna array.";
+    BearingsUncertain = "bearings_uncertain", AdapterRemark by [Adapter],
+        "Bearings not used because their standard deviation exceeds 1 rad.";
+    WavesUnresolved = "waves_unresolved", AdapterRemark by [Adapter],
+        "Waves received by an antenna array that have no bearing of their own.";
 }
 
 #[cfg(test)]

@@ -163,6 +163,7 @@ pub const ALL: &[Layout] = &[
     crate::SensorTrack::LAYOUT,
     crate::SensorDetection::LAYOUT,
     crate::SensorBearing::LAYOUT,
+    crate::SensorSpectrum::LAYOUT,
     crate::PlatformState::LAYOUT,
     crate::WideArea::LAYOUT,
     crate::Cue::LAYOUT,

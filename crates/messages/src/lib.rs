@@ -43,6 +43,7 @@ mod registration;
 mod restored;
 mod sensor_bearing;
 mod sensor_detection;
+mod sensor_spectrum;
 mod sensor_track;
 mod sensor_uid;
 mod stages;
@@ -77,6 +78,7 @@ pub use registration::{Bias, BiasKind, ErrorModel, Registration, registration_bi
 pub use restored::{RESTORED_WORDS, Restored};
 pub use sensor_bearing::{SensorBearing, sensor_bearing_bits};
 pub use sensor_detection::{DetectionKind, DetectionMark, Quantity, SensorDetection, sensor_detection_bits};
+pub use sensor_spectrum::{SPECTRUM_DIRECTIONS, SensorSpectrum};
 pub use sensor_track::{SensorTrack, alert_bits, sensor_track_bits};
 pub use sensor_uid::sensor_uid;
 pub use stages::StageTimes;
@@ -85,7 +87,7 @@ pub use target_type::{TYPE_NAME_MAX, TargetType};
 pub use topics::{
     Outgoing, Stream, StreamId, Streamed, Topic, TopicCapacity, TopicName, Visitor, alarms, cues, decisions, event_log,
     frame_origin, health, order_states, orders, own_tracks, platform_states, progress, restored, sensor_bearings,
-    sensor_detections, sensor_tracks, smoothed_tracks, system_tracks, visit, wide_area,
+    sensor_detections, sensor_spectrum, sensor_tracks, smoothed_tracks, system_tracks, visit, wide_area,
 };
 pub use wide_area::{Cue, WideArea, wide_area_bits};
 pub use work_step::{StepKind, WorkStep, work_step_bits};

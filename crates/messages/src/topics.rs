@@ -11,7 +11,7 @@ use crate::codes;
 use crate::layout::Sample;
 use crate::{
     Alarm, Cue, Decision, FrameOrigin, Health, Order, OrderState, PlatformState, Progress, Restored, SensorBearing,
-    SensorDetection, SensorTrack, SystemTrack, WideArea, WorkStep,
+    SensorDetection, SensorSpectrum, SensorTrack, SystemTrack, WideArea, WorkStep,
 };
 
 /// Name of a topic in shared memory.
@@ -282,6 +282,10 @@ topics! {
 
     /// Bearings of one source whose adapter locates their transmitters, before the resulting tracks.
     sensor_bearings(source_name) -> SensorBearing: "sensor/{source_name}/bearings", 256 slices of 64, 4 to 16;
+
+    /// Spectra of one source that measures bearings with an antenna array. They are computed and published only while
+    /// the topic has subscribers, and are not recorded.
+    sensor_spectrum(source_name) -> SensorSpectrum: "sensor/{source_name}/spectrum", 16 slices of 4, 4 to 16;
 
     /// Position of a platform, for its sensors: published by the sensor's adapter or by a separate process.
     platform_states(platform_name) -> PlatformState: "platform/{platform_name}/state", 64 slices of 16, 4 to 16;

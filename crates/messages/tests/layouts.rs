@@ -111,7 +111,7 @@ fn a_schema_for_ros_2_has_the_fields_and_those_of_contained_samples_once() {
         "{own}"
     );
     assert_eq!(
-        contained.matches("MSG: koseki/Counters\nuint64[128] values # ").count(),
+        contained.matches("MSG: koseki/Counters\nuint64[160] values # ").count(),
         1,
         "{contained}"
     );

@@ -5,6 +5,7 @@
 //! - [`SensorEvent`]: a detection, or a mark of the sensor's time among its detections;
 //! - [`Bearing`]: the direction of an emitter, from a direction finder that measures nothing else;
 //! - [`Arrival`]: when a transmission of an emitter arrived at a receiver; [`ReadyFix`]: its position, found by others;
+//! - [`SnapshotBlock`]: samples of an antenna array, from which bearings are measured;
 //! - [`WideAreaReport`]: the number of targets that a wide-area sensor has seen.
 //!
 //! Formats read and write these types, and algorithms process them, independently of each other. [`Sampled`] is the
@@ -18,6 +19,7 @@ mod bearing;
 mod detection;
 mod observation;
 mod sensor_event;
+mod snapshot_block;
 mod wide_area;
 
 pub use alerts::Alerts;
@@ -29,6 +31,7 @@ pub use detection::{
 pub use messages::{DetectionKind, Quantity};
 pub use observation::{Axes, Observation, Plane, Position, Quality, RADIUS95_SIGMAS, ServiceMessage, TRUNCATION_NS};
 pub use sensor_event::SensorEvent;
+pub use snapshot_block::SnapshotBlock;
 pub use wide_area::WideAreaReport;
 
 use messages::StageTimes;

@@ -31,6 +31,7 @@
 
 #![forbid(unsafe_code)]
 
+mod bearing_room;
 mod carried;
 mod carried_bearing;
 mod channel;
@@ -47,6 +48,7 @@ mod settings;
 mod state;
 mod waiting;
 
+pub use bearing_room::BearingRoom;
 pub use carried::{Carried, Refusal};
 pub use history::{Added, History};
 pub use jumps::{Jump, JumpLimits, JumpWatch};

@@ -5,21 +5,51 @@
 //! without sufficient geometry for a fix has no track yet. Nothing waits: a track is as old as its latest bearing. A
 //! silent emitter has no further reports, as with any sensor. Only arrival times wait: for the other receivers of their
 //! transmission, until a later row or half a second without arrivals.
+//!
+//! An antenna array delivers snapshots instead; its bearings are measured here first ([`crate::snapshot_intake`]).
 
+use std::f64::consts::TAU;
 use std::sync::atomic::AtomicU64;
 
 use estimation::SourceClock;
+use frames::SystemFrame;
 use kept::{Memory, MemoryRefusal};
-use locating::settings::Settings;
-use locating::{EmitterMemory, EmitterReport, LeftEmitters, Locator};
+use locating::music::ArraySettings;
+use locating::{DroppedEmitter, EmitterMemory, EmitterReport, LeftEmitters, Locator, Settings};
 use messages::{Counter, Counters, SensorTrack};
-use observations::{ArrivalTime, EmitterMeasurement, Sampled};
+use observations::{ArrivalTime, Bearing, EmitterMeasurement, Sampled, SnapshotBlock};
+use platform::{Assumed, BearingRoom, History, Mount, State};
 use reception::PlausibilityLimits;
 use settings::SettingsError;
 
 use crate::detection_tracker::ingested;
 use crate::last_kept::LastKept;
 use crate::samples::Samples;
+use crate::snapshot_intake::{ArrayMeasurement, SnapshotIntake};
+
+/// How a direction finder's bearings come about, and how they are located.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FinderSettings {
+    /// Locator of the transmitters.
+    pub locator: Settings,
+    /// Array whose snapshots give the bearings; `None` if the finder delivers bearings.
+    pub array: Option<ArraySettings>,
+    /// Emitters whose first place is known.
+    pub dropped: Vec<DroppedEmitter>,
+}
+
+/// Most bearings of a finder on board that wait for a state of its platform.
+const WAITING_MAX: usize = 4096;
+/// States of the platform that are kept: half a minute of an inertial sensor.
+const STATES_MAX: usize = 4096;
+
+/// Direction finder on a platform: its bearings are from the bow, and wait for the platform's states.
+#[derive(Debug)]
+struct BoardedFinder {
+    frame: SystemFrame,
+    history: History,
+    room: BearingRoom<i64>,
+}
 
 /// Longest wait of a transmission for another receiver after its latest arrival, nanoseconds.
 const ARRIVAL_WAIT_NS: i64 = 500_000_000;
@@ -30,6 +60,12 @@ pub struct BearingLocator {
     source: u16,
     limits: PlausibilityLimits,
     locator: Locator,
+    /// Array, if bearings are measured here.
+    intake: Option<SnapshotIntake>,
+    /// Platform that carries the finder, if the finder does not state its place and heading.
+    boarded: Option<BoardedFinder>,
+    /// Whether somebody receives the array's spectra.
+    with_spectrum: bool,
     /// Time of receipt (UTC) of the latest bearings, nanoseconds; `None` for recordings.
     received_ns: Option<i64>,
     /// The finder's clock against that.
@@ -52,6 +88,8 @@ struct RejectionCounts {
     time: u64,
     position: u64,
     speed: u64,
+    /// Measurements without position and heading of the platform.
+    unplaced: u64,
 }
 
 impl BearingLocator {
@@ -59,11 +97,17 @@ impl BearingLocator {
     ///
     /// # Errors
     /// The first unusable setting.
-    pub fn new(source: u16, limits: PlausibilityLimits, settings: &Settings) -> Result<Self, SettingsError> {
+    pub fn new(source: u16, limits: PlausibilityLimits, settings: &FinderSettings) -> Result<Self, SettingsError> {
+        let intake = settings.array.as_ref().map(SnapshotIntake::new).transpose();
+        let mut locator = Locator::new(settings.locator)?;
+        locator.set_dropped(&settings.dropped);
         Ok(Self {
             source,
             limits,
-            locator: Locator::new(*settings)?,
+            locator,
+            intake: intake.map_err(|error| SettingsError::new("array", error.to_string()))?,
+            boarded: None,
+            with_spectrum: false,
             received_ns: None,
             clock: SourceClock::new(limits.clock_step().s()),
             rejected: RejectionCounts::default(),
@@ -87,14 +131,106 @@ impl BearingLocator {
         self.received_ns = Some(received_ns);
     }
 
-    /// Takes a measurement received at `ingested_ns` (monotonic, nanoseconds).
-    pub fn take(&mut self, measured: &EmitterMeasurement, ingested_ns: i64, samples: &mut Samples) {
-        let time_ns = measured.time_ns();
-        let is_wild = |received_ns: i64| !self.clock.believes(time_ns, received_ns, None);
-        if self.received_ns.is_some_and(is_wild) {
-            self.rejected.time += 1;
+    /// Sets whether somebody receives the array's spectra; otherwise none is computed.
+    pub fn wants_spectrum(&mut self, is_wanted: bool) {
+        self.with_spectrum = is_wanted;
+    }
+
+    /// Takes snapshots of the array received at `ingested_ns` (monotonic, nanoseconds).
+    pub fn snapshots(&mut self, block: &SnapshotBlock, ingested_ns: i64, samples: &mut Samples) {
+        // A single time far ahead would make all later measurements too old.
+        if !self.believes(block.time_ns) {
             return;
         }
+        let Some(mut intake) = self.intake.take() else { return };
+        intake.take(block, ingested_ns, self.with_spectrum, |measurement| {
+            self.measured(measurement, samples);
+        });
+        self.intake = Some(intake);
+    }
+
+    /// Takes a measurement of the array.
+    fn measured(&mut self, measurement: ArrayMeasurement, samples: &mut Samples) {
+        let source = self.source;
+        samples.spectra.extend(measurement.spectrum.map(|mut spectrum| {
+            spectrum.source = source;
+            *spectrum
+        }));
+        for bearing in &measurement.bearings {
+            if let Some(boarded) = &mut self.boarded {
+                boarded.room.take(*bearing, measurement.ingested_ns);
+                continue;
+            }
+            match bearing.heading_rad.filter(|_| measurement.is_placed) {
+                Some(heading_rad) => {
+                    let bearing_rad = (heading_rad + bearing.bearing_rad).rem_euclid(TAU);
+                    let from_north = Bearing {
+                        bearing_rad,
+                        ..*bearing
+                    };
+                    self.locate(
+                        &EmitterMeasurement::Bearing(from_north),
+                        measurement.ingested_ns,
+                        samples,
+                    );
+                }
+                None => self.rejected.unplaced += 1,
+            }
+        }
+        self.release(samples);
+    }
+
+    /// Mounts the finder on a platform, whose states are given to [`Self::state`]. Its data run ahead of the states by
+    /// at most `wait_ns`.
+    pub fn mount_on(&mut self, frame: SystemFrame, mount: Mount, assumed: Assumed, wait_ns: i64) {
+        self.boarded = Some(BoardedFinder {
+            frame,
+            history: History::new(assumed, STATES_MAX),
+            room: BearingRoom::new(mount, wait_ns, WAITING_MAX),
+        });
+    }
+
+    /// Takes a state of the platform that carries the finder.
+    pub fn state(&mut self, state: &State, samples: &mut Samples) {
+        if let Some(boarded) = &mut self.boarded {
+            boarded.history.add(state);
+            self.release(samples);
+        }
+    }
+
+    /// Locates the bearings that need not wait for a state any longer.
+    fn release(&mut self, samples: &mut Samples) {
+        let Some(mut boarded) = self.boarded.take() else { return };
+        while let Some((bearing, ingested_ns)) = boarded.room.next(&boarded.history, Some(&boarded.frame)) {
+            self.locate(&EmitterMeasurement::Bearing(bearing), ingested_ns, samples);
+        }
+        self.boarded = Some(boarded);
+    }
+
+    /// Returns whether a time of the finder fits the time of receipt; counts it if not.
+    fn believes(&mut self, time_ns: i64) -> bool {
+        let is_wild = |received_ns: i64| !self.clock.believes(time_ns, received_ns, None);
+        let is_believed = !self.received_ns.is_some_and(is_wild);
+        self.rejected.time += u64::from(!is_believed);
+        is_believed
+    }
+
+    /// Takes a measurement received at `ingested_ns` (monotonic, nanoseconds).
+    pub fn take(&mut self, measured: &EmitterMeasurement, ingested_ns: i64, samples: &mut Samples) {
+        if !self.believes(measured.time_ns()) {
+            return;
+        }
+        match (measured, &mut self.boarded) {
+            (EmitterMeasurement::Bearing(bearing), Some(boarded)) => {
+                boarded.room.take(*bearing, ingested_ns);
+                self.release(samples);
+            }
+            _ => self.locate(measured, ingested_ns, samples),
+        }
+    }
+
+    fn locate(&mut self, measured: &EmitterMeasurement, ingested_ns: i64, samples: &mut Samples) {
+        let time_ns = measured.time_ns();
         self.complete(Some(time_ns), ingested_ns, samples);
         // The locator counts rejected measurements.
         let taken = match measured {
@@ -206,7 +342,14 @@ impl BearingLocator {
 
     /// Adds its counts.
     pub fn count(&self, counters: &mut Counters) {
+        if let Some(intake) = &self.intake {
+            intake.count(counters);
+        }
         let counts = self.locator.counts();
+        let unplaced = self
+            .boarded
+            .as_ref()
+            .map_or(0, |boarded| boarded.room.counts().refused());
         for (counter, count) in [
             (Counter::Detections, counts.measurements()),
             (Counter::DetectionsWithoutFix, counts.without_fix),
@@ -219,6 +362,7 @@ impl BearingLocator {
             (Counter::RejectedTime, self.rejected.time),
             (Counter::RejectedPosition, self.rejected.position),
             (Counter::RejectedSpeed, self.rejected.speed),
+            (Counter::RejectedPlatform, self.rejected.unplaced + unplaced),
             (
                 Counter::Reports,
                 counts.fixes - self.rejected.position - self.rejected.speed,

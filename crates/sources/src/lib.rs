@@ -3,7 +3,8 @@
 //! Data come from a socket, a connection or a file, live or replayed; this crate processes all of them alike. A
 //! [`Pipeline`] takes the observations of a source. Tracks of a sensor are checked and passed on. For other sensors
 //! the tracks are made here: from detections by a tracker ([`DetectionTracker`]), from bearings by a locator
-//! ([`BearingLocator`]). The output consists of [`Samples`], in the order of publication.
+//! ([`BearingLocator`]), and bearings from snapshots of an antenna array ([`SnapshotIntake`]). The output consists of
+//! [`Samples`], in the order of publication.
 //!
 //! [`ScanTracker`] contains all steps around a tracker: the times of pictures, the input of counts and emissions,
 //! and the cues of sensors. `koseki track` uses it too, so a live source and its recorded detections give the same
@@ -28,9 +29,11 @@ mod plot_relay;
 mod samples;
 mod scan_tracker;
 pub mod silence;
+mod snapshot_intake;
 
-pub use bearing_locator::BearingLocator;
+pub use bearing_locator::{BearingLocator, FinderSettings};
 pub use detection_tracker::{DetectionTracker, PlatformAxes, TrackerSettings};
 pub use pipeline::{Pipeline, Processing};
 pub use samples::Samples;
 pub use scan_tracker::{Outputs, ScanTracker, SensorScan, TrackSink};
+pub use snapshot_intake::{ArrayMeasurement, SnapshotIntake};

@@ -6,15 +6,17 @@
 
 use std::sync::atomic::AtomicU64;
 
+use frames::SystemFrame;
 use kept::{Memory, MemoryRefusal};
 use messages::{Counters, NS_PER_S, SensorBearing, sensor_track_bits};
-use observations::{EmitterMeasurement, Observation, SensorEvent, ServiceMessage, WideAreaReport};
+use observations::{EmitterMeasurement, Observation, SensorEvent, ServiceMessage, SnapshotBlock, WideAreaReport};
+use platform::{Assumed, Mount, State};
 use reception::{ConversionModel, Converter};
 use settings::SettingsError;
 use tracking::turn_time::TurnEstimate;
 use tracking::wide_area::arrivals::Arrivals;
 
-use crate::bearing_locator::BearingLocator;
+use crate::bearing_locator::{BearingLocator, FinderSettings};
 use crate::detection_tracker::{DetectionTracker, TrackerSettings};
 use crate::plot_relay::PlotRelay;
 use crate::samples::Samples;
@@ -28,8 +30,8 @@ pub enum Processing {
     Plots,
     /// Tracker for the source's detections.
     Detections(Box<TrackerSettings>),
-    /// Locator for the source's bearings.
-    Bearings(Box<locating::Settings>),
+    /// Locator for the source's bearings, delivered or measured from snapshots of an array.
+    Bearings(Box<FinderSettings>),
 }
 
 impl Processing {
@@ -44,7 +46,7 @@ impl Processing {
     /// Settings of the locator, if there is one.
     pub fn locator(&self) -> Option<&locating::Settings> {
         match self {
-            Self::Bearings(settings) => Some(settings),
+            Self::Bearings(settings) => Some(&settings.locator),
             Self::Tracks | Self::Plots | Self::Detections(_) => None,
         }
     }
@@ -145,6 +147,30 @@ impl Pipeline {
     pub fn emitter(&mut self, measured: &EmitterMeasurement, ingested_ns: i64, samples: &mut Samples) {
         if let Maker::Locator(locator) = &mut self.maker {
             locator.take(measured, ingested_ns, samples);
+        }
+        self.follow();
+    }
+
+    /// Mounts a direction finder on a platform: its bearings are from the bow, and wait for the platform's states.
+    pub fn mount_on(&mut self, frame: SystemFrame, mount: Mount, assumed: Assumed, wait_ns: i64) {
+        if let Maker::Locator(locator) = &mut self.maker {
+            locator.mount_on(frame, mount, assumed, wait_ns);
+        }
+    }
+
+    /// Takes a state of the platform that carries the direction finder.
+    pub fn platform_state(&mut self, state: &State, samples: &mut Samples) {
+        if let Maker::Locator(locator) = &mut self.maker {
+            locator.state(state, samples);
+        }
+        self.follow();
+    }
+
+    /// Takes snapshots of an antenna array received at `ingested_ns`; `with_spectrum` if somebody receives its spectra.
+    pub fn snapshots(&mut self, block: &SnapshotBlock, ingested_ns: i64, with_spectrum: bool, samples: &mut Samples) {
+        if let Maker::Locator(locator) = &mut self.maker {
+            locator.wants_spectrum(with_spectrum);
+            locator.snapshots(block, ingested_ns, samples);
         }
         self.follow();
     }

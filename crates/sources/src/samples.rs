@@ -1,6 +1,6 @@
 //! Samples published by a source.
 
-use messages::{Cue, PlatformState, SensorBearing, SensorDetection, SensorTrack};
+use messages::{Cue, PlatformState, SensorBearing, SensorDetection, SensorSpectrum, SensorTrack};
 
 /// Samples of a source, each kind in the order of publication.
 #[derive(Debug, Default)]
@@ -11,6 +11,8 @@ pub struct Samples {
     pub platforms: Vec<PlatformState>,
     /// Bearings behind the tracks, to be published before the tracks.
     pub bearings: Vec<SensorBearing>,
+    /// Spectra behind the bearings, if somebody receives them.
+    pub spectra: Vec<SensorSpectrum>,
     /// Sensor tracks.
     pub tracks: Vec<SensorTrack>,
     /// Whether `tracks` holds a picture of all tracks at an even time. It is to be published before the following scan,

@@ -4,7 +4,7 @@ use locating::Settings;
 use messages::Counter;
 use observations::{Arrival, ArrivalTime, EmitterMeasurement, ReadyFix, Receiver, ReceiverName};
 use reception::PlausibilityLimits;
-use sources::{BearingLocator, Samples};
+use sources::{BearingLocator, FinderSettings, Samples};
 
 const S: i64 = 1_000_000_000;
 const C: f64 = 299_792_458.0;
@@ -27,10 +27,18 @@ fn arrival(second: i64, number: usize, at: [f64; 2], emitter: [f64; 2]) -> Emitt
     })
 }
 
+fn locator() -> BearingLocator {
+    let settings = FinderSettings {
+        locator: Settings::default(),
+        array: None,
+        dropped: Vec::new(),
+    };
+    BearingLocator::new(5, PlausibilityLimits::default(), &settings).unwrap()
+}
+
 #[test]
 fn a_transmission_waits_for_its_receivers_but_not_for_ever() {
-    let limits = PlausibilityLimits::default();
-    let mut locator = BearingLocator::new(5, limits, &Settings::default()).unwrap();
+    let mut locator = locator();
     let mut samples = Samples::default();
     let corners = [[-10e3, -10e3], [10e3, -10e3], [10e3, 10e3], [-10e3, 10e3]];
     for second in 0..3 {
@@ -60,8 +68,7 @@ fn a_transmission_waits_for_its_receivers_but_not_for_ever() {
 
 #[test]
 fn fixes_become_tracks_and_refused_measurements_are_counted() {
-    let limits = PlausibilityLimits::default();
-    let mut locator = BearingLocator::new(5, limits, &Settings::default()).unwrap();
+    let mut locator = locator();
     let mut samples = Samples::default();
     let fix = |second: i64, variance_m2: f64| {
         EmitterMeasurement::Fix(ReadyFix {

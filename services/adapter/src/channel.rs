@@ -1,11 +1,15 @@
 //! Path of a source's observations to its topics.
 
-use bus::{BusError, Mark, SharedMemory, Subscriber};
+use bus::{BusError, Mark, Publisher, SharedMemory, Subscriber};
 use deployment::{Process, Source};
 use messages::{
-    Counter, Counters, Cue, NS_PER_S, PlatformState, SensorBearing, SensorDetection, SensorTrack, WideArea,
+    Counter, Counters, Cue, NS_PER_S, PlatformState, SensorBearing, SensorDetection, SensorSpectrum, SensorTrack,
+    WideArea,
 };
-use observations::{EmitterMeasurement, Observation, Sampled, SensorEvent, ServiceMessage, WideAreaReport};
+use observations::{
+    EmitterMeasurement, Observation, Sampled, SensorEvent, ServiceMessage, SnapshotBlock, WideAreaReport,
+};
+use platform::State;
 use runtime::clock::{SteadyClock, mono_ns};
 use runtime::{HealthEntry, Now, Publication};
 use sources::{Pipeline, Samples};
@@ -34,6 +38,8 @@ pub(crate) struct SourceChannel {
     counts: Vec<Subscriber<SharedMemory, WideArea>>,
     /// Direction finders whose emissions the tracker uses.
     emissions: Vec<Subscriber<SharedMemory, SensorBearing>>,
+    /// States of the platform that carries the source's direction finder.
+    platform: Option<Subscriber<SharedMemory, PlatformState>>,
     gathered: Samples,
     outlets: Outlets,
     /// Clock for the estimate of the source's clock offset.
@@ -48,6 +54,8 @@ struct Outlets {
     detections: TopicOutlet<SensorDetection>,
     platforms: TopicOutlet<PlatformState>,
     bearings: TopicOutlet<SensorBearing>,
+    /// Spectra of an antenna array.
+    spectra: Option<Publisher<SharedMemory, SensorSpectrum>>,
     tracks: TopicOutlet<SensorTrack>,
     cues: TopicOutlet<Cue>,
 }
@@ -56,10 +64,17 @@ impl Outlets {
     fn open(process: &Process, source: &Source) -> Result<Self, BusError> {
         let (name, uid) = (source.name.as_str(), source.uid);
         let (has_detections, has_bearings) = (source.has_detections(), source.has_bearings());
+        let spectra = || {
+            let publisher = process
+                .bus
+                .publisher(&messages::sensor_spectrum(name), process.incarnation)?;
+            Ok(publisher.of_sensor(uid))
+        };
         Ok(Self {
             detections: TopicOutlet::open(process, &messages::sensor_detections(name), uid, has_detections)?,
             platforms: TopicOutlet::open(process, &messages::platform_states(name), uid, has_bearings)?,
             bearings: TopicOutlet::open(process, &messages::sensor_bearings(name), uid, has_bearings)?,
+            spectra: source.has_array().then(spectra).transpose()?,
             tracks: TopicOutlet::open(process, &messages::sensor_tracks(name), uid, source.has_tracks())?,
             cues: TopicOutlet::open(process, &messages::cues(name), uid, source.has_cues())?,
         })
@@ -71,7 +86,28 @@ impl Outlets {
         self.platforms.send(mark, &mut samples.platforms)?;
         self.bearings.send(mark, &mut samples.bearings)?;
         self.tracks.send(mark, &mut samples.tracks)?;
+        self.send_spectra(mark, &mut samples.spectra)?;
         self.cues.send(mark, &mut samples.cues)
+    }
+}
+
+impl Outlets {
+    /// Whether somebody receives spectra.
+    fn wants_spectra(&self) -> bool {
+        self.spectra.as_ref().is_some_and(Publisher::has_subscribers)
+    }
+
+    fn send_spectra(&mut self, mark: Mark, spectra: &mut Vec<SensorSpectrum>) -> Result<(), BusError> {
+        if let Some(publisher) = self.spectra.as_mut().filter(|_| !spectra.is_empty()) {
+            publisher.send(mark, spectra.len(), |index, sequence| {
+                let mut spectrum = spectra[index];
+                spectrum.sequence = sequence;
+                spectrum.stages.published_ns = mark.sent_ns;
+                spectrum
+            })?;
+        }
+        spectra.clear();
+        Ok(())
     }
 }
 
@@ -88,6 +124,14 @@ impl SourceChannel {
         });
         let first_day_ns = process.first_day_ns();
         let mut pipeline = Pipeline::new(source.model, processing, first_day_ns, Arrivals::new())?;
+        let carrier = source.on_board.filter(|_| source.has_bearings());
+        let carrier =
+            carrier.and_then(|on_board| Some((config.platforms.get(usize::from(on_board.platform?))?, on_board)));
+        let platform = carrier.map(|(platform, on_board)| {
+            pipeline.mount_on(config.frame, on_board.mount, platform.assumed, platform.wait_ns);
+            let topic = messages::platform_states(&platform.name);
+            process.bus.subscriber(&topic, || process.incarnation)
+        });
         let kept = continuity::go_on(process, source, &mut pipeline)?;
         Ok(Self {
             counts: counts.collect::<Result<_, _>>()?,
@@ -95,6 +139,7 @@ impl SourceChannel {
             source: source.number,
             has_tracks: source.has_tracks(),
             name: source.name.clone(),
+            platform: platform.transpose()?,
             pipeline,
             kept,
             gathered: Samples {
@@ -136,6 +181,14 @@ impl SourceChannel {
     /// Takes a measurement of an emitter received at `ingested_ns`.
     pub(crate) fn emitter(&mut self, measured: &EmitterMeasurement, ingested_ns: i64) -> anyhow::Result<()> {
         self.pipeline.emitter(measured, ingested_ns, &mut self.gathered);
+        self.publish_many()
+    }
+
+    /// Takes snapshots of the source's antenna array received at `ingested_ns`.
+    pub(crate) fn snapshots(&mut self, block: &SnapshotBlock, ingested_ns: i64) -> anyhow::Result<()> {
+        let with_spectrum = self.outlets.wants_spectra();
+        self.pipeline
+            .snapshots(block, ingested_ns, with_spectrum, &mut self.gathered);
         self.publish_many()
     }
 
@@ -226,9 +279,16 @@ impl SourceChannel {
         entry
     }
 
-    /// Passes reports of wide-area sensors and direction finders to the pipeline.
+    /// Passes reports of wide-area sensors and direction finders, and states of the platform, to the pipeline.
     pub(crate) fn listen(&mut self) -> anyhow::Result<()> {
-        let pipeline = &mut self.pipeline;
+        let (pipeline, gathered) = (&mut self.pipeline, &mut self.gathered);
+        if let Some(platform) = &mut self.platform {
+            platform.take(SLICES_PER_LOOK, |_, states| {
+                for state in states {
+                    pipeline.platform_state(&State::of_sample(state), gathered);
+                }
+            })?;
+        }
         for sensor in &mut self.counts {
             sensor.take(SLICES_PER_LOOK, |_, samples| {
                 let reports = samples.iter().filter_map(WideAreaReport::of_sample);

@@ -1,8 +1,9 @@
 //! Adapter process: one per sensor or network input, converts sensors' data to sensor tracks and publishes them.
 //!
 //! Live data arrive in datagrams (`receiver`), which contain ASTERIX (`blocks`), bearings, detections or counts
-//! (`tables`), or in lines over a connection (`lines`, `row_lines`). The source's pipeline converts observations to
-//! samples ([`sources`]), and `channel` publishes them; `capture` stores the received bytes on request. Recorded data
+//! (`tables`) or snapshots of an antenna array (`snapshots`), or in lines over a connection (`lines`, `row_lines`). The
+//! source's pipeline converts observations to samples ([`sources`]), and `channel` publishes them; `capture` stores the
+//! received bytes on request. Recorded data
 //! are read as a whole: a source's data are decoded piece by piece (`recorded_source`, `content`), a wide-area sensor's
 //! data as counts; `replay` publishes both, paced by their own times. A tracker process (`tracker`) takes the
 //! detections of its sensors from their topics, or reads their recordings. Sensors that only count are in `wide_area`,
@@ -27,6 +28,7 @@ mod receiver;
 pub mod recorded_source;
 mod replay;
 mod row_lines;
+mod snapshots;
 mod tables;
 mod tracker;
 mod wide_area;
@@ -42,6 +44,7 @@ use crate::lines::LineAgent;
 use crate::plot_rows::PlotRows;
 use crate::receiver::DatagramAgent;
 use crate::row_lines::RowLineAgent;
+use crate::snapshots::Snapshots;
 
 /// Source, and how its tracks come about.
 pub(crate) type Processed<'a> = (&'a Source, &'a Processing);
@@ -82,6 +85,11 @@ pub fn run(process: &Process, processing: &[Processing]) -> anyhow::Result<()> {
                 process,
                 transport,
                 PlotRows::new(process, &sources)?,
+            )?),
+            transport if sources.iter().any(|(source, _)| source.has_array()) => Box::new(DatagramAgent::open(
+                process,
+                transport,
+                Snapshots::new(process, &sources)?,
             )?),
             transport if has_bearings => Box::new(DatagramAgent::open(
                 process,

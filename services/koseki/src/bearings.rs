@@ -11,15 +11,12 @@ use std::path::Path;
 use anyhow::Context as _;
 use formats::bearings_csv::BearingWriter;
 use formats::snapshots_csv::{ArraySnapshot, SnapshotReader};
-use locating::music::{self, ArraySettings, BearingSet, Complex, Music, Snapshots};
+use locating::music::{ArrayFinder, ArraySettings, Complex, Snapshots};
 use observations::Bearing;
 use offline::{InputError, OutputFile, SkippedRows, check_outputs, open};
 use serde_json::json;
 
 use crate::args::MeasureBearings;
-
-/// Largest standard deviation of a usable bearing, radians.
-const SIGMA_MAX_RAD: f64 = 1.0;
 
 /// Measures.
 ///
@@ -28,31 +25,26 @@ const SIGMA_MAX_RAD: f64 = 1.0;
 pub(crate) fn run(command: &MeasureBearings) -> anyhow::Result<()> {
     check_outputs([&command.snapshots, &command.array], &[("--out", Some(&command.out))])?;
     let settings = array(&command.array)?;
-    let music = settings
-        .music()
-        .map_err(|error| InputError::new(&command.array, error))?;
+    let antennas = settings.antennas.len();
+    let array = ArrayFinder::new(settings).map_err(|error| InputError::new(&command.array, error))?;
     let file = open(&command.snapshots)?;
     let unreadable = |error| InputError::new(&command.snapshots, error);
-    let mut rows = SnapshotReader::new(file, 0, settings.antennas.len()).map_err(unreadable)?;
+    let mut rows = SnapshotReader::new(file, 0, antennas).map_err(unreadable)?;
     let unwritten = || format!("{} cannot be written", command.out.display());
     let out = BearingWriter::begin(OutputFile::begin(&command.out)?, 0).with_context(unwritten)?;
-    let mut finder = Finder::new(command, settings, music, out);
+    let mut finder = Finder::new(command, array, out);
     while let Some(row) = rows.next() {
         if let Some(snapshot) = finder.refusals.usable(&command.snapshots, row)? {
             finder.take(snapshot, rows.line()).with_context(unwritten)?;
         }
     }
     finder.measure().with_context(unwritten)?;
-    if finder.summary.measurements == 0 {
+    if finder.array.counts().measurements == 0 {
         let why = finder.refusals.first.first();
         let why = why.map_or("the file has a header only", String::as_str);
         return Err(InputError::new(&command.snapshots, format!("nothing was measured: {why}")).into());
     }
-    let Finder {
-        out, refusals, summary, ..
-    } = finder;
-    out.into_inner().finish()?;
-    summary.show(command, &refusals)
+    finder.finish(command)
 }
 
 fn array(file: &Path) -> Result<ArraySettings, InputError> {
@@ -67,46 +59,25 @@ fn array(file: &Path) -> Result<ArraySettings, InputError> {
 /// Finds the bearings of one measurement after the other.
 struct Finder<'a> {
     path: &'a Path,
-    settings: ArraySettings,
-    music: Music,
+    array: ArrayFinder,
     out: BearingWriter<OutputFile>,
     /// Rows of the present measurement: the first row with its line number, and all samples.
     first: Option<(ArraySnapshot, u64)>,
     samples: Vec<Complex<f64>>,
     refusals: SkippedRows,
-    summary: BearingSummary,
-}
-
-/// Counts of measurements and bearings.
-#[derive(Debug, Default)]
-struct BearingSummary {
     snapshots: u64,
-    measurements: u64,
-    bearings: u64,
-    /// Bearings left out: beside another one that explains the snapshots as well, outside the sector, or too uncertain.
-    ambiguous: u64,
-    outside_sector: u64,
-    uncertain: u64,
-    /// Transmitters without a bearing of their own.
-    unresolved: u64,
 }
 
 impl<'a> Finder<'a> {
-    fn new(
-        command: &'a MeasureBearings,
-        settings: ArraySettings,
-        music: Music,
-        out: BearingWriter<OutputFile>,
-    ) -> Self {
+    fn new(command: &'a MeasureBearings, array: ArrayFinder, out: BearingWriter<OutputFile>) -> Self {
         Self {
             path: &command.snapshots,
-            settings,
-            music,
+            array,
             out,
             first: None,
             samples: Vec::new(),
             refusals: SkippedRows::default(),
-            summary: BearingSummary::default(),
+            snapshots: 0,
         }
     }
 
@@ -131,7 +102,7 @@ impl<'a> Finder<'a> {
         self.samples
             .extend(snapshot.samples.iter().map(|[re, im]| Complex::new(*re, *im)));
         self.first.get_or_insert((snapshot, line));
-        self.summary.snapshots += 1;
+        self.snapshots += 1;
         Ok(())
     }
 
@@ -144,14 +115,13 @@ impl<'a> Finder<'a> {
             samples: &self.samples,
             frequency_hz: at.frequency_hz,
         };
-        match self.music.measure(&snapshots) {
-            Ok(measured) => {
-                let forward_rad = at.heading_rad + self.settings.forward_deg.rad();
-                for bearing in self.summary.sort(&self.settings, measured) {
+        match self.array.measure(&snapshots) {
+            Ok(usable) => {
+                for bearing in usable {
                     self.out.write(&Bearing {
                         time_of_measurement_ns: at.time_ns,
                         emitter_id: None,
-                        bearing_rad: (forward_rad + bearing.bearing_rad).rem_euclid(TAU),
+                        bearing_rad: (at.heading_rad + bearing.bearing_rad).rem_euclid(TAU),
                         sigma_rad: bearing.sigma_rad,
                         platform_m: at.platform_m,
                         heading_rad: Some(at.heading_rad),
@@ -168,42 +138,21 @@ impl<'a> Finder<'a> {
         self.samples.clear();
         Ok(())
     }
-}
 
-impl BearingSummary {
-    /// Counts the results, and returns the bearings to write.
-    fn sort<'m>(&mut self, settings: &ArraySettings, measured: &'m BearingSet) -> Vec<&'m music::WaveBearing> {
-        self.measurements += 1;
-        self.unresolved += measured.unresolved as u64;
-        let hears = |bearing: &&music::WaveBearing| settings.hears(bearing.bearing_rad);
-        let (heard, elsewhere): (Vec<_>, Vec<_>) = measured.bearings.iter().partition(hears);
-        self.outside_sector += elsewhere.len() as u64;
-        let of = |some: &[&music::WaveBearing], source| some.iter().filter(|other| other.source == source).count();
-        let mut clear = heard.clone();
-        // A bearing ambiguous only with bearings outside the covered sector is unambiguous.
-        clear.retain(|one: &&music::WaveBearing| {
-            !one.ambiguous || (of(&heard, one.source) == 1 && of(&elsewhere, one.source) > 0)
-        });
-        self.ambiguous += (heard.len() - clear.len()) as u64;
-        let all = clear.len();
-        clear.retain(|bearing| bearing.sigma_rad <= SIGMA_MAX_RAD);
-        self.uncertain += (all - clear.len()) as u64;
-        self.bearings += clear.len() as u64;
-        clear
-    }
-
-    /// Shows it: as JSON on standard output, else on standard error.
-    fn show(&self, command: &MeasureBearings, refusals: &SkippedRows) -> anyhow::Result<()> {
+    /// Ends the output, and shows the counts: as JSON on standard output, else on standard error.
+    fn finish(self, command: &MeasureBearings) -> anyhow::Result<()> {
+        self.out.into_inner().finish()?;
+        let (counts, refusals) = (self.array.counts(), &self.refusals);
         let json = || {
             json!({
                 "out": command.out.display().to_string(),
-                "rows": self.bearings,
+                "rows": counts.bearings,
                 "snapshots": self.snapshots,
-                "measurements": self.measurements,
-                "ambiguous": self.ambiguous,
-                "outside_sector": self.outside_sector,
-                "uncertain": self.uncertain,
-                "unresolved": self.unresolved,
+                "measurements": counts.measurements,
+                "ambiguous": counts.ambiguous,
+                "outside_sector": counts.outside_sector,
+                "uncertain": counts.uncertain,
+                "unresolved": counts.unresolved,
                 "rows_refused": refusals.rows(),
                 "refused": refusals.by_reason,
                 "first_refused": refusals.first,
@@ -215,13 +164,13 @@ impl BearingSummary {
                  transmitters not resolved\n{}: {} bearings\n",
                 refusals.as_text(),
                 self.snapshots,
-                self.measurements,
-                self.ambiguous,
-                self.outside_sector,
-                self.uncertain,
-                self.unresolved,
+                counts.measurements,
+                counts.ambiguous,
+                counts.outside_sector,
+                counts.uncertain,
+                counts.unresolved,
                 command.out.display(),
-                self.bearings
+                counts.bearings
             )
         };
         crate::show(command.json.then(json), text)

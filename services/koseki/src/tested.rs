@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use configuration::BUILT_IN_DEMO;
+use configuration::BUILT_IN_TORTURE;
 use messages::NS_PER_S;
 use torture::{Tested, Torture};
 
@@ -17,7 +17,7 @@ pub(crate) fn run(torture: &Torture) -> anyhow::Result<()> {
 }
 
 fn read(torture: &Torture) -> anyhow::Result<Tested> {
-    let path = torture.config.as_deref().unwrap_or(Path::new(BUILT_IN_DEMO));
+    let path = torture.config.as_deref().unwrap_or(Path::new(BUILT_IN_TORTURE));
     let config = Config::read(path, &torture.set)?;
     let settings = &config.engine;
     let fresh_ns = settings.sources.iter().map(|source| source.fresh_ns).max();

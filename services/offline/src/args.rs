@@ -8,6 +8,7 @@ use std::time::Duration;
 use clap::{Args, Command, Parser, Subcommand};
 use formats::cues_csv::CueRow;
 use formats::rows::Row as _;
+use locating::DroppedEmitter;
 use messages::Decision;
 
 use crate::files::Usage;
@@ -342,6 +343,8 @@ Examples:
          interval  a fix per interval sets the direction of the output, which moves in straight lines
          minimum   … a fix at each minimum of the variance
          staged    intervals at first, later minima if they are frequent enough
+--dropped 7:36000:100,-200:50   emitter 7 was dropped at this time of the day (seconds, UTC), at this place (metres east and
+         north, with its standard deviation): the first fix comes with the first bearing
 --out    {FIX}
          a row per bearing, transmission or fix as soon as the geometry allows a fix: the output; the trace of the filter's covariance; the
          filter's own fix (raw) with its covariance; the most likely model; 0 in agreed while its bearings are not used.
@@ -375,6 +378,9 @@ pub struct Locate {
     /// Selection of fixes: auto, none, interval, minimum or staged [default: the value in --config, else auto]
     #[arg(long, value_name = "SELECTION")]
     pub(crate) select: Option<String>,
+    /// Emitter that the platform dropped, with time and place (repeatable)
+    #[arg(long, value_name = "ID:TIME_S:EAST,NORTH[:SIGMA_M]", value_parser = dropped)]
+    pub(crate) dropped: Vec<DroppedEmitter>,
     /// Settings of filters and selection: a TOML file
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
@@ -393,6 +399,33 @@ pub struct Locate {
     /// Print the summary as a JSON object
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// Reads a dropped emitter.
+fn dropped(text: &str) -> Result<DroppedEmitter, String> {
+    let parts: Vec<&str> = text.split(':').collect();
+    let form = "it must be ID:TIME_S:EAST,NORTH or ID:TIME_S:EAST,NORTH:SIGMA_M, as in 7:36000:0,0:50";
+    let number = |text: &str| text.parse::<f64>().map_err(|_| format!("{text} is no number; {form}"));
+    let (id, time_s, place, sigma_m) = match parts[..] {
+        [id, time_s, place] => (id, time_s, place, None),
+        [id, time_s, place, sigma_m] => (id, time_s, place, Some(number(sigma_m)?)),
+        _ => return Err(form.to_owned()),
+    };
+    let (east, north) = place.split_once(',').ok_or(form)?;
+    let dropped = DroppedEmitter {
+        emitter_id: id
+            .parse()
+            .map_err(|_| format!("{id} is no number of an emitter; {form}"))?,
+        time_s: number(time_s)?,
+        position_m: [number(east)?, number(north)?],
+        ..DroppedEmitter::default()
+    };
+    let dropped = DroppedEmitter {
+        sigma_m: sigma_m.unwrap_or(dropped.sigma_m),
+        ..dropped
+    };
+    settings::check(&dropped).map_err(|error| error.to_string())?;
+    Ok(dropped)
 }
 
 const COMPARE_EXAMPLES: &str = "\

@@ -37,7 +37,7 @@ failed or was interrupted. The JSON file is written except with code 2, and afte
 /// Arguments of `koseki torture`.
 #[derive(Debug, Args)]
 pub struct Torture {
-    /// Configuration of the deployment under test [default: the demonstration's]
+    /// Configuration of the deployment under test [default: the demonstration's, with a direction finder]
     #[arg(value_name = "CONFIG")]
     pub config: Option<PathBuf>,
     /// Duration

@@ -29,7 +29,7 @@ use super::array::AntennaArray;
 use super::null_spectrum::SpectrumMinimum;
 
 /// Standard deviation of a bearing of which nothing is known: uniform over the circle.
-const UNKNOWN_RAD: f64 = PI / 1.732_050_807_568_877_2;
+pub(super) const UNKNOWN_RAD: f64 = PI / 1.732_050_807_568_877_2;
 /// Standard deviations that a minimum may lack in depth.
 const DEPTH_DEVIATIONS: f64 = 4.5;
 
@@ -80,7 +80,7 @@ impl AccuracyInputs {
 }
 
 /// The chi-square number that is not exceeded but by chance (Wilson & Hilferty 1931).
-fn chi_square_limit(degrees: f64) -> f64 {
+pub(super) fn chi_square_limit(degrees: f64) -> f64 {
     let part = 2.0 / (9.0 * degrees);
     degrees * (1.0 - part + DEPTH_DEVIATIONS * part.sqrt()).powi(3)
 }

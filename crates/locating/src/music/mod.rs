@@ -22,17 +22,19 @@
 //! separated are counted in [`BearingSet::unresolved`].
 //!
 //! Limits: waves come along the plane of the array (a wave from an elevation *e* looks as if its frequency were cos *e*
-//! times as high); signals are narrow-band; fully correlated signals (one transmitter over two paths) are one source to
-//! MUSIC, with a bearing that may be neither's; the noise of the antennas is independent and equally strong.
+//! times as high); signals are narrow-band; the noise of the antennas is independent and equally strong. Fully
+//! correlated signals (one transmitter over two paths) are one source to MUSIC, which then finds no bearing, or one
+//! that may be neither's; with `paths` above 1 such snapshots are explained by several waves (`subspace_fit`).
 //!
 //! Bearings are radians clockwise from the array's forward axis, 0 to 2π. No allocation after [`Music::new`] for arrays
-//! of up to 16 antennas; for larger ones the eigen-decomposition allocates.
+//! of up to 16 antennas; for larger ones the eigen-decomposition allocates, and so does the search of coherent waves.
 //!
 //! R. O. Schmidt, "Multiple emitter location and signal parameter estimation", IEEE Trans. Antennas and Propagation 34
 //! (3), 1986; the other sources are named where they are used.
 
 mod accuracy;
 mod array;
+mod array_finder;
 mod bound;
 mod eigen;
 mod error;
@@ -40,8 +42,10 @@ mod null_spectrum;
 mod order;
 mod settings;
 mod simulation;
+mod subspace_fit;
 
 pub use array::AntennaArray;
+pub use array_finder::{ArrayFinder, FinderCounts};
 pub use bound::stochastic_bound;
 pub use error::MusicError;
 pub use order::SourceCount;
@@ -50,9 +54,12 @@ pub use simulation::{SimulatedArray, SimulatedWaves};
 
 pub use nalgebra::Complex;
 
-use accuracy::AccuracyInputs;
+use std::f64::consts::TAU;
+
+use accuracy::{AccuracyInputs, UNKNOWN_RAD};
 use eigen::EigenSystem;
 use null_spectrum::NullSpectrum;
+use subspace_fit::FitInputs;
 
 /// Settings of a measurement with an array.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,6 +71,9 @@ pub struct MusicSettings {
     /// Standard deviation of each antenna's phase error after calibration, radians: part of the bearings' accuracy,
     /// which otherwise would improve without limit with the number of snapshots.
     pub phase_sigma_rad: f64,
+    /// Largest number of paths of a transmitter. Above 1, snapshots that MUSIC does not resolve are explained by
+    /// coherent waves, if they can be.
+    pub paths: usize,
 }
 
 /// Snapshots of all antennas.
@@ -111,6 +121,8 @@ pub struct Music {
     spectrum: NullSpectrum,
     covariance: Vec<Complex<f64>>,
     eigen: EigenSystem,
+    /// Number of signal eigenvectors of the last measurement.
+    seen: usize,
     measured: BearingSet,
 }
 
@@ -131,6 +143,7 @@ impl Music {
         Ok(Self {
             covariance: vec![Complex::ZERO; antennas * antennas],
             eigen: EigenSystem::new(antennas),
+            seen: 0,
             measured: BearingSet {
                 bearings: Vec::with_capacity(spectrum.capacity() * array.images()),
                 ..BearingSet::default()
@@ -164,9 +177,81 @@ impl Music {
         let seen = order::above_noise(values, count, sources, noise_variance);
         self.measured.bearings.clear();
         (self.measured.sources, self.measured.noise_variance) = (sources, noise_variance);
+        self.seen = seen;
         let separated = if seen > 0 { self.find_bearings(count, seen) } else { 0 };
         self.measured.unresolved = sources.saturating_sub(separated);
+        if separated < seen && self.settings.paths > 1 {
+            self.find_coherent(count, seen);
+        }
         Ok(&self.measured)
+    }
+
+    /// Result of the last measurement.
+    pub fn measured(&self) -> &BearingSet {
+        &self.measured
+    }
+
+    /// Spectrum of the last measurement: for each of equal parts of a turn, clockwise from forward, the largest
+    /// reciprocal of the null spectrum, decibels; 0 in directions without a wave.
+    pub fn spectrum_db(&self, parts: &mut [f32]) {
+        parts.fill(f32::NEG_INFINITY);
+        let (antennas, count) = (self.array.len() as f64, parts.len());
+        let mut raise = |bearing_rad: f64, value: f32| {
+            let part = (bearing_rad.rem_euclid(TAU) / TAU * count as f64) as usize;
+            let part = &mut parts[part.min(count - 1)];
+            *part = part.max(value);
+        };
+        for (point, depth) in self.spectrum.values().iter().enumerate() {
+            let depth = if self.seen > 0 { *depth } else { antennas };
+            let value = (10.0 * (antennas / depth.max(f64::EPSILON)).log10()) as f32;
+            let bearing_rad = self.spectrum.bearing_rad(point);
+            raise(bearing_rad, value);
+            if let Some(mirrored_rad) = self.array.mirrored(bearing_rad) {
+                raise(mirrored_rad, value);
+            }
+        }
+        // The grid has a point in each part but for rounding.
+        let mut before = parts
+            .iter()
+            .copied()
+            .find(|value| value.is_finite())
+            .unwrap_or_default();
+        for part in parts {
+            if !part.is_finite() {
+                *part = before;
+            }
+            before = *part;
+        }
+    }
+
+    /// Explains the snapshots by coherent waves, as few as possible; otherwise MUSIC's bearings stay.
+    fn find_coherent(&mut self, snapshots: usize, signals: usize) {
+        let inputs = FitInputs {
+            snapshots,
+            signals,
+            noise_variance: self.measured.noise_variance,
+            phase_sigma_rad: self.settings.phase_sigma_rad,
+        };
+        let waves_max = subspace_fit::waves_max(self.array.len(), signals).min(signals * self.settings.paths);
+        let (array, spectrum, eigen) = (&self.array, &self.spectrum, &self.eigen);
+        let fitted =
+            (signals + 1..=waves_max).find_map(|waves| subspace_fit::fit(array, spectrum, eigen, inputs, waves));
+        let Some(fitted) = fitted else { return };
+        let measured = &mut self.measured;
+        measured.bearings.clear();
+        measured.unresolved = measured.sources.saturating_sub(fitted.len());
+        measured.sources = measured.sources.max(fitted.len());
+        for (source, (bearing_rad, sigma_rad)) in fitted.into_iter().enumerate() {
+            let mirrored_rad = array.mirrored(bearing_rad);
+            for bearing_rad in [Some(bearing_rad), mirrored_rad].into_iter().flatten() {
+                measured.bearings.push(WaveBearing {
+                    source,
+                    bearing_rad: bearing_rad.rem_euclid(TAU),
+                    sigma_rad: sigma_rad.min(UNKNOWN_RAD),
+                    ambiguous: mirrored_rad.is_some(),
+                });
+            }
+        }
     }
 
     /// Bearings of the `sources` greatest eigenvalues of so many snapshots; returns how many separate sources they

@@ -189,6 +189,32 @@ impl NullSpectrum {
         sources
     }
 
+    /// Number of points of the grid.
+    pub(super) fn points(&self) -> usize {
+        self.values.len()
+    }
+
+    /// Bearing of a point of the grid, radians clockwise from forward.
+    pub(super) fn bearing_rad(&self, point: usize) -> f64 {
+        self.begin_rad + point as f64 * self.step_rad
+    }
+
+    /// Steering vector of a point of the grid.
+    pub(super) fn steering(&self, point: usize) -> &[Complex<f64>] {
+        let antennas = self.steering.len() / self.values.len();
+        &self.steering[point * antennas..][..antennas]
+    }
+
+    /// Wave number of the present frequency, radians per metre.
+    pub(super) fn wave_number(&self) -> f64 {
+        self.wave_number
+    }
+
+    /// Values of the last search at the points of the grid.
+    pub(super) fn values(&self) -> &[f64] {
+        &self.values
+    }
+
     fn neighbours(&self, point: usize) -> [usize; 2] {
         let last = self.values.len() - 1;
         let mirrored = |beyond: usize, wrapped: usize| if self.closed { wrapped } else { beyond };

@@ -24,6 +24,9 @@ settings::settings! {
         /// Estimator of the number: minimum description length, or Akaike's criterion, which finds weak transmitters
         /// earlier but sometimes one too many.
         criterion: ModelOrderCriterion = ModelOrderCriterion::Mdl;
+        /// Largest number of paths of a transmitter, direct and by reflection. Above 1, snapshots that MUSIC does not
+        /// resolve are explained by coherent waves, if they can be.
+        paths: usize = 1, in [1, 4];
         /// Standard deviation of the phase error of an antenna after calibration.
         phase_sigma_deg: Degrees = Degrees::of(0.0), in [0, 180];
     }
@@ -62,6 +65,7 @@ impl ArraySettings {
             sources: self.transmitters.map_or(estimated, SourceCount::Given),
             frequency_max_hz: self.frequency_max_hz,
             phase_sigma_rad: self.phase_sigma_deg.rad(),
+            paths: self.paths,
         };
         Music::new(AntennaArray::new(&self.antennas)?, settings)
     }

@@ -134,6 +134,7 @@ fn measuring_allocates_nothing() {
             sources: SourceCount::Mdl,
             frequency_max_hz: 3e8,
             phase_sigma_rad: 0.01,
+            paths: 1,
         };
         let mut music = Music::new(array, settings).expect("usable");
         let mut samples = Vec::new();

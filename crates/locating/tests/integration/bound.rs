@@ -3,7 +3,7 @@
 use crate::common::{Noise, bearing};
 use locating::selection::Select;
 use locating::settings::FilterChoice;
-use locating::{EmitterReport, Locator, LocatorDecisionKind, MotionModel, Settings, TurnSide};
+use locating::{DroppedEmitter, EmitterReport, Locator, LocatorDecisionKind, MotionModel, Settings, TurnSide};
 use observations::Bearing;
 
 /// The last report of a flight.
@@ -342,4 +342,87 @@ fn a_range_that_is_not_observable_names_the_turn_that_would_show_it() {
     // A ship that follows the cue has a fix soon.
     let (_, fix_at) = cues(course_deg - 360.0);
     assert!(fix_at.is_some_and(|k| (15..=19).contains(&k)), "{fix_at:?}");
+
+/// An emitter that was dropped at a known place and drifts: its place is known from the first bearing on, with the
+/// covariance that the place, the time since and the bearings allow. Without the drop there is no fix at that time.
+#[test]
+fn a_dropped_emitter_is_located_by_its_first_bearings() {
+    const RUNS: u64 = 400;
+    let sigma_rad = f64::to_radians(2.0);
+    for filter in [FilterChoice::Auto, FilterChoice::Fixed, FilterChoice::Straight] {
+        let (mut consistency, mut located, mut first, mut unknown) = (0.0, 0_u32, 0, 0);
+        for seed in 0..RUNS {
+            let mut noise = Noise::new(seed + 1);
+            let drop_m = [300.0, -200.0].map(|at| at + 50.0 * noise.next());
+            let speed_mps = match filter {
+                FilterChoice::Straight => [noise.next() * 30.0, noise.next() * 30.0],
+                _ => [0.0; 2],
+            };
+            let heard: Vec<Bearing> = (1..=3)
+                .map(|step| {
+                    let time_s = 10.0 * f64::from(step);
+                    let place = [0, 1].map(|axis| drop_m[axis] + speed_mps[axis] * time_s);
+                    bearing(
+                        time_s,
+                        [3_000.0 + 100.0 * time_s, 5_000.0],
+                        place,
+                        sigma_rad,
+                        sigma_rad * noise.next(),
+                    )
+                })
+                .collect();
+            let mut locator = Locator::new(with_filter(filter)).unwrap();
+            unknown += u32::from(locator.bearing(&heard[0]).unwrap().is_some());
+            let mut locator = Locator::new(with_filter(filter)).unwrap();
+            locator.set_dropped(&[DroppedEmitter {
+                emitter_id: heard[0].emitter_id.unwrap(),
+                time_s: 0.0,
+                position_m: [300.0, -200.0],
+                sigma_m: 50.0,
+            }]);
+            let mut reports = heard.iter().map(|bearing| locator.bearing(bearing).unwrap());
+            first += u32::from(reports.next().flatten().is_some());
+            let last = reports.last().flatten();
+            if let Some(report) = last {
+                located += 1;
+                let truth = [0, 1].map(|axis| drop_m[axis] + speed_mps[axis] * 30.0);
+                consistency += 0.5 * normalised(&report, truth);
+            }
+        }
+        let consistency = consistency / f64::from(located);
+        println!(
+            "{filter:?}: {located} of {RUNS} located by three bearings, normalised error squared {consistency:.2}"
+        );
+        assert_eq!((unknown, u64::from(located)), (0, RUNS), "{filter:?}");
+        assert!(first > 380, "{filter:?}: {first} by the first bearing");
+        assert!((0.8..1.25).contains(&consistency), "{filter:?}: {consistency}");
+    }
+}
+
+/// The day of the drop is the one nearest to the first bearing.
+#[test]
+fn a_drop_before_midnight_is_of_the_day_before() {
+    let midnight_s = 20_000.0 * 86_400.0;
+    let fix = |drop_s: f64| {
+        let mut locator = Locator::new(with_filter(FilterChoice::Straight)).unwrap();
+        let heard = bearing(midnight_s + 60.0, [5_000.0, 0.0], [0.0; 2], 0.01, 0.0);
+        locator.set_dropped(&[DroppedEmitter {
+            emitter_id: heard.emitter_id.unwrap(),
+            time_s: drop_s,
+            position_m: [0.0; 2],
+            sigma_m: 50.0,
+        }]);
+        locator
+            .bearing(&heard)
+            .unwrap()
+            .map(|report| report.raw.covariance[(0, 0)].sqrt())
+    };
+    // A speed of 30 m/s and a place of 50 m: after a minute 1801 m, after ten seconds more 2101 m; no fix after a day.
+    let far = fix(86_400.0 - 10.0);
+    assert!(
+        far.is_none_or(|sigma_m| (2_050.0..2_150.0).contains(&sigma_m)),
+        "{far:?}"
+    );
+    let near = fix(50.0).unwrap();
+    assert!((near - f64::hypot(50.0, 300.0)).abs() < 1.0, "{near}");
 }

@@ -18,6 +18,7 @@ fn music(array: AntennaArray, sources: SourceCount) -> Music {
         sources,
         frequency_max_hz: FREQUENCY_HZ,
         phase_sigma_rad: 0.0,
+        paths: 1,
     };
     Music::new(array, settings).expect("usable")
 }
@@ -168,6 +169,7 @@ fn wrong_phases_are_part_of_the_accuracy() {
         sources: SourceCount::Given(1),
         frequency_max_hz: FREQUENCY_HZ,
         phase_sigma_rad,
+        paths: 1,
     };
     let mut music = Music::new(AntennaArray::circle(7, 0.8).expect("usable"), settings).expect("usable");
     let waves = SimulatedWaves {
@@ -333,6 +335,7 @@ fn arrays_that_cannot_be() {
         sources: SourceCount::Given(8),
         frequency_max_hz: FREQUENCY_HZ,
         phase_sigma_rad: 0.0,
+        paths: 1,
     };
     let error = |settings| Music::new(eight_in_line(), settings).expect_err("refused").to_string();
     assert_eq!(
@@ -480,7 +483,7 @@ proptest! {
         let antennas = positions.len();
         let array = AntennaArray::new(&positions).expect("usable");
         let sources = if given == 0 { SourceCount::Aic } else { SourceCount::Given(given) };
-        let settings = MusicSettings { sources, frequency_max_hz: FREQUENCY_HZ, phase_sigma_rad: 0.01 };
+        let settings = MusicSettings { sources, frequency_max_hz: FREQUENCY_HZ, phase_sigma_rad: 0.01, paths: 1 };
         let made = Music::new(array, settings);
         prop_assert_eq!(made.is_err(), given >= antennas);
         let Ok(mut music) = made else { return Ok(()) };

@@ -1,11 +1,12 @@
 //! `koseki send`: sends recordings to the network with their original timing.
 //!
-//! Data blocks of ASTERIX are sent in their original datagrams, lines of a transponder receiver (SBS) to all
-//! connected clients. The times of the recording, relative to the first, set the times of sending; without such
-//! times, the times of day in the records. Several recordings keep their relative times. A deployment of live sensors
-//! can thus be tested on any machine.
+//! Data blocks of ASTERIX are sent in their original datagrams, array snapshots in datagrams for a live direction
+//! finder, lines of a transponder receiver (SBS) to all connected clients. The times of the recording, relative to the
+//! first, set the times of sending; without such times, the times of day in the records. Several recordings keep their
+//! relative times. A deployment of live sensors can thus be tested on any machine.
 
 mod pieces;
+mod snapshots;
 mod way_out;
 
 use std::fmt::Write as _;
@@ -48,17 +49,18 @@ pub(crate) fn run(send: &Send) -> anyhow::Result<()> {
         .iter()
         .map(|sent| read(&sent.file))
         .collect::<anyhow::Result<Vec<_>>>()?;
-    let recordings: Vec<Pieces<'_>> = contents
-        .iter()
-        .map(|octets| Pieces::of(octets, &send.editions))
-        .collect();
+    let mut recordings = Vec::new();
+    for (sent, octets) in send.files.iter().zip(&contents) {
+        let pieces = Pieces::of(octets, &send.editions).map_err(|error| InputError::new(&sent.file, error))?;
+        recordings.push(pieces);
+    }
     let begins: Vec<Option<i64>> = recordings.iter().map(begins_ns).collect();
     let offsets = offsets_ns(&begins);
     let mut feeds = Vec::new();
     for ((sent, pieces), offset_ns) in send.files.iter().zip(&recordings).zip(&offsets) {
         let mut timed = Timed::new(pieces).peekable();
         if timed.peek().is_none() {
-            let what = "holds neither data blocks of ASTERIX nor lines of SBS-1";
+            let what = "holds neither data blocks of ASTERIX, lines of SBS-1 nor snapshots of an antenna array";
             return Err(InputError::new(&sent.file, what).into());
         }
         let to = sent.to.or(send.to).ok_or_else(|| {

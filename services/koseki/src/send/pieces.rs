@@ -5,18 +5,22 @@ use std::borrow::Cow;
 use asterix::choice::ChosenEdition;
 use asterix::times::{TICKS_PER_S, first_time_of_day, move_times};
 use asterix::{Category, blocks, registry};
+use csv_table::CsvError;
 use formats::containers::{Container, Datagrams, TimeStamp};
 use formats::sbs::{SbsLine, moved_line, stamped_ns};
-use frames::time::{NS_PER_DAY, NS_PER_S};
+use formats::snapshot_datagram;
+use frames::time::{DayUnroller, NS_PER_DAY, NS_PER_S};
+
+use super::snapshots;
 
 /// Nanoseconds in a tick of ASTERIX.
 const TICK_NS: i64 = NS_PER_S / TICKS_PER_S as i64;
 
 /// Kind of pieces that a recording is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum FaultKind {
-    /// Data blocks.
-    Asterix,
+pub(super) enum PieceKind {
+    /// Datagrams: data blocks of ASTERIX, or snapshots of an antenna array.
+    Datagrams,
     /// Lines of a transponder receiver.
     Lines,
 }
@@ -43,14 +47,19 @@ impl Piece<'_> {
 pub(super) struct Pieces<'a> {
     content: &'a [u8],
     tables: Vec<&'static Category>,
-    kind: FaultKind,
+    kind: PieceKind,
+    /// Datagrams of a table of snapshots, with their times, nanoseconds.
+    snapshots: Option<Vec<(i64, Vec<u8>)>>,
     /// Length of the recording.
     pub(super) octets: usize,
 }
 
 impl<'a> Pieces<'a> {
     /// Returns the pieces of the recording `content`, with the given editions, or default editions, of categories.
-    pub(super) fn of(content: &'a [u8], editions: &[ChosenEdition]) -> Self {
+    ///
+    /// # Errors
+    /// A row of a table of snapshots that cannot be read.
+    pub(super) fn of(content: &'a [u8], editions: &[ChosenEdition]) -> Result<Self, CsvError> {
         let table = |chosen: &ChosenEdition| match chosen {
             ChosenEdition::Category(table) => Some(*table),
             ChosenEdition::Expansion(_) => None,
@@ -59,25 +68,38 @@ impl<'a> Pieces<'a> {
             .split(|octet| *octet == b'\n')
             .next()
             .is_some_and(|line| SbsLine::parse(line).is_ok());
-        Self {
+        let snapshots = snapshots::antennas(content).map(|antennas| snapshots::datagrams(content, antennas));
+        Ok(Self {
             content,
             tables: editions.iter().filter_map(table).collect(),
-            kind: if is_line { FaultKind::Lines } else { FaultKind::Asterix },
+            kind: if is_line {
+                PieceKind::Lines
+            } else {
+                PieceKind::Datagrams
+            },
+            snapshots: snapshots.transpose()?,
             octets: content.len(),
-        }
+        })
     }
 
-    pub(super) fn kind(&self) -> FaultKind {
+    pub(super) fn kind(&self) -> PieceKind {
         self.kind
     }
 
     /// All, in the order of the recording.
     pub(super) fn iter(&self) -> Box<dyn Iterator<Item = Piece<'a>> + '_> {
+        if let Some(snapshots) = &self.snapshots {
+            return Box::new(snapshots.iter().map(|(time_ns, octets)| Piece {
+                octets: Cow::Owned(octets.clone()),
+                recorded_ns: None,
+                stated_ns: Some(*time_ns),
+            }));
+        }
         match (self.kind, Container::detect(self.content)) {
-            (FaultKind::Lines, _) => Box::new(self.lines()),
+            (PieceKind::Lines, _) => Box::new(self.lines()),
             // The recording does not contain its datagrams.
-            (FaultKind::Asterix, Container::Raw) => Box::new(self.blocks()),
-            (FaultKind::Asterix, container) => Box::new(self.datagrams(container)),
+            (PieceKind::Datagrams, Container::Raw) => Box::new(self.blocks()),
+            (PieceKind::Datagrams, container) => Box::new(self.datagrams(container)),
         }
     }
 
@@ -87,15 +109,21 @@ impl<'a> Pieces<'a> {
     }
 
     fn stated_ns(&self, octets: &[u8]) -> Option<i64> {
+        if let Some(time_ns) = snapshot_datagram::stated_ns(octets) {
+            return Some(time_ns);
+        }
         let ticks = first_time_of_day(octets, |category| self.table(category))?;
         Some(i64::from(ticks) * TICK_NS)
     }
 
     fn datagrams(&self, container: Container) -> impl Iterator<Item = Piece<'a>> + '_ {
-        let with_blocks = Datagrams::new(container, self.content)
+        let is_known = |octets: &[u8]| {
+            snapshot_datagram::is_snapshots(octets) || blocks(octets).next().is_some_and(|block| block.is_ok())
+        };
+        let known = Datagrams::new(container, self.content)
             .filter_map(Result::ok)
-            .filter(|datagram| blocks(&datagram.bytes).next().is_some_and(|block| block.is_ok()));
-        with_blocks.map(|datagram| Piece {
+            .filter(move |datagram| is_known(&datagram.bytes));
+        known.map(|datagram| Piece {
             recorded_ns: datagram.time_stamp.map(TimeStamp::ns),
             stated_ns: self.stated_ns(&datagram.bytes),
             octets: datagram.bytes,
@@ -190,6 +218,8 @@ pub(super) fn offsets_ns(begins_ns: &[Option<i64>]) -> Vec<i64> {
 pub(super) struct Mover {
     /// Nanoseconds, whole seconds.
     by_ns: i64,
+    /// The present day, for times that state their day.
+    days: DayUnroller,
     moved: Vec<u8>,
     /// Times that were moved so far.
     pub(super) count: u64,
@@ -201,6 +231,7 @@ impl Mover {
     pub(super) fn new(begins_ns: i64, now_ns: i64) -> Self {
         Self {
             by_ns: (now_ns - begins_ns).div_euclid(NS_PER_S) * NS_PER_S,
+            days: DayUnroller::near(now_ns),
             moved: Vec::new(),
             count: 0,
         }
@@ -211,12 +242,18 @@ impl Mover {
         let moved = &mut self.moved;
         moved.clear();
         match pieces.kind() {
-            FaultKind::Asterix => {
+            PieceKind::Datagrams => {
                 moved.extend_from_slice(&piece.octets);
+                if let Some(time_ns) = snapshot_datagram::stated_ns(moved) {
+                    let day_ns = time_ns.saturating_add(self.by_ns).rem_euclid(NS_PER_DAY);
+                    snapshot_datagram::set_time(moved, self.days.utc_ns(day_ns));
+                    self.count += 1;
+                    return moved;
+                }
                 let by = self.by_ns.rem_euclid(NS_PER_DAY) / TICK_NS;
                 self.count += move_times(moved, by as u32, |category| pieces.table(category)) as u64;
             }
-            FaultKind::Lines => self.count += u64::from(moved_line(&piece.octets, self.by_ns, moved)),
+            PieceKind::Lines => self.count += u64::from(moved_line(&piece.octets, self.by_ns, moved)),
         }
         moved
     }
@@ -233,7 +270,7 @@ mod tests {
             [48, 0, 9, 0xC0, 1, 2, high, middle, low]
         };
         let content: Vec<u8> = [86_398, 86_399, 86_397, 1].into_iter().flat_map(block).collect();
-        let pieces = Pieces::of(&content, &[]);
+        let pieces = Pieces::of(&content, &[]).unwrap();
         let due: Vec<i64> = Timed::new(&pieces).map(|(due_ns, _)| due_ns / NS_PER_S).collect();
         assert_eq!(due, [0, 1, 1, 3]);
         assert_eq!(begins_ns(&pieces), Some(86_398 * NS_PER_S));

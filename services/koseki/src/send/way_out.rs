@@ -6,7 +6,7 @@ use std::time::Duration;
 use net::{Interface, LineServer, NetError, SenderSettings, UdpSender};
 use runtime::signals::Stop;
 
-use super::pieces::FaultKind;
+use super::pieces::PieceKind;
 
 /// Pause between two looks for a reader.
 const PAUSE: Duration = Duration::from_millis(20);
@@ -25,14 +25,14 @@ impl WayOut {
     ///
     /// # Errors
     /// If the address cannot be meant, or the operating system refuses.
-    pub(super) fn open(to: SocketAddr, interface: Option<&Interface>, kind: FaultKind) -> Result<Self, NetError> {
+    pub(super) fn open(to: SocketAddr, interface: Option<&Interface>, kind: PieceKind) -> Result<Self, NetError> {
         Ok(match kind {
-            FaultKind::Asterix => {
+            PieceKind::Datagrams => {
                 let mut settings = SenderSettings::new(to);
                 settings.interface = interface.filter(|_| to.ip().is_multicast()).cloned();
                 Self::Datagrams(UdpSender::open(&settings)?)
             }
-            FaultKind::Lines => Self::Lines(LineServer::open(to)?),
+            PieceKind::Lines => Self::Lines(LineServer::open(to)?),
         })
     }
 

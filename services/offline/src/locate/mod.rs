@@ -15,7 +15,7 @@ use std::path::Path;
 use anyhow::Context as _;
 use locating::selection::Select;
 use locating::settings::{ClockChoice, FilterChoice, Settings};
-use locating::{BearingRejection, EmitterReport, Locator};
+use locating::{BearingRejection, DroppedEmitter, EmitterReport, Locator};
 use observations::{ArrivalTime, Bearing, EmitterMeasurement};
 use platform::{Assumed, History, Mount, Refusal};
 
@@ -45,17 +45,20 @@ pub(crate) fn run(locate: &Locate, host: &dyn Host) -> anyhow::Result<()> {
     ];
     let inputs = [&locate.bearings, &locate.fixes, &locate.config, &locate.platform];
     check_outputs(inputs.into_iter().flatten(), &outputs)?;
-    let mut settings = settings(locate, host)?;
+    let (mut settings, mut dropped) = settings(locate, host)?;
+    dropped.extend_from_slice(&locate.dropped);
     let mut input = MeasurementInput::open(host, locate.bearings.as_deref(), locate.fixes.as_deref())?;
     if settings.arrivals.clocks == ClockChoice::Auto && input.has_references {
         settings.arrivals.clocks = ClockChoice::Estimated;
     }
+    let mut locator = Locator::new(settings).map_err(|fault| Usage(fault.to_string()))?;
+    locator.set_dropped(&dropped);
     let mut out = host.begin(&locate.out)?;
     writeln!(out, "{FIX_COLUMNS}").with_context(|| unwritten(locate))?;
     let explained = locate.explain.as_deref();
     let mut location = Location {
         locate,
-        locator: Locator::new(settings).map_err(|fault| Usage(fault.to_string()))?,
+        locator,
         out,
         decisions: explained.map(|path| Decisions::begin(host, path)).transpose()?,
         paths: locate.picture.as_ref().map(|_| Paths::new(locate.emitter)),
@@ -209,17 +212,20 @@ fn on_board(ship: &History, bearing: &Bearing) -> Result<Bearing, Refusal> {
     Mount::default().carry_bearing(bearing, &pose, None)
 }
 
-/// Returns the settings of the command line and the configuration.
-fn settings(locate: &Locate, host: &dyn Host) -> anyhow::Result<Settings> {
-    let mut settings = match &locate.config {
+/// Returns the settings of the command line and the configuration, and the emitters of the latter with a known place.
+fn settings(locate: &Locate, host: &dyn Host) -> anyhow::Result<(Settings, Vec<DroppedEmitter>)> {
+    let (mut settings, dropped) = match &locate.config {
         Some(path) => {
             let text = host.text(path)?;
             configuration::locating_settings(path, &text)?
         }
-        None => Settings {
-            emitters_max: EMITTERS_MAX,
-            ..Settings::default()
-        },
+        None => {
+            let settings = Settings {
+                emitters_max: EMITTERS_MAX,
+                ..Settings::default()
+            };
+            (settings, Vec::new())
+        }
     };
     if let Some(word) = &locate.filter {
         let words = FilterChoice::ALL.map(FilterChoice::word);
@@ -232,7 +238,7 @@ fn settings(locate: &Locate, host: &dyn Host) -> anyhow::Result<Settings> {
         let words = Select::ALL.map(Select::word);
         settings.selection.select = Select::from_word(word).ok_or_else(|| not_known("--select", word, &words))?;
     }
-    Ok(settings)
+    Ok((settings, dropped))
 }
 
 fn not_known(option: &str, word: &str, words: &[&str]) -> Usage {
