@@ -342,6 +342,7 @@ fn a_range_that_is_not_observable_names_the_turn_that_would_show_it() {
     // A ship that follows the cue has a fix soon.
     let (_, fix_at) = cues(course_deg - 360.0);
     assert!(fix_at.is_some_and(|k| (15..=19).contains(&k)), "{fix_at:?}");
+}
 
 /// An emitter that was dropped at a known place and drifts: its place is known from the first bearing on, with the
 /// covariance that the place, the time since and the bearings allow. Without the drop there is no fix at that time.
