@@ -107,8 +107,8 @@ pub(crate) struct KeptMeasurements {
     /// Greatest age of a report relative to the filter, nanoseconds; 0: nothing is kept.
     window_ns: i64,
     links: Vec<Link>,
-    /// For each of them the next one of its chain, or of the free places: a table of its own, so that no old measurement
-    /// is fetched from memory before a new one takes its place.
+    /// For each of them the next one of its chain, or of the free places: a table of its own, so that no old
+    /// measurement is fetched from memory before a new one takes its place.
     next: Vec<Place>,
     /// Most measurements.
     capacity: usize,
@@ -507,7 +507,8 @@ impl KeptMeasurements {
     }
 }
 
-/// A chain by itself: its bases with their lengths, its measurements with the time of the filter after each, and how many bases made room.
+/// A chain by itself: its bases with their lengths, its measurements with the time of the filter after each, and how
+/// many bases made room.
 type ChainContent = (Vec<(TargetFilter, u32)>, Vec<(KeptMeasurement, i64)>, u32);
 
 impl Serialize for KeptMeasurements {

@@ -497,7 +497,7 @@ typedef struct KosekiSensorSpectrum {
     uint32_t transmitters; /* Number of transmitters, as given or estimated. */
     uint16_t source; /* Source: its number in the configuration (TI-2). */
     uint16_t reserved[7]; /* Reserved, 0. */
-    float spectrum_db[360]; /* Spectrum of the directions from k to k + 1 degrees clockwise from the forward axis, decibels: 0 without a wave. */
+    float spectrum_db[360]; /* From k to k + 1 degrees clockwise from the forward axis, decibels: 0 where no wave comes from. */
 } KosekiSensorSpectrum;
 static_assert(sizeof(KosekiSensorSpectrum) == 1536, "size");
 static_assert(offsetof(KosekiSensorSpectrum, time_of_measurement_ns) == 0, "offset");

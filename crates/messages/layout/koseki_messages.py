@@ -589,7 +589,7 @@ class SensorSpectrum(ctypes.Structure):
         ("transmitters", ctypes.c_uint32),  # Number of transmitters, as given or estimated.
         ("source", ctypes.c_uint16),  # Source: its number in the configuration (TI-2).
         ("reserved", ctypes.c_uint16 * 7),  # Reserved, 0.
-        ("spectrum_db", ctypes.c_float * 360),  # Spectrum of the directions from k to k + 1 degrees clockwise from the forward axis, decibels: 0 without a wave.
+        ("spectrum_db", ctypes.c_float * 360),  # From k to k + 1 degrees clockwise from the forward axis, decibels: 0 where no wave comes from.
     ]
 
     @staticmethod
