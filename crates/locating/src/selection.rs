@@ -661,7 +661,7 @@ impl Selector {
         + <[f64; 2]>::WORDS
         + f64::WORDS
         + Option::<f64>::WORDS
-        + 2 * u32::WORDS
+        + <[u32; 2]>::WORDS
         + bool::WORDS
         + Option::<(Point, bool)>::WORDS
         + 2 * Option::<Point>::WORDS

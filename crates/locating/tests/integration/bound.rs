@@ -337,8 +337,8 @@ fn a_range_that_is_not_observable_names_the_turn_that_would_show_it() {
         panic!("{straight_on:?}");
     };
     assert!((2..=4).contains(&at) && side == TurnSide::Port, "{straight_on:?}");
-    let off = (course_deg - bearing_deg + 90.0).rem_euclid(360.0);
-    assert!(off < 1e-6 || off > 360.0 - 1e-6, "{course_deg} for {bearing_deg}");
+    let off = (course_deg - bearing_deg + 90.0).to_radians().sin_cos();
+    assert!(off.0.abs() < 1e-8 && off.1 > 0.0, "{course_deg} for {bearing_deg}");
     // A ship that follows the cue has a fix soon.
     let (_, fix_at) = cues(course_deg - 360.0);
     assert!(fix_at.is_some_and(|k| (15..=19).contains(&k)), "{fix_at:?}");
