@@ -53,7 +53,7 @@
 //!
 //! # Memory and time
 //!
-//! All memory is allocated in [`Locator::new`], some 25 kB per emitter. The cost of a bearing is bounded: each model
+//! All memory is allocated in [`Locator::new`], some 28 kB per emitter. The cost of a bearing is bounded: each model
 //! keeps [`LINES_MAX`] lines of bearing at most. Nothing here performs I/O or reads a clock; the same bearings give the
 //! same bits.
 

@@ -8,7 +8,7 @@ settings::settings! {
     /// How emitters are located.
     #[derive(Copy)]
     pub struct Settings {
-        /// Greatest number of emitters at a time; each needs 25 kB.
+        /// Greatest number of emitters at a time; each needs 28 kB.
         emitters_max: usize = 1024, in [1, 100_000];
         /// How emitters may move (EL-2).
         motion: EmitterMotionSettings = EmitterMotionSettings::default();
