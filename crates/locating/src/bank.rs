@@ -13,15 +13,15 @@
 //!
 //! # Probabilities
 //!
-//! *Fixed against straight.* A fixed point is a straight motion with velocity zero, so the straight motion alone has the
-//! evidence: by how much the bearings have raised the density of rest ([`crate::mixture::slowed`]). "Fixed" includes a
-//! slow drift: one part of it is the fixed point, another the straight motion with a prior of a drifting emitter's
-//! velocity. The latter keeps the covariance true for emitters that only seem to rest.
+//! *Fixed against straight.* A fixed point is a straight motion with velocity zero, so the straight motion alone has
+//! the evidence: by how much the bearings have raised the density of rest ([`crate::mixture::slowed`]). "Fixed"
+//! includes a slow drift: one part of it is the fixed point, another the straight motion with a prior of a drifting
+//! emitter's velocity. The latter keeps the covariance true for emitters that only seem to rest.
 //!
 //! *The model with process noise against its base*, the model before it without. A base whose bearings disagree for
-//! long while the platform does not turn has failed: it restarts (straight motion at the state of the model with process
-//! noise, a fixed point with its last lines), and has the least probability. From then on both predict each bearing, and
-//! the likelihoods' ratio is summed, until the base has its full probability again.
+//! long while the platform does not turn has failed: it restarts (straight motion at the state of the model with
+//! process noise, a fixed point with its last lines), and has the least probability. From then on both predict each
+//! bearing, and the likelihoods' ratio is summed, until the base has its full probability again.
 //!
 //! # Not yet observable
 //!

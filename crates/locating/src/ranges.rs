@@ -1,9 +1,9 @@
 //! A start that believes no range before the bearings show one: a hypothesis for each range.
 //!
 //! Bearings from a platform that flies straight on do not contain the range of a moving emitter: its position and
-//! velocity may be scaled together. A search from one start ends somewhere on this line of states, and a Gaussian
-//! about its end is too certain. Here the prior is a sum of Gaussians, one for each of several ranges of the first
-//! bearing, each √2 times as far as its predecessor (N. Peach, *Bearings-only tracking using a set of range-parameterised
+//! velocity may be scaled together. A search from one start ends somewhere on this line of states, and a Gaussian about
+//! its end is too certain. Here the prior is a sum of Gaussians, one for each of several ranges of the first bearing,
+//! each √2 times as far as its predecessor (N. Peach, *Bearings-only tracking using a set of range-parameterised
 //! extended Kalman filters*, IEE Proceedings Control Theory and Applications 142, 1995). Within a hypothesis the range
 //! is known to a share, so that a linearisation at its best state is good. Their weights are their evidence, by
 //! Laplace's approximation; mean and covariance are those of the mixture.

@@ -36,12 +36,12 @@ settings::settings! {
         slow_sigma_mps: f64 = 2.0, in [above 0];
         /// Greatest standard deviation of a moving emitter's velocity, along each axis.
         speed_sigma_mps: f64 = 30.0, in [above 0];
-        /// Standard deviation of the velocity of an emitter that seems fixed but drifts, along each axis; at most half of
-        /// `slow_sigma_mps` is used.
+        /// Standard deviation of the velocity of an emitter that seems fixed but drifts, along each axis; at most half
+        /// of `slow_sigma_mps` is used.
         still_sigma_mps: f64 = 0.25, in [above 0];
         /// Probability that an emitter moves, before its first bearing, if the platform is no faster than
-        /// `slow_sigma_mps`. The velocity of a moving emitter may be as great as the platform's; the probability that it
-        /// is slow falls with the square of the platform's speed.
+        /// `slow_sigma_mps`. The velocity of a moving emitter may be as great as the platform's; the probability that
+        /// it is slow falls with the square of the platform's speed.
         moving_probability: f64 = 0.2, in [1e-9, 0.5];
         /// Probability that an emitter drifts with `still_sigma_mps`, likewise.
         drifting_probability: f64 = 0.1, in [1e-9, 0.5];

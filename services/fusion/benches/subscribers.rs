@@ -12,9 +12,9 @@
 //! Arguments: subscribers that read, subscribers that do not, sources, reports in a slice; or `engine`, the number of
 //! sources, and the number of targets if it is another, for the engine without loop and bus. Each source is external
 //! and observes each target with noise of its own. The bench never waits. The mode `event` makes the loop look fully at
-//! all sources each 200 ms of the bench's time, as often per report as the mode `spin` at some 100,000 reports a second.
-//! Functions of their own take the reports, so that each group can be counted alone: `steady_turn` and `steady_update`
-//! those from report 31 of each sensor track on, `young_update` the reports 7 to 12.
+//! all sources each 200 ms of the bench's time, as often per report as the mode `spin` at some 100,000 reports a
+//! second. Functions of their own take the reports, so that each group can be counted alone: `steady_turn` and
+//! `steady_update` those from report 31 of each sensor track on, `young_update` the reports 7 to 12.
 
 use std::path::Path;
 use std::time::{Duration, Instant};

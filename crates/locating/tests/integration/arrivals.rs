@@ -221,8 +221,8 @@ impl Score {
 /// Runs per place: a root mean square is known to 4 %.
 const RUNS: u64 = 150;
 
-/// Least normalised error: of fixed points, and of mixtures, whose covariance contains a drift. Sixty transmissions in a
-/// minute know a place with an unknown velocity half as well as one without.
+/// Least normalised error: of fixed points, and of mixtures, whose covariance contains a drift. Sixty transmissions in
+/// a minute know a place with an unknown velocity half as well as one without.
 const EXACT: f64 = 0.7;
 const WITH_DRIFT: f64 = 0.12;
 
