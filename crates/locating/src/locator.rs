@@ -481,9 +481,6 @@ impl Locator {
                 emitter.last = *line;
             }
         }
-        if !std::mem::replace(&mut emitter.is_changed, true) {
-            self.changed.push(slot as u32);
-        }
         let (number, time_ns) = (emitter.number, emitter.last_ns);
         let fix = emitter.bank.fix_at(time_ns, &settings.motion);
         for (kind, value, limit) in notes.iter() {
@@ -505,6 +502,9 @@ impl Locator {
     /// Makes the output of a fix, at the time of the emitter's last line.
     fn select(&mut self, slot: usize, fix: Option<RawFix>) -> Option<EmitterReport> {
         let emitter = &mut self.emitters[slot];
+        if !std::mem::replace(&mut emitter.is_changed, true) {
+            self.changed.push(slot as u32);
+        }
         let (number, first_ns, time_ns) = (emitter.number, emitter.first_ns, emitter.last_ns);
         let output = fix.and_then(|raw| {
             emitter
