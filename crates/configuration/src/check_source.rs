@@ -109,6 +109,7 @@ pub(super) fn check_source(
     if source.has_bearings() {
         // A direction finder hears what transmits: its silence is no evidence of absence.
         weighed.coverage.get_or_insert_with(CoverageArea::none);
+        weighed.is_registered = raw.weighing.registered.unwrap_or(false);
     }
     Ok((source, processing, weighed))
 }

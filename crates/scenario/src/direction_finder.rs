@@ -44,6 +44,8 @@ settings::settings! {
         detection_probability: f64 = 0.9, in [1e-3, 1];
         /// Greatest distance of a received transmitter in the plane.
         range_max_m: f64 = 200_000.0, in [1, 2e6];
+        /// Greatest height of a received transmitter; 100 for ships and vehicles alone.
+        height_max_m: f64 = 1e6, in [-1e4, 1e6];
         /// Share of the targets that transmit.
         transmitting_share: f64 = 1.0, in [0, 1];
         /// Standard deviation of a measured frequency.
@@ -184,7 +186,9 @@ impl SimulatedDirectionFinder {
                 u64::from(target.id),
                 self.period,
             );
-            if east.hypot(north) > settings.range_max_m || !random.random_bool(settings.detection_probability) {
+            let is_in_reach =
+                east.hypot(north) <= settings.range_max_m && target.position_m[2] <= settings.height_max_m;
+            if !is_in_reach || !random.random_bool(settings.detection_probability) {
                 continue;
             }
             let errors: [f64; 2] = std::array::from_fn(|_| StandardNormal.sample(&mut random));

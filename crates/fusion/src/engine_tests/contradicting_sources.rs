@@ -3,8 +3,8 @@
 use messages::{Covariance, FusionRule, SystemTrack, TrackState};
 
 use super::{S, random, report, with_address};
-use crate::Engine;
 use crate::testing::test_settings;
+use crate::{Engine, Settings};
 
 const TARGETS: u32 = 30;
 const SIGMA_M: f64 = 30.0;
@@ -36,12 +36,36 @@ const SOUND: Wrong = Wrong {
 fn rms_m(rule: FusionRule, sources: &[Wrong], since_s: f64) -> f64 {
     let mut settings = test_settings(sources.len());
     settings.rule.name.0 = rule;
+    let (_, published) = run(settings, sources);
+    let (mut sum, mut count) = (0.0, 0.0);
+    for track in published {
+        let seconds = (track.reference_time_ns - NOW_NS) as f64 / S as f64;
+        let Some(address) = track.identity.address() else {
+            continue;
+        };
+        if seconds >= since_s && track.state == TrackState::Confirmed as u8 {
+            let [east, north] = place(address - 0x40_0000);
+            let [x, y, _] = track.position_m;
+            sum += (x - east - SPEED_MPS * seconds).powi(2) + (y - north).powi(2);
+            count += 1.0;
+        }
+    }
+    assert!(count > 300.0, "{count}");
+    f64::sqrt(sum / count)
+}
+
+/// Where a target is at first.
+fn place(target: u32) -> [f64; 2] {
+    [0.0, 6e3 * f64::from(target)]
+}
+
+/// The engine, and the tracks that it has published, after 40 s.
+fn run(settings: Settings, sources: &[Wrong]) -> (Engine, Vec<SystemTrack>) {
     let (mut engine, mut noise) = (Engine::new(settings).unwrap(), random(7));
     for (number, source) in sources.iter().enumerate() {
         engine.set_source_clock(number as u16, Some(source.clock_s));
     }
     let mut published: Vec<SystemTrack> = Vec::new();
-    let place = |target: u32| [0.0, 6e3 * f64::from(target)];
     for step in 0..40 * TARGETS {
         let (target, seconds) = (step % TARGETS, f64::from(step) / f64::from(TARGETS));
         let now_ns = NOW_NS + (seconds * S as f64) as i64;
@@ -60,21 +84,7 @@ fn rms_m(rule: FusionRule, sources: &[Wrong], since_s: f64) -> f64 {
             engine.take_at(&report, now_ns, &mut |track: &SystemTrack| published.push(*track));
         }
     }
-    let (mut sum, mut count) = (0.0, 0.0);
-    for track in published {
-        let seconds = (track.reference_time_ns - NOW_NS) as f64 / S as f64;
-        let Some(address) = track.identity.address() else {
-            continue;
-        };
-        if seconds >= since_s && track.state == TrackState::Confirmed as u8 {
-            let [east, north] = place(address - 0x40_0000);
-            let [x, y, _] = track.position_m;
-            sum += (x - east - SPEED_MPS * seconds).powi(2) + (y - north).powi(2);
-            count += 1.0;
-        }
-    }
-    assert!(count > 300.0, "{count}");
-    f64::sqrt(sum / count)
+    (engine, published)
 }
 
 #[test]
@@ -139,4 +149,21 @@ fn a_source_that_agrees_again_is_used_again() {
         beside <= 1.2 * three && beside < two,
         "{beside:.1} m, {three:.1} m of three sound ones, {two:.1} m of two"
     );
+}
+
+#[test]
+fn a_source_that_is_not_registered_is_compared_with_no_other() {
+    let samples = |left_out: Option<usize>| {
+        let mut settings = test_settings(2);
+        settings.registration.enabled = true;
+        for (number, source) in settings.sources.iter_mut().enumerate() {
+            source.is_registered = left_out != Some(number);
+        }
+        let (engine, _) = run(settings, &[SOUND, SOUND]);
+        [0, 1].map(|source| engine.source_errors(source).unwrap().samples)
+    };
+    assert!(samples(None).iter().all(|samples| *samples > 20.0));
+    for left_out in 0..2 {
+        assert_eq!(samples(Some(left_out)), [0.0; 2]);
+    }
 }

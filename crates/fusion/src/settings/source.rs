@@ -33,6 +33,9 @@ settings::settings! {
         /// Whether targets report their own positions (ADS-B, AIS). The positions are checked by sources that measure
         /// targets of the same address.
         self_reported: Option<bool> = None, usually "as the technology; offline false";
+        /// Whether registration compares this source with others, and estimates its biases. The errors of located
+        /// emitters are no constant offsets: each persists for minutes and changes with the geometry.
+        registered: Option<bool> = None, usually "true; with [source.locator] false";
         /// Sensor accuracy (TI-7).
         accuracy: Option<AccuracyTable> = None, usually "20 m; offline as it states";
         /// Known biases, subtracted from each report.
@@ -192,6 +195,8 @@ pub struct SourceSettings {
     pub is_centre: bool,
     /// Whether targets report their own positions.
     pub is_self_reported: bool,
+    /// Whether registration estimates its biases.
+    pub is_registered: bool,
     /// Sources that are never taken for the same as this one.
     pub independent_of: Vec<SourceRef>,
     /// Height above the system origin beyond which it cannot see targets, metres.
@@ -256,6 +261,7 @@ impl SourceSettings {
             },
             is_centre: weighing.shares == Shares::Unknown,
             is_self_reported: weighing.self_reported.unwrap_or(false),
+            is_registered: weighing.registered.unwrap_or(true),
             independent_of: weighing.independent_of.clone(),
             ceiling_m: weighing.ceiling_m.unwrap_or(f64::INFINITY),
             correction: Some(weighing.correction).filter(|known| *known != CorrectionTable::default()),
@@ -280,6 +286,7 @@ impl SourceSettings {
             shares: Vec::new(),
             is_centre: false,
             is_self_reported: false,
+            is_registered: true,
             independent_of: Vec::new(),
             ceiling_m: f64::INFINITY,
             coverage: None,

@@ -27,7 +27,8 @@ impl Sources {
         let source = report.source;
         let samples = self.registration.of(source).samples;
         let settled = REGISTRATION_SETTLED.iter().find(|(least, _)| samples > *least);
-        if !settings.registration.enabled
+        let is_registered = |source: u16| settings.sources[usize::from(source)].is_registered;
+        if !(settings.registration.enabled && is_registered(source))
             || report.state != TrackState::Confirmed as u8
             || entry.repaired
             || entry.is_foreign
@@ -39,7 +40,9 @@ impl Sources {
         let now_ns = report.time_of_measurement_ns;
         let mut latest = None;
         for (member, other) in tracks.contributing_entries(system, now_ns) {
-            if member == sensor || other.is_foreign || other.latest.state != TrackState::Confirmed as u8 {
+            let is_comparable =
+                other.latest.state == TrackState::Confirmed as u8 && !other.is_foreign && is_registered(other.source);
+            if member == sensor || !is_comparable {
                 continue;
             }
             let key = (!self.registration.is_young(other.source), other.time_ns, other.source);
