@@ -421,7 +421,9 @@ impl Sources {
         }
         let about_mean = std::array::from_fn(|axis| innovation.residual_m[axis] - before[axis]);
         let squared = association::distance::squared2(about_mean, innovation.covariance_m2);
-        if settings.registration.enabled && tracks.systems.get(system).life == TrackState::Confirmed {
+        let is_registered = settings.sources[source].is_registered;
+        let is_confirmed = tracks.systems.get(system).life == TrackState::Confirmed;
+        if settings.registration.enabled && is_registered && is_confirmed {
             self.registration.add_innovation(
                 source,
                 (innovation.residual_m, innovation.covariance_m2),
@@ -441,7 +443,8 @@ impl Sources {
         }
         let looks = !self.models[source].knows_spread_well() || entry.residuals.is_multiple_of(SPREAD_EVERY);
         if looks
-            && tracks.systems.get(system).life == TrackState::Confirmed
+            && is_registered
+            && is_confirmed
             && let Some((offset, noise_m2)) = self.offset(tracks, sensor)
         {
             let size_m = settings.target_size.of(&tracks.sensors.get(sensor).latest.target_type);
@@ -558,8 +561,8 @@ impl Sources {
 /// Whether gross errors are looked for in a report.
 #[inline]
 fn is_aligned(settings: &Settings, report: &SensorTrack) -> bool {
-    let is_foreign = settings.sources[usize::from(report.source)].is_centre;
-    settings.registration.enabled && settings.sources.len() >= 2 && !is_foreign
+    let source = &settings.sources[usize::from(report.source)];
+    settings.registration.enabled && settings.sources.len() >= 2 && !source.is_centre && source.is_registered
 }
 
 /// The largest spread that was learned of any source, at least `least_m2`. One of several points, taken for the

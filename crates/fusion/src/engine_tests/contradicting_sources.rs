@@ -153,17 +153,23 @@ fn a_source_that_agrees_again_is_used_again() {
 
 #[test]
 fn a_source_that_is_not_registered_is_compared_with_no_other() {
-    let samples = |left_out: Option<usize>| {
+    // Samples of the biases of both sources, and whether the spread of their detection points is known.
+    let learned = |left_out: Option<usize>| {
         let mut settings = test_settings(2);
         settings.registration.enabled = true;
         for (number, source) in settings.sources.iter_mut().enumerate() {
             source.is_registered = left_out != Some(number);
         }
         let (engine, _) = run(settings, &[SOUND, SOUND]);
-        [0, 1].map(|source| engine.source_errors(source).unwrap().samples)
+        [0, 1].map(|source: u16| {
+            let samples = engine.source_errors(source).unwrap().samples;
+            (samples, engine.sources.models[usize::from(source)].knows_spread())
+        })
     };
-    assert!(samples(None).iter().all(|samples| *samples > 20.0));
+    assert!(learned(None).iter().all(|(samples, points)| *samples > 20.0 && *points));
     for left_out in 0..2 {
-        assert_eq!(samples(Some(left_out)), [0.0; 2]);
+        let learned = learned(Some(left_out));
+        assert_eq!(learned.map(|(samples, _)| samples), [0.0; 2]);
+        assert!(!learned[left_out].1 && learned[1 - left_out].1);
     }
 }

@@ -33,8 +33,8 @@ settings::settings! {
         /// Whether targets report their own positions (ADS-B, AIS). The positions are checked by sources that measure
         /// targets of the same address.
         self_reported: Option<bool> = None, usually "as the technology; offline false";
-        /// Whether registration compares this source with others, and estimates its biases. The errors of located
-        /// emitters are no constant offsets: each persists for minutes and changes with the geometry.
+        /// Whether its biases and the points that it detects on targets are estimated by comparison with others. Errors
+        /// of located emitters are neither: each persists for minutes and changes with the geometry.
         registered: Option<bool> = None, usually "true; with [source.locator] false";
         /// Sensor accuracy (TI-7).
         accuracy: Option<AccuracyTable> = None, usually "20 m; offline as it states";
@@ -195,7 +195,7 @@ pub struct SourceSettings {
     pub is_centre: bool,
     /// Whether targets report their own positions.
     pub is_self_reported: bool,
-    /// Whether registration estimates its biases.
+    /// Whether its biases and detection points are estimated.
     pub is_registered: bool,
     /// Sources that are never taken for the same as this one.
     pub independent_of: Vec<SourceRef>,
