@@ -187,11 +187,11 @@ def drive(page, url, folder, demo):
     )
 
     print("sensor tracks are switched on")
-    page.keyboard.press("c")
+    page.keyboard.press("Alt+c")
     page.evaluate("koseki.set({ labels: 0, trails: false, vector: 0 })")
     page.wait_for_timeout(400)
     bright = page.evaluate(BRIGHTEST)
-    page.keyboard.press("n")
+    page.keyboard.press("Alt+n")
     until(page, "koseki.picture.sensor.size >= 40")
     page.evaluate("koseki.set({ filter: 'nothing-is-called-so' })")
     page.wait_for_timeout(400)
@@ -212,7 +212,7 @@ def drive(page, url, folder, demo):
     check(page.evaluate("koseki.picture.time") == held, "time stands still")
     past = [page.evaluate(TRACKS)]
     for _ in range(4):
-        page.keyboard.press("ArrowLeft")
+        page.keyboard.press("Shift+ArrowLeft")
     until(page, "held => koseki.picture.time < held - 3", argument=held)
     page.wait_for_timeout(300)
     past.append(page.evaluate(TRACKS))
@@ -245,7 +245,7 @@ def drive(page, url, folder, demo):
         0 < len(drawn) < whole and all(height > 50 * 30.48 and n > 1 for height, n in drawn),
         f"{len(drawn)} of {whole} tracks pass",
     )
-    for key in ["o", "q", "]", "d"]:
+    for key in ["Alt+o", "Alt+q", "]", "Alt+d"]:
         page.keyboard.press(key)
     page.wait_for_timeout(700)
     address = page.url

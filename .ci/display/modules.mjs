@@ -11,8 +11,8 @@ const { Coverage } = await module("coverage.js");
 const { bearing, placeOf, sexagesimal } = await module("geodesy.js");
 const { groundOf, overlaysOf, ringStep } = await module("ground.js");
 const { climbText, heightText, LabelGrid, labelOf, modesText, NO_MOTION, place, turnText } = await module("labels.js");
-const { blankTrack, forgetMains, noteMain, Picture, sourcesOf, Trail } = await module("picture.js");
-const { DEFAULTS, filterOf, read, write } = await module("settings.js");
+const { blankTrack, forgetMains, noteMain, Picture, Trail } = await module("picture.js");
+const { DEFAULTS, read, write } = await module("settings.js");
 const { View } = await module("view.js");
 
 const near = (a, b, limit = 1e-6) => assert.ok(Math.abs(a - b) <= limit, `${a} is not ${b}`);
@@ -84,41 +84,6 @@ test("settings survive the address, and nonsense in it does not count", () => {
   assert.deepEqual(read("#labels=&theme=pink&constructor=1&scale=NaN&__proto__=1"), { ...DEFAULTS });
 });
 
-test("filters", () => {
-  const track = Object.assign(blankTrack(), {
-    number: 42,
-    callsign: "BAW12",
-    address: "4CA123",
-    code: "2345",
-    type: "A320",
-    height: 3048,
-    speedEast: 100,
-    source: 1,
-    sourceCount: 2,
-    sourcesLow: 0b110,
-    sourcesHigh: 1,
-  });
-  const name = (source) => ["west", "mlat", "ads-b"][source] ?? "";
-  for (const text of [
-    "",
-    "baw",
-    "BAW 4ca",
-    "#42",
-    "fl>99 fl<101",
-    "fl=100",
-    "kt>190",
-    "sources=2",
-    "/^BAW\\d+$/",
-    "-VLG",
-  ])
-    assert.ok(filterOf(text, name)(track), text);
-  for (const text of ["type=a320", "main=mlat", "source=ads-b", "-source=west", "state=confirmed", "kind=single"])
-    assert.ok(filterOf(text, name)(track), text);
-  for (const text of ["vlg", "fl>100", "-baw", "/[/", "source=west", "state=coasted", "members>1"])
-    assert.ok(!filterOf(text, name)(track), text);
-  assert.deepEqual(sourcesOf(track), [1, 2, 32]);
-});
-
 test("a source that takes over is a hand-over, and a leap through time is none", () => {
   const track = Object.assign(blankTrack(), { number: 1, source: -1 });
   const at = (time, source) => {
@@ -137,7 +102,7 @@ test("a source that takes over is a hand-over, and a leap through time is none",
   assert.equal(at(5040, 0), 5040, "what was not the main one for long takes over");
 });
 
-test("level, arrow, filter and table read the same height", () => {
+test("level, arrow and table read the same height", () => {
   const shown = (change) => heightText(Object.assign(blankTrack(), { isLevel: true }, change), "aviation");
   assert.equal(shown({ height: 11000, isLevel: false }), "~361 ", "a calculated height is marked");
   assert.equal(shown({ height: 11000, climb: 9 }), "361 ", "an arrow is for the server to decide");
@@ -145,8 +110,6 @@ test("level, arrow, filter and table read the same height", () => {
   assert.equal(shown({ height: 11000, sinks: true }), "361↓");
   assert.equal(shown({ height: -40 }), "−001 ", "a wrong height is not hidden behind 000");
   assert.equal(shown({ height: -10 }), "000 ");
-  const track = Object.assign(blankTrack(), { height: 361 * 30.48 });
-  assert.ok(filterOf("fl=361", () => "")(track));
 });
 
 test("rates stand beside their errors, and what is not known is no number", () => {

@@ -7,15 +7,18 @@
 
 import { COLOURS, countColour, SCALE_TOP_M } from "./colours.js";
 import { Coverage } from "./coverage.js";
-import { byId, clock, dayAndClock, grouped, h, setText } from "./dom.js";
+import { byId, grouped, h, setText } from "./dom.js";
+import { readFilter } from "./filter.js";
 import { NAUTICAL_MILE_M, placeOf, sexagesimal } from "./geodesy.js";
 import { paintGround } from "./ground.js";
+import { showHeader } from "./header.js";
 import { labelOf, levelOf, levelText, NO_MOTION } from "./labels.js";
 import { measured, Painter } from "./painter.js";
 import { alarmsPanel, latencyPanel, sourcesPanel, systemPanel, TrackPanel, viewPanel } from "./panels.js";
 import { blankTrack, forgetMains, HAND_OVER_AFTER_S, noteMain, Picture, sourcesOf, Trail } from "./picture.js";
-import { filterOf, read, write } from "./settings.js";
+import { read, write } from "./settings.js";
 import { TrackTable } from "./table.js";
+import { controlTabs } from "./tabs.js";
 import { View } from "./view.js";
 
 /** @typedef {import("./picture.js").Track} Track */
@@ -40,10 +43,6 @@ const TABS = /** @type {const} */ ([
 
 /** Points that the plots of a selected track keep. */
 const HISTORY_MAX = 3000;
-/** Offset of the data from the clock that is shown, seconds. */
-const DATA_OFF_S = 2;
-/** Seconds without a picture, or without news in it, after which the picture is called old. */
-const STALE_S = 4;
 
 export class App {
   /** @param {() => void} asked What is wanted of the server has changed. */
@@ -82,6 +81,8 @@ export class App {
     /** @type {{from: [number, number], to: [number, number]} | null} */
     this.measure = null;
     this.matches = /** @type {(track: Track) => boolean} */ (() => true);
+    /** @type {import("./filter.js").Fault[]} Words of the filter that cannot be read. */
+    this.faults = [];
     /** State of the connection, and when the last picture came (milliseconds of the page's clock). */
     this.connected = false;
     this.pictureAt = 0;
@@ -115,7 +116,7 @@ export class App {
     this.table = new TrackTable(byId("panel"), {
       sortBy: (column) => this.set({ sort: this.settings.sort === column ? `-${column}` : column }),
       select: (number, more) => this.select(number, more),
-      centre: (number) => this.centre(number),
+      goTo: (number) => this.goTo(number),
     });
     /** @type {TrackPanel | null} */
     this.trackPanel = null;
@@ -124,10 +125,17 @@ export class App {
       byId("tabs").append(
         h(
           "button",
-          { role: "tab", "data-tab": tab, click: () => this.set({ tab: this.settings.tab === tab ? "" : tab }) },
+          {
+            role: "tab",
+            id: `tab-${tab}`,
+            "data-tab": tab,
+            "aria-controls": "panel",
+            click: () => this.set({ tab: this.settings.tab === tab ? "" : tab }),
+          },
           title,
         ),
       );
+    controlTabs(this);
     this.readSettings();
     window.addEventListener("hashchange", () => {
       this.settings = read(location.hash);
@@ -177,7 +185,9 @@ export class App {
   settled() {
     const { settings } = this;
     document.body.dataset.theme = settings.theme;
-    this.matches = filterOf(settings.filter, (source) => this.sourceName(source));
+    settings.size = Math.min(400, Math.max(50, settings.size));
+    document.body.style.setProperty("zoom", String(settings.size / 100));
+    this.readFilter();
     const field = /** @type {HTMLInputElement} */ (byId("filter"));
     if (document.activeElement !== field) field.value = settings.filter;
     this.showTab();
@@ -185,6 +195,28 @@ export class App {
     this.keepAddress();
     this.dirty = true;
     this.panelDue = 0;
+  }
+
+  readFilter() {
+    const names = this.known.sources.map((source) => source.name);
+    Object.assign(this, readFilter(this.settings.filter, (source) => this.sourceName(source), names));
+  }
+
+  /** Puts another word into the filter. @param {string} word @param {string} other */
+  replaceWord(word, other) {
+    const words = this.settings.filter.split(/\s+/).map((one) => (one === word ? other : one));
+    byId("filter").focus();
+    /** @type {HTMLInputElement} */ (byId("filter")).value = words.join(" ");
+    this.set({ filter: words.join(" ") });
+  }
+
+  /**
+   * Whether a track is shown. What is selected passes every filter, and so does what has an alert.
+   * @param {Track} track
+   */
+  shows(track) {
+    if (this.selected.has(track.number) || track.alerts !== 0) return true;
+    return !(this.settings.isolate && this.selected.size > 0) && this.matches(track);
   }
 
   /** Writes the address soon: not with every pixel that the map is moved. */
@@ -365,7 +397,10 @@ export class App {
     if (what.sources) {
       const fewer = this.sourceOf.size !== what.sources.length;
       this.sourceOf = new Map(what.sources.map((source) => [source.number, source]));
-      if (fewer) this.showLegend();
+      if (fewer) {
+        this.showLegend();
+        this.readFilter();
+      }
     }
     this.dirty = true;
   }
@@ -413,6 +448,14 @@ export class App {
     if (track) this.moved(() => Object.assign(this.view, { east: track.east, north: track.north }));
   }
 
+  /** Selects a track and puts it into the middle. @param {number} number */
+  goTo(number) {
+    this.settings.follow = false;
+    this.select(number);
+    this.centre(number);
+    this.trackCanvas.focus();
+  }
+
   follow() {
     const track = this.picture.system.get([...this.selected].at(-1) ?? -1);
     if (track) Object.assign(this.view, { east: track.east, north: track.north });
@@ -440,7 +483,7 @@ export class App {
 
   resize() {
     const { clientWidth: width, clientHeight: height } = this.map;
-    const ratio = window.devicePixelRatio || 1;
+    const ratio = ((window.devicePixelRatio || 1) * this.settings.size) / 100;
     Object.assign(this.view, { width: Math.max(1, width), height: Math.max(1, height) });
     for (const [canvas, ctx] of /** @type {const} */ ([
       [this.groundCanvas, this.groundContext],
@@ -465,7 +508,7 @@ export class App {
     if (now >= this.panelDue) {
       this.panelDue = now + 500;
       this.showPanel();
-      this.showTop();
+      showHeader(this);
     }
     if (!this.dirty) return;
     this.dirty = false;
@@ -503,7 +546,7 @@ export class App {
       picture: this.picture,
       selected: this.selected,
       shares: this.shares,
-      matches: this.matches,
+      shows: (track) => this.shows(track),
       kindOf: (source) => this.sourceOf.get(source)?.kind ?? "tracker",
       sites: this.known.sources,
       coverage: this.coverage,
@@ -591,84 +634,18 @@ export class App {
     setText(byId("cursor"), `${where}\nE ${signed(east)} m  N ${signed(north)} m  ${fromOrigin}`);
   }
 
-  showTop() {
-    const { picture, settings } = this;
-    const past = settings.at > 0;
-    setText(byId("clock"), picture.time > 0 ? clock(picture.time) : "--:--:--");
-    byId("clock").setAttribute("title", picture.time > 0 ? `${dayAndClock(picture.time)} UTC` : "");
-    setText(byId("mode"), past ? (settings.speed > 0 ? `PLAY ×${settings.speed}` : "PAUSED") : "LIVE");
-    byId("mode").classList.toggle("past", past);
-    this.map.classList.toggle("past", past);
-    const states = { confirmed: 0, tentative: 0, coasted: 0 };
-    for (const track of picture.system.values())
-      states[/** @type {keyof typeof states} */ (track.state)] =
-        (states[/** @type {keyof typeof states} */ (track.state)] ?? 0) + 1;
-    const counts = byId("counts");
-    const text = `${picture.system.size} tracks · ${states.tentative} tentative · ${states.coasted} coasted`;
-    if (counts.dataset.text !== text) {
-      counts.dataset.text = text;
-      counts.replaceChildren(
-        h("b", {}, grouped(picture.system.size)),
-        ` tracks · ${grouped(states.tentative)} tentative · ${grouped(states.coasted)} coasted`,
-      );
-    }
-    const old = (performance.now() - this.newsAt) / 1000;
-    let banner = "";
-    if (!this.connected) banner = "NO CONNECTION TO THE DISPLAY PROCESS: THE PICTURE STANDS STILL";
-    else if (!past && this.newsAt > 0 && old > STALE_S) banner = `NO NEW PICTURE FOR ${Math.round(old)} s`;
-    const silent = this.fusion !== "" && (this.fusion !== "running" || this.fusionSilent);
-    if (this.connected && !past && silent)
-      banner = `FUSION ${this.fusion === "absent" ? "ABSENT" : "SILENT"}: THE TRACKS ARE NOT BEING UPDATED`;
-    byId("banner").hidden = banner === "";
-    this.map.classList.toggle("stale", banner !== "");
-    setText(byId("banner"), banner);
-    const standing = this.known.alarms.filter((alarm) => !alarm.cleared);
-    const worst = standing.some((alarm) => alarm.severity !== "warning") ? "bad" : "warn";
-    const restarts = this.known.processes
-      .filter((process) => process.kind === "fusion")
-      .reduce((sum, process) => sum + process.restarts, 0);
-    const pills = [
-      /** @type {[string, string]} */ ([
-        this.connected ? "connected" : "not connected",
-        this.connected ? "good" : "bad",
-      ]),
-      ...(this.fusion === ""
-        ? []
-        : [
-            /** @type {[string, string]} */ ([
-              silent
-                ? `fusion ${this.fusion === "running" ? "silent" : this.fusion}`
-                : `fusion running${restarts > 0 ? `, ${restarts} restart${restarts > 1 ? "s" : ""}` : ""}`,
-              silent ? "bad" : "good",
-            ]),
-          ]),
-      ...(!past && Math.abs(this.dataOffset) > DATA_OFF_S
-        ? [/** @type {[string, string]} */ ([offsetText(this.dataOffset), "bad"])]
-        : []),
-      ...(standing.length > 0
-        ? [/** @type {[string, string]} */ ([`${standing.length} alarm${standing.length > 1 ? "s" : ""}`, worst])]
-        : []),
-    ];
-    const line = JSON.stringify(pills);
-    if (byId("pills").dataset.text !== line) {
-      byId("pills").dataset.text = line;
-      byId("pills").replaceChildren(...pills.map(([word, severity]) => h(`span.pill.${severity}`, {}, word)));
-    }
-    const alarmTab = document.querySelector('[data-tab="alarms"]');
-    if (alarmTab) {
-      alarmTab.className = standing.length > 0 ? worst : "";
-      setText(alarmTab, standing.length > 0 ? `Alarms ${standing.length}` : "Alarms");
-    }
-  }
-
   // ---- Panel
 
   showTab() {
     const { tab } = this.settings;
     byId("side").classList.toggle("closed", tab === "");
     byId("panel").hidden = tab === "";
-    for (const button of byId("tabs").children)
-      button.setAttribute("aria-selected", String(button.getAttribute("data-tab") === tab));
+    for (const button of byId("tabs").children) {
+      const isShown = button.getAttribute("data-tab") === tab;
+      button.setAttribute("aria-selected", String(isShown));
+      button.setAttribute("tabindex", isShown || (tab === "" && button === byId("tabs").firstElementChild) ? "0" : "-1");
+    }
+    if (tab !== "") byId("panel").setAttribute("aria-labelledby", `tab-${tab}`);
     if (this.mounted !== tab) {
       this.mounted = tab;
       this.trackPanel = null;
@@ -681,7 +658,7 @@ export class App {
   /** Tracks that the table lists. */
   listed() {
     const { view, settings } = this;
-    const tracks = [...this.picture.system.values()].filter((track) => this.matches(track));
+    const tracks = [...this.picture.system.values()].filter((track) => this.shows(track));
     if (!settings.inview) return tracks;
     return tracks.filter((track) => {
       const [x, y] = view.toScreen(track.east, track.north);
@@ -730,11 +707,6 @@ export class App {
       this.settings.at > 0,
     );
   }
-}
-
-/** Offset of the data in words. @param {number} seconds Positive: they are ahead. */
-export function offsetText(seconds) {
-  return `data ${Math.abs(seconds).toFixed(1)} s ${seconds > 0 ? "ahead of" : "behind"} the clock`;
 }
 
 /** @param {HTMLCanvasElement} canvas @param {boolean} alpha */

@@ -1,11 +1,14 @@
 /** Mouse, fingers, keyboard, and the bar of time. */
 
 import { byId, clock, h, setText } from "./dom.js";
+import { isNameKey, SearchBox } from "./search.js";
 import { CHOICES, DEFAULTS } from "./settings.js";
 
 /** @typedef {import("./app.js").App} App */
 
-/** Keys as tar1090 has them, as far as it has them. @type {[string, string, (app: App) => void][]} */
+/**
+ * Keys as tar1090 has them, as far as it has them. A letter is pressed with Alt; alone where the setting `letters` has it so.
+ * @type {[string, string, (app: App) => void][]} */
 const KEYS = [
   ["l", "labels on and off", (app) => app.set({ labels: app.settings.labels > 0 ? 0 : DEFAULTS.labels })],
   ["o", "labels longer, in turn", (app) => app.set({ labels: (app.settings.labels + 1) % 4 })],
@@ -41,6 +44,9 @@ const KEYS = [
   ["r", "follow a track at random", followAny],
   ["h", "show all tracks", (app) => app.fit()],
   ["c", "select nothing (also Escape)", clear],
+  ["+", "", (app) => zoomMiddle(app, 1.25)],
+  ["=", "", (app) => zoomMiddle(app, 1.25)],
+  ["-", "", (app) => zoomMiddle(app, 1 / 1.25)],
   ["w", "", (app) => app.moved(() => app.view.pan(0, 80))],
   ["s", "", (app) => app.moved(() => app.view.pan(0, -80))],
   ["a", "", (app) => app.moved(() => app.view.pan(80, 0))],
@@ -61,13 +67,18 @@ const HELP = `${ENTRIES.slice(0, HALF)
   .map((entry, k) => `${entry.padEnd(48)}${ENTRIES[HALF + k] ?? ""}`)
   .join("\n")}
 
-w a s d   move          q e  smaller, larger
-[ ]       turn          Esc  select nothing
-space     pause, play   ← →  a second back, ahead   Home  back to live, or to the end
+Letters need Alt: a letter alone begins a search. View, "A letter alone" = keys turns that round.
 
-drag      move the map            shift+drag   turn it
-wheel     smaller, larger         right drag   bearing and distance
-click     select                  ctrl+click   select one more
+BAW12     find and centre: type callsign, code or address (also Ctrl+F), then Enter
+← ↑ → ↓   move the map (w a s d)    + −       smaller, larger (q e)
+[ ]       turn                      Esc       close, select nothing, end the filter
+space     pause, play; presses the button that has the focus
+shift ← → a second back, ahead      Home      back to live, or to the end
+Tab       to the next control       ↑ ↓       in the table; Enter there selects and centres
+
+drag      move the map              shift+drag   turn it
+wheel     smaller, larger           right drag   bearing and distance
+click     select                    ctrl+click   select one more
 double click: put a track into the middle and follow it
 
 filter    BAW  fl>100  kt<200  sources>2  state=coasted  kind=group
@@ -93,9 +104,15 @@ function followAny(app) {
   app.set({ follow: true });
 }
 
+/** Ends one thing: the help, then selection and measuring, then the filter. @param {App} app */
+function escape(app) {
+  if (!byId("help").hidden) return toggleHelp();
+  if (app.selected.size > 0 || app.measure || app.settings.isolate) return clear(app);
+  if (app.settings.filter !== "") app.set({ filter: "" });
+}
+
 /** @param {App} app */
 function clear(app) {
-  byId("help").hidden = true;
   app.measure = null;
   app.settings.isolate = false;
   app.select(-1);
@@ -105,19 +122,17 @@ function toggleHelp() {
   const help = byId("help");
   help.textContent = HELP;
   help.hidden = !help.hidden;
+  if (help.hidden) byId("tracks").focus();
+  else help.focus();
 }
 
 /** Makes the page answer. @param {App} app */
 export function control(app) {
-  controlKeys(app);
+  const search = new SearchBox(app, app.map);
+  controlKeys(app, search);
   controlPointer(app);
   controlTime(app);
-  const filter = /** @type {HTMLInputElement} */ (byId("filter"));
-  filter.addEventListener("input", () => app.set({ filter: filter.value.trim() }));
-  filter.addEventListener("keydown", (event) => {
-    if (event.key === "Escape" || event.key === "Enter") filter.blur();
-    event.stopPropagation();
-  });
+  controlFilter(app);
   const tools = /** @type {[string, string][]} */ ([
     ["e", "+"],
     ["q", "−"],
@@ -132,30 +147,90 @@ export function control(app) {
   for (const [key, sign] of tools) {
     const entry = KEYS.find(([own]) => own === key);
     if (!entry) continue;
-    const title = `${entry[1] || (key === "e" ? "larger" : "smaller")} (${key})`;
+    const pressed = /[a-z]/.test(key) ? `Alt+${key.toUpperCase()}` : key;
+    const title = `${entry[1] || (key === "e" ? "larger" : "smaller")} (${pressed})`;
     byId("tools").append(h("button", { title, "aria-label": title, click: () => entry[2](app) }, sign));
   }
+  const title = "find a track: type its callsign, code or address (Ctrl+F)";
+  const find = h("button", { title, "aria-label": title }, "⌕");
+  find.addEventListener("click", () => search.open(""));
+  byId("tools").prepend(find);
 }
 
 /** @param {App} app */
-function controlKeys(app) {
-  document.addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
-    const target = event.target;
-    if (target instanceof HTMLInputElement && target.type !== "range" && target.type !== "checkbox") return;
-    if (target instanceof HTMLSelectElement) return;
-    if (event.key === "Escape") clear(app);
-    else if (event.key === " ") togglePlay(app);
-    else if (event.key === "Home") app.goToEnd();
-    else if (event.key === "ArrowLeft") step(app, -1);
-    else if (event.key === "ArrowRight") step(app, 1);
-    else {
-      const entry = KEYS.find(([key]) => key === event.key.toLowerCase());
-      if (!entry) return;
-      entry[2](app);
+function controlFilter(app) {
+  const filter = /** @type {HTMLInputElement} */ (byId("filter"));
+  const end = () => {
+    filter.value = "";
+    app.set({ filter: "", isolate: false });
+    app.trackCanvas.focus();
+  };
+  filter.addEventListener("input", () => app.set({ filter: filter.value.trim() }));
+  filter.addEventListener("keydown", (event) => {
+    event.stopPropagation();
+    if (event.key === "Escape") end();
+    if (event.key === "Enter") {
+      const passing = app.settings.filter === "" ? [] : [...app.picture.system.values()].filter(app.matches);
+      if (passing.length === 1) app.goTo(passing[0].number);
+      else app.trackCanvas.focus();
     }
+  });
+  byId("hidden").addEventListener("click", end);
+}
+
+/** What keys do that the map alone takes. @type {Record<string, (app: App) => void>} */
+const MAP_KEYS = {
+  " ": togglePlay,
+  Home: (app) => app.goToEnd(),
+  ArrowLeft: (app) => pan(app, 80, 0),
+  ArrowRight: (app) => pan(app, -80, 0),
+  ArrowUp: (app) => pan(app, 0, 80),
+  ArrowDown: (app) => pan(app, 0, -80),
+};
+
+/** @param {App} app @param {number} dx @param {number} dy */
+function pan(app, dx, dy) {
+  app.settings.follow = false;
+  app.moved(() => app.view.pan(dx, dy));
+}
+
+/** @param {App} app @param {SearchBox} search */
+function controlKeys(app, search) {
+  document.addEventListener("keydown", (event) => {
+    const act = event.defaultPrevented ? undefined : actOf(app, search, event);
+    if (!act) return;
+    act(app);
     event.preventDefault();
   });
+}
+
+/**
+ * What a pressed key does; nothing where it belongs to what has the focus.
+ * @param {App} app @param {SearchBox} search @param {KeyboardEvent} event
+ * @returns {((app: App) => void) | undefined}
+ */
+function actOf(app, search, event) {
+  const { key, target } = event;
+  if (!(target instanceof Element) || target.closest("dialog")) return undefined;
+  const isText = target instanceof HTMLInputElement && target.type !== "range" && target.type !== "checkbox";
+  if (isText || target instanceof HTMLSelectElement || target instanceof HTMLTextAreaElement) return undefined;
+  const isAltGraph = event.getModifierState("AltGraph");
+  if (!isAltGraph && (event.ctrlKey || event.metaKey))
+    return event.ctrlKey && key.toLowerCase() === "f" ? () => search.open("") : undefined;
+  const letter = /^Key[A-Z]$/.test(event.code) ? event.code.at(-1)?.toLowerCase() : "";
+  if (event.altKey && !isAltGraph) return actOfKey(/^[a-z]$/i.test(key) ? key.toLowerCase() : letter);
+  if (key === "Escape") return escape;
+  if (event.shiftKey && key === "ArrowLeft") return () => step(app, -1);
+  if (event.shiftKey && key === "ArrowRight") return () => step(app, 1);
+  const isMap = target === app.trackCanvas || target === document.body;
+  if (key in MAP_KEYS) return isMap ? MAP_KEYS[key] : undefined;
+  const isKey = /^[a-z]$/.test(key) && app.settings.letters === "keys";
+  return isNameKey(key) && !isKey ? () => search.open(key) : actOfKey(key);
+}
+
+/** @param {string | undefined} key */
+function actOfKey(key) {
+  return KEYS.find(([own]) => own === key)?.[2];
 }
 
 /** @param {App} app */
@@ -167,7 +242,8 @@ function controlPointer(app) {
   let moved = 0;
   const where = (/** @type {MouseEvent} */ event) => {
     const box = canvas.getBoundingClientRect();
-    return /** @type {[number, number]} */ ([event.clientX - box.left, event.clientY - box.top]);
+    const size = app.settings.size / 100;
+    return /** @type {[number, number]} */ ([(event.clientX - box.left) / size, (event.clientY - box.top) / size]);
   };
   /** Point under the cursor, or the track there. @param {number} x @param {number} y @returns {[number, number]} */
   const target = (x, y) => {

@@ -43,7 +43,7 @@ const SYMBOL_SIZE = 20;
  * @property {import("./picture.js").Picture} picture
  * @property {Set<number>} selected Numbers of system tracks.
  * @property {Map<number, Share[]>} shares Contributors of the selected tracks.
- * @property {(track: Track) => boolean} matches
+ * @property {(track: Track) => boolean} shows Whether the filter lets a track pass.
  * @property {(source: number) => string} kindOf
  * @property {import("./panels.js").Source[]} sites Sensors.
  * @property {import("./coverage.js").Coverage} coverage
@@ -120,8 +120,7 @@ export class Painter {
     const margin = 40;
     for (const track of picture.system.values()) {
       const isSelected = selected.has(track.number);
-      if (!isSelected && (settings.isolate ? selected.size > 0 : false)) continue;
-      if (!isSelected && !scene.matches(track)) continue;
+      if (!scene.shows(track)) continue;
       const x = m.a * track.east + m.c * track.north + m.x0;
       const y = m.b * track.east + m.d * track.north + m.y0;
       if (settings.trails || isSelected) this.drawn.push({ track, x, y });

@@ -81,7 +81,11 @@ function tableOf(titles, rows) {
   const head = h(
     "tr",
     {},
-    ...titles.map((title) => h(title.startsWith(">") ? "th.num" : "th", {}, title.replace(">", ""))),
+    // A column without a title is no heading.
+    ...titles.map((title) => {
+      const text = title.replace(">", "");
+      return h(`${text === "" ? "td" : "th"}${title.startsWith(">") ? ".num" : ""}`, {}, text);
+    }),
   );
   return h("table", {}, h("thead", {}, head), h("tbody", {}, ...rows));
 }
@@ -384,6 +388,8 @@ export function systemPanel(processes, orders, system, now) {
 /** @type {[keyof import("./settings.js").Settings, string][]} */
 const VIEW_SETTINGS = [
   ["theme", "Colours"],
+  ["size", "Size of text and symbols, %"],
+  ["letters", "A letter alone"],
   ["colour", "Tracks coloured by"],
   ["units", "Units"],
   ["labels", "Label lines (0–3)"],

@@ -1,0 +1,87 @@
+/** Tests of what people work the page with, without a browser: filter and search. Run as modules.mjs is. */
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+const page = new URL("../../services/display/page/", import.meta.url);
+const module = (name) => import(new URL(name, page));
+const { nearest, readFilter } = await module("filter.js");
+const { blankTrack, sourcesOf } = await module("picture.js");
+const { found, isNameKey } = await module("search.js");
+
+const flight = (change = {}) =>
+  Object.assign(blankTrack(), {
+    number: 42,
+    callsign: "BAW12",
+    address: "4CA123",
+    code: "2345",
+    type: "A320",
+    height: 3048,
+    speedEast: 100,
+    source: 1,
+    sourceCount: 2,
+    sourcesLow: 0b110,
+    sourcesHigh: 1,
+    ...change,
+  });
+const SOURCES = ["west", "mlat", "ads-b"];
+const filter = (text) => readFilter(text, (source) => SOURCES[source] ?? "", SOURCES);
+
+test("filters", () => {
+  const passing = ["", "baw", "BAW 4ca", "#42", "fl>99 fl<101", "fl=100", "kt>190", "sources=2", "/^BAW\\d+$/", "-VLG"];
+  const named = ["type=a320", "main=mlat", "source=ads-b", "-source=west", "state=confirmed", "kind=single"];
+  for (const text of [...passing, ...named]) {
+    assert.ok(filter(text).matches(flight()), text);
+    assert.deepEqual(filter(text).faults, [], text);
+  }
+  for (const text of ["vlg", "fl>100", "-baw", "source=west", "state=coasted", "members>1"])
+    assert.ok(!filter(text).matches(flight()), text);
+  assert.deepEqual(sourcesOf(flight()), [1, 2, 32]);
+  assert.ok(filter("fl=361").matches(flight({ height: 361 * 30.48 })), "by the level that is shown");
+});
+
+test("a word that cannot be read hides nothing, and comes back with the nearest that can be", () => {
+  const advice = (text) => filter(text).faults.map(({ advice }) => advice);
+  for (const [text, meant] of [
+    ["state=coastd", "state=coasted"],
+    ["-stat=coasted", "-state=coasted"],
+    ["alt>100", "fl>100"],
+    ["sorces>2", "sources>2"],
+    ["main=msat", "main=mlat"],
+    ["kind=grop", "kind=group"],
+    ["fl>FL100", "fl>100"],
+    ["/[/", ""],
+    ["nonsense=3", ""],
+    ["state>3", ""],
+  ]) {
+    assert.deepEqual(advice(text), [meant], text);
+    assert.ok(filter(text).matches(flight()), text);
+  }
+  assert.ok(!filter("state=coastd vlg").matches(flight()), "the other words count");
+  assert.deepEqual(readFilter("main=anything", () => "", []).faults, [], "before the sources are known");
+});
+
+test("the nearest word differs by an exchange, a change or a missing letter, and not by everything", () => {
+  const words = ["confirmed", "tentative", "coasted"];
+  assert.equal(nearest("caosted", words), "coasted");
+  assert.equal(nearest("tent", words), "tentative");
+  assert.equal(nearest("x", words), "");
+  assert.equal(nearest("", words), "");
+});
+
+test("a search finds equal names first, then beginnings, then parts, and callsigns before codes", () => {
+  const tracks = [
+    flight({ number: 1, callsign: "VLG2345", code: "1000", address: "" }),
+    flight({ number: 2, callsign: "", code: "2345", address: "" }),
+    flight({ number: 3, callsign: "2345X", code: "", address: "" }),
+    flight({ number: 4, callsign: "", code: "", address: "123456" }),
+    flight({ number: 2345, callsign: "IBE1", code: "", address: "" }),
+  ];
+  const numbers = (text) => found(tracks, text).map((track) => track.number);
+  assert.deepEqual(numbers("2345"), [2, 3, 1, 4, 2345]);
+  assert.deepEqual(numbers("#2345"), [2345]);
+  assert.deepEqual(numbers("vlg2345"), [1]);
+  assert.deepEqual(numbers("  "), []);
+  assert.equal(found(Array.from({ length: 99 }, (_, k) => flight({ number: k })), "baw").length, 8);
+  assert.ok(["a", "Z", "7", "#"].every(isNameKey) && !["/", "?", "Enter", "Tab", " "].some(isNameKey));
+});
