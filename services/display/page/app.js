@@ -5,16 +5,20 @@
  * travels. What is on the screen follows: the map in the next frame, the panels about twice a second.
  */
 
+import { Alarms } from "./alarms.js";
 import { COLOURS, countColour, SCALE_TOP_M } from "./colours.js";
 import { Coverage } from "./coverage.js";
-import { byId, grouped, h, setText } from "./dom.js";
+import { byId, grouped, h, morph, setText } from "./dom.js";
 import { readFilter } from "./filter.js";
 import { NAUTICAL_MILE_M, placeOf, sexagesimal } from "./geodesy.js";
 import { paintGround } from "./ground.js";
 import { showHeader } from "./header.js";
+import { KeptViews, keepHabits } from "./kept.js";
 import { labelOf, levelOf, levelText, NO_MOTION } from "./labels.js";
+import { Operator } from "./operator.js";
+import { controlOrders, showTrackOrders } from "./orders.js";
 import { measured, Painter } from "./painter.js";
-import { alarmsPanel, latencyPanel, sourcesPanel, systemPanel, TrackPanel, viewPanel } from "./panels.js";
+import { latencyPanel, sourcesPanel, systemPanel, TrackPanel, viewPanel } from "./panels.js";
 import { blankTrack, forgetMains, HAND_OVER_AFTER_S, noteMain, Picture, sourcesOf, Trail } from "./picture.js";
 import { read, write } from "./settings.js";
 import { TrackTable } from "./table.js";
@@ -66,6 +70,8 @@ export class App {
       origin: { latitude_deg: 0, longitude_deg: 0, height_m: 0 },
       sources: [],
       alarms: [],
+      alarmEvents: 0,
+      hasOperators: false,
       orders: [],
       stages: [],
       processes: [],
@@ -101,7 +107,7 @@ export class App {
     /** Called when the origin of the frame is known. */
     this.onOrigin = () => {};
     /** Figures that tests and curious people read. */
-    this.stats = { pictures: 0, frames: 0, frameMs: /** @type {number[]} */ ([]) };
+    this.stats = { pictures: 0, frames: 0, sounds: 0, frameMs: /** @type {number[]} */ ([]) };
     this.pendingFit = this.settings.scale === 0;
     this.groundKey = "";
     this.dirty = true;
@@ -120,7 +126,12 @@ export class App {
     });
     /** @type {TrackPanel | null} */
     this.trackPanel = null;
+    this.trackOrders = h("div");
     this.mounted = "";
+    this.operator = new Operator();
+    this.alarms = new Alarms(this);
+    this.kept = new KeptViews(this);
+    controlOrders(this);
     for (const [tab, title] of TABS)
       byId("tabs").append(
         h(
@@ -235,6 +246,7 @@ export class App {
     settings.sel = [...this.selected].join(",");
     const address = write(settings);
     if (address !== location.hash) history.replaceState(null, "", address);
+    keepHabits(settings);
   }
 
   // ---- Messages of the server
@@ -456,6 +468,20 @@ export class App {
     this.trackCanvas.focus();
   }
 
+  /** Shows a source in the list of sources, and gives it the focus. @param {number} number */
+  showSource(number) {
+    this.set({ tab: "sources" });
+    this.showPanel();
+    const row = /** @type {HTMLElement | null} */ (byId("panel").querySelector(`[data-source="${number}"]`));
+    row?.focus();
+  }
+
+  /** Says something that stays until something else is said. @param {string} text "": nothing any more. */
+  notice(text) {
+    byId("notice").hidden = text === "";
+    setText(byId("notice"), text);
+  }
+
   follow() {
     const track = this.picture.system.get([...this.selected].at(-1) ?? -1);
     if (track) Object.assign(this.view, { east: track.east, north: track.north });
@@ -509,6 +535,7 @@ export class App {
       this.panelDue = now + 500;
       this.showPanel();
       showHeader(this);
+      this.alarms.sound(now);
     }
     if (!this.dirty) return;
     this.dirty = false;
@@ -676,11 +703,14 @@ export class App {
     if (settings.tab === "tracks") {
       this.table.update(this.listed(), settings.sort, this.selected, settings.units, (track) => this.mainName(track));
     } else if (settings.tab === "track") this.showTrack(panel);
-    else if (settings.tab === "sources") panel.replaceChildren(sourcesPanel(known.sources, known.time));
-    else if (settings.tab === "alarms") panel.replaceChildren(alarmsPanel(known.alarms, known.time));
+    else if (settings.tab === "sources") 
+      morph(panel, sourcesPanel(known.sources, known.time, known.hasOperators));
+    else if (settings.tab === "alarms") this.alarms.show(panel);
     else if (settings.tab === "latency") panel.replaceChildren(latencyPanel(known.stages));
-    else if (settings.tab === "system") panel.replaceChildren(systemPanel(known.processes, known.orders, known.system, known.time));
-    else if (settings.tab === "view") panel.replaceChildren(viewPanel(settings, (patch) => this.set(patch)));
+    else if (settings.tab === "system") 
+      morph(panel, systemPanel(known.processes, known.orders, known.system, known.time, known.hasOperators));
+    else if (settings.tab === "view") 
+      panel.replaceChildren(this.kept.panel(), viewPanel(settings, (patch) => this.set(patch)));
     if (settings.tab !== "tracks") panel.scrollTop = scroll;
   }
 
@@ -695,7 +725,11 @@ export class App {
       panel.replaceChildren(h("div.pad.soft", {}, text));
       return;
     }
-    this.trackPanel ??= new TrackPanel(panel);
+    if (!this.trackPanel) {
+      this.trackPanel = new TrackPanel(panel);
+      panel.firstElementChild?.append(this.trackOrders);
+    }
+    showTrackOrders(this, this.trackOrders);
     this.trackPanel.update(
       track,
       this.shares.get(number) ?? [],

@@ -11,6 +11,8 @@ import { IDENTITY, PICTURE, PICTURE_AREA_KIND, PICTURE_TRACK, readPicture, TRACK
 /** @typedef {import("./app.js").Change} Change */
 
 const NO_SOURCE = 65535;
+/** Kind of the addresses of ships. */
+const MMSI = 2;
 /** Longest pause between two attempts to connect, milliseconds. */
 const PAUSE_MAX_MS = 4000;
 
@@ -125,7 +127,8 @@ export class Connection {
       })),
       identities: identities.map((identity) => ({
         number: identity.number,
-        callsign: identity.callsign || identity.name,
+        isShip: identity.kind === MMSI,
+        callsign: (identity.kind === MMSI && identity.name) || identity.callsign || identity.name,
         address: identity.kind === 0 ? "" : addressText(identity.address, identity.kind),
         code: (identity.valid & IDENTITY.MODE_3A) !== 0 ? identity.mode_3a.toString(8).padStart(4, "0") : "",
         type: identity.type_name,
@@ -182,7 +185,7 @@ export class Connection {
     if (message.type === "hello") {
       this.layerAge = message.layer_age_s;
       app.hello({ instance: message.instance, origin: message.origin, recording: message.recording });
-      app.learn({ sources: message.sources.map(sourceOf) });
+      app.learn({ sources: message.sources.map(sourceOf), hasOperators: message.operators });
     } else if (message.type === "selected") {
       for (const track of message.tracks) this.selected(app, track);
     } else if (message.type === "history") {
@@ -254,7 +257,12 @@ export class Connection {
         ...sourceOf(source),
         ...app.siteOf(source.number),
       })),
+      alarmEvents: status.alarm_events,
       alarms: status.alarms.map((/** @type {any} */ alarm) => ({
+        id: alarm.id,
+        source: alarm.source ?? -1,
+        acknowledged: alarm.acknowledged && { operator: alarm.acknowledged.operator, time: alarm.acknowledged.time_s },
+        shelved: alarm.shelved && { operator: alarm.shelved.operator, until: alarm.shelved.until_s },
         code: alarm.code,
         severity: alarm.severity,
         text: alarm.text,

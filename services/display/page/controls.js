@@ -17,8 +17,8 @@ const KEYS = [
   ["y", "trails: 60 s, 300 s, all, none", (app) => app.set({ trail: next([60, 300, -1, 0], app.settings.trail) })],
   [
     "u",
-    "speed vectors: 60 s, 120 s, 180 s, none",
-    (app) => app.set({ vector: next([60, 120, 180, 0], app.settings.vector) }),
+    "speed vectors: 60 s, 120 s, 180 s, 6 min, 15 min, none",
+    (app) => app.set({ vector: next([60, 120, 180, 360, 900, 0], app.settings.vector) }),
   ],
   ["g", "accuracy ellipses: 1, 2, 3 sigmas, none", (app) => app.set({ sigma: next([1, 2, 3, 0], app.settings.sigma) })],
   ["n", "sensor tracks", (app) => app.set({ sensors: !app.settings.sensors })],

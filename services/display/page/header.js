@@ -1,5 +1,6 @@
 /** Line above the map: connection, alarms, what the filter hides, and the time; and the warnings on the map. */
 
+import { standing } from "./alarms.js";
 import { byId, clock, dayAndClock, grouped, h, setText } from "./dom.js";
 
 /** @typedef {import("./app.js").App} App */
@@ -114,16 +115,20 @@ function pillsOf(app, isPast, isSilent) {
   }
   if (!isPast && Math.abs(app.dataOffset) > DATA_OFF_S)
     pills.push({ word: offsetText(app.dataOffset), severity: "bad" });
-  const standing = app.known.alarms.filter((alarm) => !alarm.cleared);
-  const worst = standing.some((alarm) => alarm.severity !== "warning") ? "bad" : "warn";
-  const word = `${standing.length} alarm${standing.length > 1 ? "s" : ""}`;
-  if (standing.length > 0) pills.push({ word, severity: worst, act: "alarms" });
-  const tab = document.querySelector('[data-tab="alarms"]');
-  if (tab) {
-    tab.className = standing.length > 0 ? worst : "";
-    setText(tab, standing.length > 0 ? `Alarms ${standing.length}` : "Alarms");
-  }
+  pills.push(...alarmPills(app));
   return pills;
+}
+
+/** What the line says of the alarms, which their tab repeats. @param {App} app @returns {Pill[]} */
+function alarmPills(app) {
+  const { shown, open } = standing(app.known.alarms);
+  const worst = open.some((alarm) => alarm.severity !== "warning") ? "bad" : open.length > 0 ? "warn" : "";
+  const tab = byId("tab-alarms");
+  tab.className = worst;
+  setText(tab, open.length > 0 ? `Alarms ${open.length}` : "Alarms");
+  const word = `${shown.length} alarm${shown.length > 1 ? "s" : ""}`;
+  const calm = open.length === 0 ? ", acknowledged" : "";
+  return shown.length > 0 ? [{ word: word + calm, severity: worst || "calm", act: "alarms" }] : [];
 }
 
 /** Offset of the data in words. @param {number} seconds Positive: they are ahead. */

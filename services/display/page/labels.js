@@ -37,7 +37,7 @@ export function labelOf(track, units, mainName) {
   const first = [nameOf(track)];
   if (track.kind === "group") first.push(`×${track.members}`);
   for (const [bit, word] of ALERTS) if ((track.alerts & bit) !== 0) first.push(word);
-  const second = `${heightText(track, units)} ${speedText(track, units)}`;
+  const second = `${heightText(track, units)} ${speedText(track, units)}`.trimStart();
   const third = [`${track.sourceCount}`, mainName];
   if (track.type) third.push(track.type);
   return [first.join(" "), second, third.join(" ")];
@@ -45,10 +45,11 @@ export function labelOf(track, units, mainName) {
 
 /**
  * Height with the direction of its change. An altitude by the pressure of the region is marked `A`; a height that no
- * transponder has stated is marked `~`: it is calculated.
+ * transponder has stated is marked `~`: it is calculated. A ship has none.
  * @param {import("./picture.js").Track} track @param {string} units
  */
 export function heightText(track, units) {
+  if (track.isShip || units === "maritime") return "";
   if (track.onGround) return "GND";
   if (!Number.isFinite(track.height)) return "---";
   const change = track.climbs ? "↑" : track.sinks ? "↓" : " ";
@@ -110,7 +111,8 @@ function signed(value) {
 /** Ground speed. @param {import("./picture.js").Track} track @param {string} units */
 export function speedText(track, units) {
   const speed = Math.hypot(track.speedEast, track.speedNorth);
-  return units === "metric" ? `${Math.round(speed)}m/s` : `${Math.round(speed / KNOT_MPS)}`;
+  if (units === "metric") return `${Math.round(speed)}m/s`;
+  return (speed / KNOT_MPS).toFixed(track.isShip || units === "maritime" ? 1 : 0);
 }
 
 export class LabelGrid {

@@ -4,7 +4,16 @@ import { App } from "./app.js";
 import { Connection } from "./connection.js";
 import { control } from "./controls.js";
 import { groundOf, overlaysOf } from "./ground.js";
+import { openingAddress } from "./kept.js";
 
+/** Start view of the configuration; none where the server does not answer. */
+async function startView() {
+  const answer = await fetch("api/views.json").catch(() => null);
+  return answer?.ok ? String((await answer.json()).start) : "";
+}
+
+const opening = openingAddress(await startView());
+if (location.hash.length <= 1) history.replaceState(null, "", opening);
 const connection = new Connection();
 const app = new App(() => connection.ask());
 control(app);

@@ -1,11 +1,12 @@
 /**
- * Panels beside the map: the selected track, sources, alarms, latency, the processes, and the settings of the view.
+ * Panels beside the map: the selected track, sources, latency, the processes, and the settings of the view.
  */
 
 import { clock, grouped, h, latency, span } from "./dom.js";
 import { bearing, placeOf, sexagesimal } from "./geodesy.js";
 import { climbText, heightText, levelOf, modesText, speedText, turnText } from "./labels.js";
 import { ALERTS, nameOf } from "./picture.js";
+import { orderButton } from "./orders.js";
 import { histogram, plot } from "./plots.js";
 import { CHOICES } from "./settings.js";
 
@@ -17,12 +18,6 @@ import { CHOICES } from "./settings.js";
  * @property {string} errors Sentence on the learned errors. @property {number} clockOffset Seconds; NaN: unknown.
  * @property {number} east @property {number} north Its site, metres; NaN: unknown.
  * @property {[number, number]} offset Learned offset, east and north, metres.
- */
-
-/**
- * @typedef {object} Alarm
- * @property {number} code @property {string} severity @property {string} text @property {number} raised seconds UTC
- * @property {string} process @property {number} times @property {boolean} cleared @property {string} remedy
  */
 
 /**
@@ -63,13 +58,14 @@ import { CHOICES } from "./settings.js";
  * What the panels show.
  * @typedef {object} Known
  * @property {import("./geodesy.js").Place} origin
- * @property {Source[]} sources @property {Alarm[]} alarms @property {Order[]} orders @property {Stage[]} stages
+ * @property {Source[]} sources @property {import("./alarms.js").Alarm[]} alarms
+ * @property {number} alarmEvents How many events of alarms there have been.
+ * @property {boolean} hasOperators Whether the display admits operators.
+ * @property {Order[]} orders @property {Stage[]} stages
  * @property {Process[]} processes
  * @property {[string, string][]} system Figures of the instance as a whole.
  * @property {number} time When this was said, seconds UTC.
  */
-
-const ALARM_CLASS = /** @type {Record<string, string>} */ ({ critical: "bad", major: "bad", warning: "warn" });
 
 /** @param {string} label @param {string} value */
 function figure(label, value) {
@@ -219,8 +215,11 @@ export class TrackPanel {
   }
 }
 
-/** @param {Source[]} sources @param {number} now seconds UTC */
-export function sourcesPanel(sources, now) {
+/**
+ * @param {Source[]} sources @param {number} now seconds UTC
+ * @param {boolean} hasOperators Whether orders can be given.
+ */
+export function sourcesPanel(sources, now, hasOperators) {
   const rows = sources.flatMap((source) => {
     const silent = source.lastHeard > 0 ? now - source.lastHeard : Infinity;
     const late = silent > 10 ? "bad" : silent > 5 ? "warn" : "";
@@ -233,46 +232,25 @@ export function sourcesPanel(sources, now) {
     return [
       h(
         "tr",
-        { "data-source": source.number },
+        { "data-source": source.number, tabindex: -1 },
         h("td", {}, h("b", {}, source.name), ` `, h("span.soft", {}, source.kind)),
         h("td.num", {}, source.rate.toFixed(1)),
         h(`td.num.${late}`, {}, silent === Infinity ? "never" : span(silent)),
         h(source.lost > 0 ? "td.num.warn" : "td.num", {}, grouped(source.lost)),
       ),
-      h("tr", {}, h("td.soft", { colspan: 4 }, told.join(" · "))),
+      h(
+        "tr",
+        {},
+        h(
+          "td.soft",
+          { colspan: 4 },
+          told.join(" · "),
+          ...(hasOperators ? [h("p.buttons", {}, orderButton(`order on ${source.name} …`, { source: source.name }))] : []),
+        ),
+      ),
     ];
   });
   return h("div.pad", {}, h("h2", {}, "Sources"), tableOf(["Source", ">reports/s", ">heard", ">lost"], rows));
-}
-
-/** @param {Alarm[]} alarms @param {number} now seconds UTC */
-export function alarmsPanel(alarms, now) {
-  if (alarms.length === 0) return h("div.pad", {}, h("h2", {}, "Alarms"), h("p.good", {}, "No alarm stands."));
-  const rows = alarms.map((alarm) =>
-    h(
-      "tr",
-      {},
-      h(
-        `td.${alarm.cleared ? "soft" : (ALARM_CLASS[alarm.severity] ?? "warn")}`,
-        {},
-        alarm.cleared ? "cleared" : alarm.severity,
-      ),
-      h(
-        "td",
-        {},
-        alarm.text,
-        ...(alarm.remedy ? [h("div", {}, "→ ", alarm.remedy)] : []),
-        h(
-          "div.soft",
-          {},
-          [`alarm ${alarm.code}`, alarm.process, `since ${clock(alarm.raised)} (${span(now - alarm.raised)})`]
-            .filter((word) => word !== "")
-            .join(" · "),
-        ),
-      ),
-    ),
-  );
-  return h("div.pad", {}, h("h2", {}, "Alarms"), tableOf(["", ""], rows));
 }
 
 /** @param {Stage[]} stages */
@@ -304,9 +282,10 @@ export function latencyPanel(stages) {
   return panel;
 }
 
-/** @param {Order[]} orders */
-function ordersOf(orders) {
-  if (orders.length === 0) return [];
+/** @param {Order[]} orders @param {boolean} hasOperators */
+function ordersOf(orders, hasOperators) {
+  const give = hasOperators ? [h("p.buttons", {}, orderButton("order …", {}))] : [];
+  if (orders.length === 0) return give.length > 0 ? [h("h2", {}, "Orders"), ...give] : [];
   const rows = orders.map((order) =>
     h(
       "tr",
@@ -329,17 +308,20 @@ function ordersOf(orders) {
             .filter((word) => word !== "")
             .join(" · "),
         ),
+        ...(hasOperators && order.state === "in-force"
+          ? [h("p.buttons", {}, orderButton(`cancel ${order.number} …`, { number: order.number }))]
+          : []),
       ),
     ),
   );
-  return [h("h2", {}, "Orders"), tableOf([">number", "state", "order"], rows)];
+  return [h("h2", {}, "Orders"), ...give, tableOf([">number", "state", "order"], rows)];
 }
 
 /**
  * @param {Process[]} processes @param {Order[]} orders @param {[string, string][]} system
- * @param {number} now seconds UTC
+ * @param {number} now seconds UTC @param {boolean} hasOperators
  */
-export function systemPanel(processes, orders, system, now) {
+export function systemPanel(processes, orders, system, now, hasOperators) {
   const rows = processes.flatMap((process) => {
     const bad = !/^(running|ok|alive|healthy|ready)$/i.test(process.state);
     return [
@@ -379,7 +361,7 @@ export function systemPanel(processes, orders, system, now) {
     {},
     h("h2", {}, "Processes"),
     tableOf(["Process", "State", ">restarts", ">heard"], rows),
-    ...ordersOf(orders),
+    ...ordersOf(orders, hasOperators),
     h("h2", {}, "System"),
     h("div.grid", {}, ...system.map(([label, value]) => figure(label, value))),
   );
@@ -390,6 +372,7 @@ const VIEW_SETTINGS = [
   ["theme", "Colours"],
   ["size", "Size of text and symbols, %"],
   ["letters", "A letter alone"],
+  ["sound", "Alarms sound from"],
   ["colour", "Tracks coloured by"],
   ["units", "Units"],
   ["labels", "Label lines (0–3)"],

@@ -24,7 +24,7 @@ import { ALERT } from "./wire.js";
  * @property {number} alerts Bits, as the messages have them.
  * @property {boolean} onGround
  * @property {string} callsign @property {string} address @property {string} code
- * @property {string} type
+ * @property {string} type @property {boolean} isShip
  * @property {number} sigmaMajor @property {number} sigmaMinor Axes of the 1-sigma ellipse, metres; 0: unknown.
  * @property {number} sigmaBearing Direction of the larger axis, radians clockwise from north.
  * @property {number} handOver When another source became the main one last, seconds; 0: never.
@@ -148,6 +148,7 @@ export function blankTrack() {
     address: "",
     code: "",
     type: "",
+    isShip: false,
     sigmaMajor: 0,
     sigmaMinor: 0,
     sigmaBearing: 0,

@@ -16,7 +16,7 @@
  * @property {boolean} trails Trails of all tracks, not of the selected alone.
  * @property {number} sigma Size of the accuracy ellipses in standard deviations; 0: none.
  * @property {string} colour state, height, source (how many contribute) or main (main source)
- * @property {string} units aviation or metric
+ * @property {string} units aviation, metric, or maritime (as aviation, and without levels)
  * @property {boolean} sensors Sensor tracks. @property {boolean} detections
  * @property {boolean} bearings Of direction finders. @property {boolean} areas Wide-area counts and cues.
  * @property {boolean} coverage Of each source, as far as the page has seen it.
@@ -29,6 +29,7 @@
  * @property {string} letters What a letter does that is pressed on the map: it begins a search (search), or is a key of
  *   its own (keys).
  * @property {number} size Size of text and symbols, per cent.
+ * @property {string} sound Severity from which alarms sound; off: none.
  * @property {string} sort Column of the table, with "-" before it for falling order.
  * @property {string} tab Panel beside the map; "": none.
  * @property {string} sel Selected system tracks, separated by commas.
@@ -65,6 +66,7 @@ export const DEFAULTS = Object.freeze({
   filter: "",
   letters: "search",
   size: 100,
+  sound: "off",
   sort: "name",
   tab: "tracks",
   sel: "",
@@ -76,8 +78,9 @@ export const DEFAULTS = Object.freeze({
 export const CHOICES = Object.freeze({
   theme: ["night", "day", "print"],
   colour: ["state", "height", "source", "main"],
-  units: ["aviation", "metric"],
+  units: ["aviation", "metric", "maritime"],
   letters: ["search", "keys"],
+  sound: ["off", "critical", "major", "warning"],
   tab: ["", "tracks", "track", "sources", "alarms", "latency", "system", "view"],
 });
 

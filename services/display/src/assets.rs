@@ -11,6 +11,7 @@ macro_rules! assets {
 
 /// Embedded files, all from one folder.
 pub(crate) const ASSETS: &[Asset] = assets! {
+    "alarms.js"
     "app.js"
     "coast.bin"
     "colours.js"
@@ -26,8 +27,11 @@ pub(crate) const ASSETS: &[Asset] = assets! {
     "ground.js"
     "header.js"
     "index.html"
+    "kept.js"
     "labels.js"
     "main.js"
+    "operator.js"
+    "orders.js"
     "painter.js"
     "panels.js"
     "picture.js"

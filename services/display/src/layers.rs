@@ -52,7 +52,7 @@ displayed! {
     WideArea: WideArea, |world, (_, counts), _| world.hear_counts(counts);
     Cues: Cue, |world, (_, cues), _| world.hear_cues(cues);
     SystemTracks: SystemTrack, |world, (header, tracks), now| world.receive(header, tracks, now);
-    Alarms: Alarm, |world, (header, alarms), _| world.observed.take_alarms(header, alarms);
+    Alarms: Alarm, |world, (header, alarms), _| world.hear_alarms(header, alarms);
     Decisions: Decision, |world, (_, decisions), _| world.hear_decisions(decisions);
     Orders: OrderState, |world, (_, orders), _| world.observed.take_orders(orders);
     ; hidden: PlatformStates

@@ -16,6 +16,9 @@
 //! | `viewer` | state of one page, and the next picture for it |
 //! | `details`, `status` | details of single tracks, and status of the deployment, as JSON |
 //! | `ground` | projects coasts and overlays into the system frame |
+//! | `operator`, `orders` | acts of operators, and their way to fusion |
+//! | `alarm_book` | acknowledged and shelved alarms, and the past of alarms |
+//! | `views` | named views that all pages share |
 //! | `feed` | samples as they are published |
 //! | `events`, `foxglove` | these samples as server-sent events, and for Foxglove |
 //! | `seat` | limit of the number of clients |
@@ -24,6 +27,7 @@
 #![forbid(unsafe_code)]
 
 mod agent;
+mod alarm_book;
 mod assets;
 mod clock;
 mod details;
@@ -49,6 +53,7 @@ mod status;
 mod tape;
 mod vertical;
 mod viewer;
+mod views;
 mod wire;
 mod world;
 
@@ -68,7 +73,7 @@ use web::{ForeignPages, Guard, HostName, Server, WriteAccess};
 use crate::clock::PictureClock;
 use crate::feed::Feed;
 pub use crate::settings::{Keys, Settings};
-use crate::shared::SharedState;
+use crate::shared::{Desk, SharedState};
 use crate::tape::Tape;
 use crate::wire::Past;
 use crate::world::{ReplayedRecording, SourceFact, World};
@@ -93,7 +98,11 @@ pub fn run(process: &Process, settings: &Settings) -> anyhow::Result<()> {
     );
     world.place(&origin(&process.config));
     world.set_clock(PictureClock::of(process.config.is_recorded()));
-    let shared = SharedState::fed(world, overlays, Now::read, Feed::of(&process.config));
+    let desk = Desk {
+        has_operators: settings.operator_token.is_some(),
+        views: settings.views.open(&process.options.data)?,
+    };
+    let shared = SharedState::fed(world, overlays, Now::read, Feed::of(&process.config), desk);
     let server = serve(settings, &shared)?;
     say(&server, settings);
     let sight = (shared, server.counts().clone());
@@ -182,7 +191,7 @@ fn serve(settings: &Settings, shared: &std::sync::Arc<SharedState>) -> anyhow::R
         token: settings.token.clone(),
         writer: settings.operator_token.clone().map(|token| WriteAccess {
             token,
-            path: operator::ORDER,
+            paths: operator::PATHS,
             login: operator::LOGIN,
         }),
         foreign: Some(ForeignPages {

@@ -52,9 +52,15 @@ pub(crate) fn router(shared: Arc<SharedState>) -> Router {
         .route("/api/sources.json", get(text(status::sources)))
         .route(
             "/api/orders.json",
-            get(text(|world, _| json!({"orders": orders::list(world)}))),
+            get(text(
+                |world, _| json!({"orders": orders::list(world), "kinds": orders::kinds()}),
+            )),
         )
+        .route("/api/alarms.json", get(text(status::alarms_and_past)))
+        .route("/api/views.json", get(views))
         .route(operator::ORDER, post(operator::order))
+        .route(operator::ALARM, post(operator::alarm))
+        .route(operator::VIEWS, post(operator::view))
         .route("/api/history/{file}", get(history))
         .route("/data/aircraft.json", get(text(details::aircraft)))
         .route("/data/receiver.json", get(text(|world, _| details::receiver(world))))
@@ -90,6 +96,10 @@ async fn history(State(shared): State<Arc<SharedState>>, Path(file): Path<String
     let number = file.strip_suffix(".json").and_then(|number| number.parse().ok());
     let found = number.and_then(|number| details::history(&shared.world(), number, i64::MAX));
     found.as_ref().map_or_else(not_found, answer)
+}
+
+async fn views(State(shared): State<Arc<SharedState>>) -> Response {
+    answer(&shared.desk.views.list())
 }
 
 async fn coast(State(shared): State<Arc<SharedState>>) -> Response {
@@ -270,7 +280,7 @@ impl<'a> PageConnection<'a> {
         }
         if self.greeted != Some(world.observed.frame().is_some()) {
             self.greeted = Some(world.observed.frame().is_some());
-            messages.push(hello(&world));
+            messages.push(hello(&world, shared.desk.has_operators));
         }
         messages.push(Message::binary(self.viewer.picture(&world, then)));
         self.ack_until_ns = now.mono_ns + PATIENCE.as_nanos() as i64;
@@ -296,7 +306,7 @@ impl<'a> PageConnection<'a> {
     }
 }
 
-fn hello(world: &World) -> Message {
+fn hello(world: &World, has_operators: bool) -> Message {
     let sources = world.sources.iter().map(|fact| {
         let source = &fact.source;
         json!({"number": source.number, "name": source.name, "kind": fact.kind, "site_m": fact.site_m})
@@ -327,6 +337,7 @@ fn hello(world: &World) -> Message {
         "history_s": world.history_s,
         "layer_age_s": LAYER_AGE_S,
         "recording": recording,
+        "operators": has_operators,
         "limits": {"rate_hz": RATE_HZ, "select": SELECT_MAX},
     });
     Message::text(hello.to_string())

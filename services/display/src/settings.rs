@@ -7,6 +7,8 @@ use deployment::{Deployment, Parts, Secret};
 use settings::{KeyTable, SettingsError};
 use web::HostName;
 
+use crate::views::Views;
+
 /// Fewest characters of a token: nobody may guess it.
 const TOKEN_MIN: usize = 16;
 
@@ -44,6 +46,27 @@ settings::settings! {
         history_mb: u32 = 256, in [1, 65_536];
         /// GeoJSON files drawn under the tracks, relative to the data folder unless absolute.
         overlays: Vec<String> = Vec::new(), usually "none";
+        /// Views that all pages share.
+        views: ViewSettings = ViewSettings::default();
+    }
+
+    /// Views of the page that all pages share.
+    pub struct ViewSettings {
+        /// View of a page that is opened without one: what follows `#` in the address of a page that shows it, as in
+        /// "theme=day&vector=360".
+        start: String = String::new(), usually "all tracks, at night";
+        /// File in which operators keep named views for all pages, relative to the data folder unless absolute.
+        file: Option<String> = None, usually "none: views are kept in each browser alone";
+    }
+}
+
+impl ViewSettings {
+    /// Reads the kept views; relative paths begin in the folder `data`.
+    ///
+    /// # Errors
+    /// If the file cannot be read.
+    pub(crate) fn open(&self, data: &Path) -> anyhow::Result<Views> {
+        Views::open(&self.start, self.file.as_ref().map(|file| data.join(file)))
     }
 }
 

@@ -8,12 +8,16 @@ use crate::settings::Keys;
 
 type Config = ConfigWith<Keys>;
 
-const SITE: &str = include_str!("../../../config/barcelona.toml");
+/// A deployment without a display.
+fn site() -> &'static str {
+    let text = include_str!("../../../config/barcelona.toml");
+    text.split_once("\n[display]").unwrap().0
+}
 
 #[test]
 fn a_display_that_others_can_reach_must_be_asked_for_and_has_a_token() {
     let read = |lines: &str| {
-        let text = format!("{}\n[display]\n{lines}", SITE);
+        let text = format!("{}\n[display]\n{lines}", site());
         Config::parse(Path::new("test.toml"), &text, &[]).map_err(|error| error.to_string())
     };
     let token = "token = \"0123456789abcdef\"";
@@ -65,7 +69,8 @@ fn a_display_that_others_can_reach_must_be_asked_for_and_has_a_token() {
 #[test]
 fn recordings_do_not_get_the_tokens() {
     let text = format!(
-        "{SITE}\n[display]\nlisten = \"127.0.0.1:1\"\ntoken = \"0123456789abcdef\"\noperator_token = \"fedcba9876543210\"\n"
+        "{}\n[display]\nlisten = \"127.0.0.1:1\"\ntoken = \"0123456789abcdef\"\noperator_token = \"fedcba9876543210\"\n",
+        site()
     );
     let config = Config::parse(Path::new("test.toml"), &text, &[]).unwrap();
     let recorded = config.text_without_secrets();
@@ -74,4 +79,14 @@ fn recordings_do_not_get_the_tokens() {
         Config::parse(Path::new("test.toml"), &recorded, &[]).is_ok(),
         "{recorded}"
     );
+}
+
+#[test]
+fn every_shipped_configuration_has_a_display_whose_start_view_is_an_address() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config");
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let config = Config::parse(&path, &std::fs::read_to_string(&path).unwrap(), &[]).unwrap();
+        assert!(config.services.display, "{}", path.display());
+    }
 }

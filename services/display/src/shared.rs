@@ -9,6 +9,7 @@ use runtime::Now;
 use crate::feed::Feed;
 use crate::orders::OrderQueue;
 use crate::status::Audience;
+use crate::views::Views;
 use crate::world::World;
 
 /// State shared by the agent and the server.
@@ -18,11 +19,21 @@ pub(crate) struct SharedState {
     pub(crate) overlays: Vec<PathBuf>,
     /// Orders of operators.
     pub(crate) orders: OrderQueue,
+    /// What operators and their guests share besides orders.
+    pub(crate) desk: Desk,
     /// Reads the clocks.
     pub(crate) clock: fn() -> Now,
     pub(crate) traffic: TrafficCounts,
     /// Samples as they are published.
     pub(crate) feed: Arc<Feed>,
+}
+
+/// What operators and their guests share besides orders.
+#[derive(Debug, Default)]
+pub(crate) struct Desk {
+    /// Whether the configuration admits operators.
+    pub(crate) has_operators: bool,
+    pub(crate) views: Views,
 }
 
 /// Counts of pages and pictures.
@@ -38,15 +49,16 @@ pub(crate) struct TrafficCounts {
 impl SharedState {
     /// Creates the shared state of a world and the files of its overlays, without published samples.
     pub(crate) fn new(world: World, overlays: Vec<PathBuf>, clock: fn() -> Now) -> Arc<Self> {
-        Self::fed(world, overlays, clock, Feed::default())
+        Self::fed(world, overlays, clock, Feed::default(), Desk::default())
     }
 
-    /// Creates the shared state of a world, the files of its overlays, and the samples as they are published.
-    pub(crate) fn fed(world: World, overlays: Vec<PathBuf>, clock: fn() -> Now, feed: Feed) -> Arc<Self> {
+    /// Creates the shared state of a world, the files of its overlays, the samples as they are published, and a desk.
+    pub(crate) fn fed(world: World, overlays: Vec<PathBuf>, clock: fn() -> Now, feed: Feed, desk: Desk) -> Arc<Self> {
         Arc::new(Self {
             world: Mutex::new(world),
             overlays,
             orders: OrderQueue::default(),
+            desk,
             clock,
             traffic: TrafficCounts::default(),
             feed: Arc::new(feed),

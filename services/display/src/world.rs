@@ -9,13 +9,14 @@ use messages::picture::{
     PictureArea, PictureBearing, PictureDetection, PictureIdentity, PictureSensorTrack, PictureTrack,
 };
 use messages::{
-    BatchHeader, Cue, Decision, FrameOrigin, SensorBearing, SensorDetection, SensorTrack, SystemTrack, TrackState,
-    WideArea,
+    Alarm, BatchHeader, Cue, Decision, FrameOrigin, SensorBearing, SensorDetection, SensorTrack, SystemTrack,
+    TrackState, WideArea,
 };
 use observed::Deployment;
 use runtime::Now;
 use rustc_hash::FxHashMap;
 
+use crate::alarm_book::AlarmBook;
 use crate::clock::PictureClock;
 use crate::history::History;
 use crate::records::{self, DetectionPlace};
@@ -102,6 +103,7 @@ pub(crate) struct World {
     pub(crate) bearings: VecDeque<ReceivedRecord<PictureBearing>>,
     pub(crate) areas: VecDeque<ReceivedRecord<PictureArea>>,
     pub(crate) decisions: VecDeque<Decision>,
+    pub(crate) alarm_book: AlarmBook,
     pub(crate) history: History,
     pub(crate) reports: Reports,
     pub(crate) history_s: i64,
@@ -127,6 +129,7 @@ impl World {
             bearings: VecDeque::new(),
             areas: VecDeque::new(),
             decisions: VecDeque::new(),
+            alarm_book: AlarmBook::default(),
             // A quarter of the memory is for the sensor tracks.
             history: History::new(history_s * NS_PER_S, history_octets / 4 * 3),
             reports: Reports::new(history_s * NS_PER_S, LAYER_AGE_S * NS_PER_S, history_octets / 4),
@@ -325,6 +328,12 @@ impl World {
             }
             self.decisions.push_back(*decision);
         }
+    }
+
+    /// Receives the alarms: all that stand, and those just cleared.
+    pub(crate) fn hear_alarms(&mut self, header: &BatchHeader, alarms: &[Alarm]) {
+        self.observed.take_alarms(header, alarms);
+        self.alarm_book.take(alarms);
     }
 
     /// Receives the origin of the system frame; an invalid place is ignored.
