@@ -20,13 +20,13 @@ TOKEN = "0perator-of-the-test"
 TABS = ["tracks", "track", "sources", "alarms", "latency", "system", "view", ""]
 
 # A confirmed track with a callsign that no other track's names contain, which does not lie in the middle.
-LONELY = """() => {
+LONELY = """(() => {
   const all = [...koseki.picture.system.values()];
   const names = (t) => `${t.callsign} ${t.code} ${t.address}`;
   const found = all.find((t) => t.state === "confirmed" && t.callsign &&
     all.filter((o) => names(o).includes(t.callsign)).length === 1);
   return found && { number: found.number, callsign: found.callsign };
-}"""
+})()"""
 
 # Pixels between a track and the middle of the map; the track moves on between picture and question.
 OFF_CENTRE = """number => {
@@ -71,6 +71,7 @@ class Page:
 def find(own):
     print("a track is found by typing")
     page = own.page
+    until(page, LONELY)
     lonely = page.evaluate(LONELY)
     number, callsign = lonely["number"], lonely["callsign"]
     page.keyboard.type(callsign.lower())
@@ -340,13 +341,16 @@ def large(browser, url, folder):
     own = Page(browser, url, (3840, 2160), "#size=200&labels=2")
     page = own.page
     check(page.evaluate("document.documentElement.scrollWidth") == 3840, "nothing scrolls sideways")
-    spot = page.evaluate("""() => {
+    alone = """() => {
           const box = document.getElementById("tracks").getBoundingClientRect();
           const free = ({ x, y }) => x > 60 && y > 60 && x < koseki.view.width - 60 && y < koseki.view.height - 80 &&
             koseki.painter.drawn.every((o) => (o.x === x && o.y === y) || Math.hypot(o.x - x, o.y - y) > 20);
           const found = koseki.painter.drawn.find(free);
-          return { number: found.track.number, x: box.left + 2 * found.x, y: box.top + 2 * found.y };
-        }""")
+          return found && { number: found.track.number, x: box.left + 2 * found.x, y: box.top + 2 * found.y };
+        }"""
+    until(page, f"({alone})()")
+    page.wait_for_timeout(1000)
+    spot = page.evaluate(alone)
     page.mouse.click(spot["x"], spot["y"])
     check(page.evaluate("[...koseki.selected]") == [spot["number"]], "a click meets its track")
     page.screenshot(path=folder / "operate-3840x2160.png")
