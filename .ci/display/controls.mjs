@@ -85,3 +85,76 @@ test("a search finds equal names first, then beginnings, then parts, and callsig
   assert.equal(found(Array.from({ length: 99 }, (_, k) => flight({ number: k })), "baw").length, 8);
   assert.ok(["a", "Z", "7", "#"].every(isNameKey) && !["/", "?", "Enter", "Tab", " "].some(isNameKey));
 });
+
+test("what nobody has acknowledged sounds, the worst first, and what is shelved does not", async () => {
+  const { soundOf, standing } = await module("alarms.js");
+  const alarm = (severity, change = {}) => ({ severity, cleared: false, acknowledged: null, shelved: null, ...change });
+  const who = { operator: "anna", time: 1 };
+  const alarms = [
+    alarm("warning"),
+    alarm("major", { acknowledged: who }),
+    alarm("critical", { shelved: { operator: "anna", until: 2 } }),
+    alarm("critical", { cleared: true }),
+  ];
+  assert.deepEqual(
+    [standing(alarms).shown.length, standing(alarms).open.map(({ severity }) => severity)],
+    [2, ["warning"]],
+  );
+  assert.equal(soundOf(alarms, "warning"), "warning");
+  assert.equal(soundOf(alarms, "major"), "");
+  assert.equal(soundOf(alarms, "off"), "");
+  assert.equal(soundOf([...alarms, alarm("major"), alarm("critical")], "major"), "critical");
+});
+
+test("a subject has the orders that take all of it and need nothing else that must be known", async () => {
+  const { kindsFor } = await module("orders.js");
+  const kind = (name, needs, may = []) => ({ kind: name, needs, may });
+  const kinds = [
+    kind("condition", ["name"], ["source"]),
+    kind("out", ["source"]),
+    kind("drop", ["track"]),
+    kind("join", ["track", "with"]),
+    kind("split", ["track", "source", "sensor_track"]),
+    kind("cancel", ["number"]),
+    kind("designate", ["tracker", "place", "sigma"]),
+    kind("rule", ["name"]),
+  ];
+  const names = (subject) => kindsFor(kinds, subject).map(({ kind }) => kind);
+  assert.deepEqual(names({}), ["condition", "out", "rule"]);
+  assert.deepEqual(names({ source: "radar" }), ["condition", "out"]);
+  assert.deepEqual(names({ track: 7 }), ["drop"]);
+  assert.deepEqual(names({ track: 7, with: 8 }), ["join"]);
+  assert.deepEqual(names({ track: 7, source: "radar", sensor_track: 3 }), ["split"]);
+  assert.deepEqual(names({ number: 1 }), ["cancel"]);
+  assert.deepEqual(names({ place: "1m,2m" }), ["designate"]);
+});
+
+test("a view is opened with the start view and the habits of the browser, and passing things are no habit", async () => {
+  const kept = new Map();
+  globalThis.localStorage = { getItem: (key) => kept.get(key) ?? null, setItem: (key, text) => kept.set(key, text) };
+  const { addressOf, keepHabits, openingAddress } = await module("kept.js");
+  const { DEFAULTS, read } = await module("settings.js");
+  const opened = (start) => read(openingAddress(start));
+  assert.deepEqual(opened(""), { ...DEFAULTS });
+  assert.equal(opened("vector=360&units=maritime").vector, 360);
+  keepHabits({ ...DEFAULTS, units: "maritime", vector: 60, theme: "day", filter: "baw", at: 5, sel: "7", scale: 9 });
+  const again = opened("vector=360&units=maritime");
+  assert.deepEqual(
+    [again.vector, again.units, again.theme, again.filter, again.at, again.sel, again.scale],
+    [60, "maritime", "day", "", 0, "", 0],
+    "the default that was chosen outlasts the start view",
+  );
+  assert.equal(addressOf({ ...DEFAULTS, sel: "7", at: 5, filter: "baw" }), "filter=baw");
+  kept.set("koseki.settings", "{nonsense");
+  assert.deepEqual(opened(""), { ...DEFAULTS });
+});
+
+test("ships have no level", async () => {
+  const { heightText, labelOf, speedText } = await module("labels.js");
+  const ship = flight({ isShip: true, callsign: "MARU", height: 12, speedEast: 6 });
+  assert.equal(heightText(ship, "aviation"), "");
+  assert.equal(speedText(ship, "aviation"), "11.7");
+  assert.deepEqual(labelOf(ship, "aviation", "coast").slice(0, 2), ["MARU", "11.7"]);
+  assert.equal(heightText(flight(), "maritime"), "");
+  assert.notEqual(heightText(flight(), "aviation"), "");
+});

@@ -329,6 +329,7 @@ def narrow(browser, url, folder, axe):
         box = page.locator(reached).first.bounding_box()
         inside = box and box["x"] >= 0 and box["x"] + box["width"] <= 390 and box["y"] + box["height"] <= 844
         check(inside, f"{reached} is on the screen")
+    page.wait_for_timeout(1500)
     page.screenshot(path=folder / "390x844.png")
     page.evaluate(f"{axe};0")
     found = page.evaluate("axe.run(document, { resultTypes: ['violations'] })")["violations"]

@@ -466,6 +466,9 @@ export class App {
     this.select(number);
     this.centre(number);
     this.trackCanvas.focus();
+    const track = this.picture.system.get(number);
+    // For screen readers, which cannot read the map.
+    if (track) setText(byId("spoken"), `Selected: ${track.label.join(", ")}, ${track.state}`);
   }
 
   /** Shows a source in the list of sources, and gives it the focus. @param {number} number */

@@ -252,7 +252,6 @@ function controlPointer(app) {
   };
   canvas.addEventListener("contextmenu", (event) => event.preventDefault());
   canvas.addEventListener("pointerdown", (event) => {
-    canvas.focus({ preventScroll: true });
     canvas.setPointerCapture(event.pointerId);
     const [x, y] = where(event);
     fingers.set(event.pointerId, [x, y]);

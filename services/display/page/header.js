@@ -91,6 +91,8 @@ function showFaults(app) {
 /** @param {App} app @param {boolean} isPast @param {boolean} isSilent Whether fusion says nothing. */
 function bannerOf(app, isPast, isSilent) {
   const old = (performance.now() - app.newsAt) / 1000;
+  // A page that has just been opened is connecting.
+  if (!app.connected && performance.now() < 1000 * STALE_S / 2) return "";
   if (!app.connected) return "NO CONNECTION TO THE DISPLAY PROCESS: THE PICTURE STANDS STILL";
   if (isPast) return "";
   if (isSilent) return `FUSION ${app.fusion === "absent" ? "ABSENT" : "SILENT"}: THE TRACKS ARE NOT BEING UPDATED`;
@@ -105,6 +107,7 @@ function pillsOf(app, isPast, isSilent) {
   /** @type {Pill[]} */
   const pills = [
     { word: app.connected ? "connected" : "not connected", severity: app.connected ? "good" : "bad" },
+    ...alarmPills(app),
   ];
   if (app.fusion !== "") {
     const times = restarts > 0 ? `, ${restarts} restart${restarts > 1 ? "s" : ""}` : "";
@@ -115,7 +118,6 @@ function pillsOf(app, isPast, isSilent) {
   }
   if (!isPast && Math.abs(app.dataOffset) > DATA_OFF_S)
     pills.push({ word: offsetText(app.dataOffset), severity: "bad" });
-  pills.push(...alarmPills(app));
   return pills;
 }
 

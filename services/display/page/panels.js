@@ -127,7 +127,7 @@ export class TrackPanel {
         figure("address", track.address || "–"),
         figure("code", track.code || "–"),
         figure("type", track.type || "–"),
-        figure(units === "metric" ? "height" : "level", heightText(track, units)),
+        figure(units === "metric" ? "height" : "level", heightText(track, units) || "–"),
         figure("speed", `${speedText(track, units)}${unit}`),
         figure(
           "track angle",

@@ -40,6 +40,8 @@ mod ground;
 mod history;
 mod layers;
 mod operator;
+#[cfg(test)]
+mod operator_tests;
 mod orders;
 mod pages;
 mod records;

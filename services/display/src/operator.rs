@@ -35,6 +35,8 @@ pub(crate) const PATHS: &[&str] = &[ORDER, ALARM, VIEWS];
 pub(crate) const LOGIN: &str = "/api/operator";
 /// Maximum size of a request, bytes.
 const REQUEST_MAX: usize = 4096;
+/// Maximum length of an operator's name, bytes.
+const NAME_MAX: usize = 64;
 
 /// Answers `POST /api/order`.
 pub(crate) async fn order(State(shared): State<Arc<SharedState>>, headers: HeaderMap, body: Bytes) -> Response {
@@ -67,7 +69,7 @@ pub(crate) async fn order(State(shared): State<Arc<SharedState>>, headers: Heade
 pub(crate) async fn alarm(State(shared): State<Arc<SharedState>>, headers: HeaderMap, body: Bytes) -> Response {
     done(object(&headers, &body), |object| {
         let now_ns = (shared.clock)().utc_ns;
-        let (id, operator) = (text(object, "alarm")?, text(object, "operator")?);
+        let (id, operator) = (text(object, "alarm")?, name(object)?);
         let id: AlarmId = id.parse().map_err(|()| format!("There is no alarm {id}"))?;
         let act = match text(object, "act")? {
             "acknowledge" => AlarmAct::Acknowledge,
@@ -91,10 +93,7 @@ pub(crate) async fn view(State(shared): State<Arc<SharedState>>, headers: Header
             Some(Value::Null) => None,
             _ => Some(text(object, "address")?),
         };
-        shared
-            .desk
-            .views
-            .keep(text(object, "name")?, address, text(object, "operator")?)
+        shared.desk.views.keep(text(object, "name")?, address, name(object)?)
     })
 }
 
@@ -135,6 +134,15 @@ fn refused(status: StatusCode, text: &str) -> Response {
 fn text<'a>(object: &'a Map<String, Value>, name: &str) -> Result<&'a str, String> {
     let value = object.get(name).and_then(Value::as_str);
     value.ok_or_else(|| format!("{name} must be a text"))
+}
+
+/// Returns the operator's name.
+fn name(object: &Map<String, Value>) -> Result<&str, String> {
+    let name = text(object, "operator")?;
+    let is_name = !name.trim().is_empty() && name.len() <= NAME_MAX;
+    is_name
+        .then_some(name)
+        .ok_or_else(|| format!("operator must be a name of 1 to {NAME_MAX} bytes"))
 }
 
 /// Reads an order.
