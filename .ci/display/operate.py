@@ -68,6 +68,19 @@ class Page:
         self.page.close()
 
 
+def fitted(own):
+    print("a page that is opened early")
+    page = own.page
+    page.evaluate("koseki.view.show(0, 0, 10, 10)")
+    until(page, "koseki.view.scale > 5")
+    check(True, "the map shows the tracks that appear after it")
+    page.evaluate("koseki.moved(() => koseki.view.show(0, 0, 10, 10))")
+    until(page, "count => koseki.stats.pictures > count + 5", page.evaluate("koseki.stats.pictures"))
+    check(page.evaluate("koseki.view.scale") < 5, "and leaves alone what somebody has moved")
+    own.press("Alt+h")
+    check(page.evaluate("koseki.view.scale") > 5, "a key shows all tracks again")
+
+
 def find(own):
     print("a track is found by typing")
     page = own.page
@@ -385,6 +398,7 @@ def main():
                 args=["--no-sandbox", "--disable-gpu", "--disable-software-rasterizer"],
             )
             own = Page(browser, url)
+            fitted(own)
             find(own)
             filters(own)
             keyboard(own)

@@ -45,6 +45,8 @@ const TABS = /** @type {const} */ ([
   ["view", "View"],
 ]);
 
+/** Time for which a page that has just been opened follows the tracks that appear, seconds. */
+const FIT_AT_FIRST_S = 30;
 /** Points that the plots of a selected track keep. */
 const HISTORY_MAX = 3000;
 
@@ -109,6 +111,9 @@ export class App {
     /** Figures that tests and curious people read. */
     this.stats = { pictures: 0, frames: 0, sounds: 0, frameMs: /** @type {number[]} */ ([]) };
     this.pendingFit = this.settings.scale === 0;
+    /** Whether the page has shown all tracks yet, and the time of its first picture with tracks, seconds. */
+    this.hasFitted = false;
+    this.firstTime = /** @type {number | undefined} */ (undefined);
     this.groundKey = "";
     this.dirty = true;
     this.panelDue = 0;
@@ -151,6 +156,7 @@ export class App {
     window.addEventListener("hashchange", () => {
       this.settings = read(location.hash);
       this.pendingFit = this.settings.scale === 0;
+      Object.assign(this, { hasFitted: false, firstTime: undefined });
       this.pastEdition++;
       this.readSettings();
       this.asked();
@@ -319,7 +325,7 @@ export class App {
     if (tracks.length > 0 || time > before) this.newsAt = this.pictureAt;
     if (this.settings.at === 0) this.liveTime = time;
     else if (this.settings.speed > 0) this.played(time);
-    if (this.pendingFit && picture.system.size > 0) this.fit();
+    if (this.pendingFit) this.fitAtFirst(time);
     if (this.settings.follow) this.follow();
     this.dirty = true;
   }
@@ -447,6 +453,8 @@ export class App {
     for (const map of [this.shares, this.histories, this.facts])
       for (const known of map.keys()) if (!this.selected.has(known)) map.delete(known);
     this.settings.sel = [...this.selected].join(",");
+    // Who works with the page does not want the map to move.
+    if (number >= 0 && this.hasFitted) this.pendingFit = false;
     if (this.selected.size === 0) this.settings.follow = false;
     if (number >= 0 && this.selected.has(number) && this.settings.tab === "tracks" && !more)
       this.settings.tab = "track";
@@ -488,6 +496,20 @@ export class App {
   follow() {
     const track = this.picture.system.get([...this.selected].at(-1) ?? -1);
     if (track) Object.assign(this.view, { east: track.east, north: track.north });
+  }
+
+  /**
+   * Shows all tracks of a page that has just been opened, until somebody moves the map: tracks come one after another.
+   * @param {number} time Of the picture, seconds.
+   */
+  fitAtFirst(time) {
+    const tracks = [...this.picture.system.values()];
+    if (tracks.length === 0) return;
+    this.firstTime ??= time;
+    const isOut = tracks.filter((track) => !this.view.sees(track.east, track.north)).length > tracks.length * 0.04;
+    if (isOut || !this.hasFitted) this.fit();
+    this.hasFitted = true;
+    this.pendingFit = Math.abs(time - this.firstTime) < FIT_AT_FIRST_S;
   }
 
   /** Shows all tracks. */
@@ -690,10 +712,7 @@ export class App {
     const { view, settings } = this;
     const tracks = [...this.picture.system.values()].filter((track) => this.shows(track));
     if (!settings.inview) return tracks;
-    return tracks.filter((track) => {
-      const [x, y] = view.toScreen(track.east, track.north);
-      return x >= 0 && y >= 0 && x <= view.width && y <= view.height;
-    });
+    return tracks.filter((track) => view.sees(track.east, track.north));
   }
 
   showPanel() {
