@@ -1,8 +1,10 @@
 /** Tests of what people work the page with, without a browser: filter and search. Run as modules.mjs is. */
 
 import assert from "node:assert/strict";
+import { readdirSync, readFileSync } from "node:fs";
 import { test } from "node:test";
 
+const CONFIGURATIONS = new URL("../../config/", import.meta.url);
 const page = new URL("../../services/display/page/", import.meta.url);
 const module = (name) => import(new URL(name, page));
 const { nearest, readFilter } = await module("filter.js");
@@ -132,7 +134,7 @@ test("a subject has the orders that take all of it and need nothing else that mu
 test("a view is opened with the start view and the habits of the browser, and passing things are no habit", async () => {
   const kept = new Map();
   globalThis.localStorage = { getItem: (key) => kept.get(key) ?? null, setItem: (key, text) => kept.set(key, text) };
-  const { addressOf, keepHabits, openingAddress } = await module("kept.js");
+  const { addressOf, keepHabits, openingAddress, unknownIn } = await module("kept.js");
   const { DEFAULTS, read } = await module("settings.js");
   const opened = (start) => read(openingAddress(start));
   assert.deepEqual(opened(""), { ...DEFAULTS });
@@ -145,6 +147,12 @@ test("a view is opened with the start view and the habits of the browser, and pa
     "the default that was chosen outlasts the start view",
   );
   assert.equal(addressOf({ ...DEFAULTS, sel: "7", at: 5, filter: "baw" }), "filter=baw");
+  assert.equal(unknownIn("vector=360&theme=day"), "");
+  assert.match(unknownIn("vecor=360&xyzzy=1"), /does not know vecor \(perhaps vector\), xyzzy\./);
+  for (const file of readdirSync(CONFIGURATIONS)) {
+    const start = /^start = "(.*)"$/m.exec(readFileSync(new URL(file, CONFIGURATIONS), "utf8"))?.[1] ?? "";
+    assert.equal(unknownIn(start), "", file);
+  }
   kept.set("koseki.settings", "{nonsense");
   assert.deepEqual(opened(""), { ...DEFAULTS });
 });

@@ -5,6 +5,7 @@
  */
 
 import { h } from "./dom.js";
+import { nearest } from "./filter.js";
 import { buttons, field } from "./operator.js";
 import { DEFAULTS, read, write } from "./settings.js";
 
@@ -38,6 +39,17 @@ export function openingAddress(start) {
   const habits = new URLSearchParams(start);
   for (const [key, text] of Object.entries(keptOf(SETTINGS))) habits.set(key, String(text));
   return write(read(String(habits)));
+}
+
+/** What a start view has that no page knows, as a sentence; "": nothing. @param {string} start */
+export function unknownIn(start) {
+  const keys = Object.keys(DEFAULTS);
+  const unknown = [...new URLSearchParams(start).keys()].filter((key) => !keys.includes(key));
+  const words = unknown.map((key) => {
+    const meant = nearest(key, keys);
+    return meant ? `${key} (perhaps ${meant})` : key;
+  });
+  return words.length > 0 ? `display.views.start: a page does not know ${words.join(", ")}.` : "";
 }
 
 /** Keeps the settings that differ from the start view. @param {Settings} settings */

@@ -4,7 +4,7 @@ import { App } from "./app.js";
 import { Connection } from "./connection.js";
 import { control } from "./controls.js";
 import { groundOf, overlaysOf } from "./ground.js";
-import { openingAddress } from "./kept.js";
+import { openingAddress, unknownIn } from "./kept.js";
 
 /** Start view of the configuration; none where the server does not answer. */
 async function startView() {
@@ -12,12 +12,14 @@ async function startView() {
   return answer?.ok ? String((await answer.json()).start) : "";
 }
 
-const opening = openingAddress(await startView());
+const start = await startView();
+const opening = openingAddress(start);
 if (location.hash.length <= 1) history.replaceState(null, "", opening);
 const connection = new Connection();
 const app = new App(() => connection.ask());
 control(app);
 connection.start(app);
+app.notice(unknownIn(start));
 // For the browser's console, and for tests.
 Object.assign(globalThis, { koseki: app });
 

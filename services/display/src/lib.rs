@@ -128,6 +128,17 @@ pub fn check_overlays(settings: &Settings, frame: &SystemFrame, data: &Path) -> 
     Ok(())
 }
 
+/// Checks that the kept views of the display can be read.
+///
+/// # Errors
+/// A sentence about the file of the views.
+pub fn check_views(settings: &Settings, data: &Path) -> Result<(), String> {
+    let views = settings.address().map(|_| settings.views.open(data));
+    views
+        .transpose()
+        .map_or_else(|error| Err(format!("{error:#}")), |_| Ok(()))
+}
+
 /// Shows the recording `path` on this machine until the process is asked to stop. The recording consists of `files`
 /// and was made by the deployment of `config`. No running deployment is needed.
 ///

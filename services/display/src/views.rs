@@ -45,9 +45,15 @@ impl Views {
     pub(crate) fn open(start: &str, file: Option<PathBuf>) -> anyhow::Result<Self> {
         let named = match &file {
             Some(path) if path.exists() => {
-                let at = || format!("{}: display.views.file", path.display());
-                let text = std::fs::read_to_string(path).with_context(at)?;
-                serde_json::from_str(&text).with_context(at)?
+                let text =
+                    std::fs::read_to_string(path).with_context(|| format!("{}: display.views.file", path.display()))?;
+                let wrong = || {
+                    format!(
+                        "{}: no views; correct the file, or remove it (display.views.file)",
+                        path.display()
+                    )
+                };
+                serde_json::from_str(&text).with_context(wrong)?
             }
             _ => BTreeMap::new(),
         };

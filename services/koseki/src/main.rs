@@ -118,6 +118,7 @@ fn run(command: Command) -> anyhow::Result<()> {
             let (config, options) = args::deployment(&up.config, up.shared)?;
             recordings::inspect(&config, &options.data, Depth::Blocks)?;
             display::check_overlays(config.parts.display(), &config.frame, &options.data).map_err(Usage)?;
+            display::check_views(config.parts.display(), &options.data).map_err(Usage)?;
             launch(&config, options, up.seconds)
         }
         Command::Check(check) => check::run(&check),
