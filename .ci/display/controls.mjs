@@ -84,7 +84,13 @@ test("a search finds equal names first, then beginnings, then parts, and callsig
   assert.deepEqual(numbers("#2345"), [2345]);
   assert.deepEqual(numbers("vlg2345"), [1]);
   assert.deepEqual(numbers("  "), []);
-  assert.equal(found(Array.from({ length: 99 }, (_, k) => flight({ number: k })), "baw").length, 8);
+  assert.equal(
+    found(
+      Array.from({ length: 99 }, (_, k) => flight({ number: k })),
+      "baw",
+    ).length,
+    8,
+  );
   assert.ok(["a", "Z", "7", "#"].every(isNameKey) && !["/", "?", "Enter", "Tab", " "].some(isNameKey));
 });
 

@@ -108,7 +108,10 @@ def filters(own):
     page = own.page
     own.press("/")
     page.keyboard.type("state=coastd kt>1000")
-    until(page, "document.getElementById('hidden').textContent.includes('hidden') && !document.getElementById('hidden').hidden")
+    until(
+        page,
+        "document.getElementById('hidden').textContent.includes('hidden') && !document.getElementById('hidden').hidden",
+    )
     whole = page.evaluate("koseki.picture.system.size")
     passing = page.evaluate("[...koseki.picture.system.values()].filter((t) => koseki.shows(t)).length")
     check(passing < whole, f"the line above the map says: {page.inner_text('#hidden')}")
@@ -188,20 +191,25 @@ def alarms(own, other):
     own.press("Enter")
     check(page.evaluate("koseki.settings.tab") == "alarms", "the pill leads to the alarms")
     wanted = "[data-act='acknowledge'][data-alarm^='15/']"
-    until(page, f"document.querySelector(\"{wanted}\") !== null")
+    until(page, f'document.querySelector("{wanted}") !== null')
     page.focus(wanted)
     own.press("Enter")
     sign_in(own)
     until(page, "koseki.known.alarms.some((alarm) => alarm.code === 15 && alarm.acknowledged?.operator === 'anna')")
-    until(other.page, "koseki.known.alarms.some((alarm) => alarm.code === 15 && alarm.acknowledged?.operator === 'anna')")
+    until(
+        other.page, "koseki.known.alarms.some((alarm) => alarm.code === 15 && alarm.acknowledged?.operator === 'anna')"
+    )
     check(True, "it is acknowledged, on every page")
     until(page, "document.getElementById('panel').textContent.includes('acknowledged by anna')")
-    until(page, "[...document.querySelectorAll('#panel tbody tr')].some((row) => row.textContent.includes('acknowledged'))")
+    until(
+        page,
+        "[...document.querySelectorAll('#panel tbody tr')].some((row) => row.textContent.includes('acknowledged'))",
+    )
     check(True, "the history has it")
     page.focus("[data-act='restore'][data-alarm^='15/']")
     own.press("Enter")
     wanted = "[data-act='shelve'][data-alarm^='15/']"
-    until(page, f"document.querySelector(\"{wanted}\") !== null")
+    until(page, f'document.querySelector("{wanted}") !== null')
     page.focus(wanted)
     own.press("Enter")
     until(page, "koseki.known.alarms.some((alarm) => alarm.code === 15 && alarm.shelved?.operator === 'anna')")
@@ -235,10 +243,16 @@ def orders(own):
     until(page, "koseki.known.orders.some((order) => order.state === 'cancelled')")
     own.press("Escape")
     check(True, "the order is cancelled")
-    pair = page.evaluate("[...koseki.picture.system.values()].filter((t) => t.sourceCount > 1).slice(0, 2).map((t) => t.number)")
-    page.evaluate("pair => { koseki.select(pair[0]); koseki.select(pair[1], true); koseki.set({ tab: 'track' }); }", pair)
+    pair = page.evaluate(
+        "[...koseki.picture.system.values()].filter((t) => t.sourceCount > 1).slice(0, 2).map((t) => t.number)"
+    )
+    page.evaluate(
+        "pair => { koseki.select(pair[0]); koseki.select(pair[1], true); koseki.set({ tab: 'track' }); }", pair
+    )
     until(page, "document.querySelectorAll('#panel [data-order]').length >= 4")
-    subjects = page.evaluate("[...document.querySelectorAll('#panel [data-order]')].map((b) => Object.keys(JSON.parse(b.dataset.order)).join())")
+    subjects = page.evaluate(
+        "[...document.querySelectorAll('#panel [data-order]')].map((b) => Object.keys(JSON.parse(b.dataset.order)).join())"
+    )
     check(
         {"track", "track,with", "track,source,sensor_track", "place"} <= set(subjects),
         "a track, its sensor tracks and a pair have their orders",
@@ -280,7 +294,10 @@ def views(own, browser, url):
     guest.goto("about:blank")
     guest.goto(url)
     until(guest, "globalThis.koseki?.picture.system.size >= 40")
-    check(guest.evaluate("[koseki.settings.theme, koseki.settings.filter]") == ["print", ""], "the browser keeps habits, and no filter")
+    check(
+        guest.evaluate("[koseki.settings.theme, koseki.settings.filter]") == ["print", ""],
+        "the browser keeps habits, and no filter",
+    )
     status = guest.evaluate(
         """async () => (await fetch("api/views", { method: "POST", headers: { "Content-Type": "application/json" },
              body: JSON.stringify({ name: "x", address: "", operator: "guest" }) })).status"""
@@ -307,7 +324,8 @@ def accessible(own, axe):
     for theme in ["night", "day"]:
         for tab in TABS:
             page.evaluate(
-                "([theme, tab]) => { koseki.select([...koseki.picture.system.keys()][0]); koseki.set({ theme, tab }); }", [theme, tab]
+                "([theme, tab]) => { koseki.select([...koseki.picture.system.keys()][0]); koseki.set({ theme, tab }); }",
+                [theme, tab],
             )
             page.wait_for_timeout(1100)
             judge(f"{theme}, panel {tab}")
@@ -337,7 +355,10 @@ def narrow(browser, url, folder, axe):
     own = Page(browser, url, (390, 844))
     page = own.page
     wide = page.evaluate("[document.documentElement.scrollWidth, koseki.view.width, koseki.view.height]")
-    check(wide[0] == 390 and wide[1] == 390 and wide[2] > 300, f"the map is {wide[1]} x {wide[2]}, and nothing scrolls sideways")
+    check(
+        wide[0] == 390 and wide[1] == 390 and wide[2] > 300,
+        f"the map is {wide[1]} x {wide[2]}, and nothing scrolls sideways",
+    )
     for reached in ["#filter", "#pills .pill", "#live", "#mode", "#tab-alarms", "#play"]:
         box = page.locator(reached).first.bounding_box()
         inside = box and box["x"] >= 0 and box["x"] + box["width"] <= 390 and box["y"] + box["height"] <= 844

@@ -66,10 +66,12 @@ export class Alarms {
     const [alarm, act] = [button.getAttribute("data-alarm"), button.getAttribute("data-act")];
     if (act === "source") return this.app.showSource(Number(alarm));
     const time = Number(button.getAttribute("data-for"));
-    void this.app.operator.send("api/alarm", { alarm, act, ...(time > 0 ? { for_s: time } : {}) }).then(({ ok, text }) => {
-      this.app.notice(ok ? "" : text);
-      this.app.panelDue = 0;
-    });
+    void this.app.operator
+      .send("api/alarm", { alarm, act, ...(time > 0 ? { for_s: time } : {}) })
+      .then(({ ok, text }) => {
+        this.app.notice(ok ? "" : text);
+        this.app.panelDue = 0;
+      });
   }
 
   /** @param {HTMLElement} panel */
@@ -80,7 +82,10 @@ export class Alarms {
     const { shown, open } = standing(known.alarms);
     const calm = [...open, ...shown.filter((alarm) => alarm.acknowledged)];
     const shelved = all.filter((alarm) => alarm.shelved);
-    const hint = known.hasOperators || all.length === 0 ? [] : [h("p.soft", {}, "Operators acknowledge and shelve alarms; this display has none (display.operator_token).")];
+    const hint =
+      known.hasOperators || all.length === 0
+        ? []
+        : [h("p.soft", {}, "Operators acknowledge and shelve alarms; this display has none (display.operator_token).")];
     morph(
       panel,
       h(
@@ -113,9 +118,13 @@ export class Alarms {
     ].filter((word) => word !== "");
     const act = (/** @type {string} */ title, /** @type {string} */ word, time = 0) =>
       h("button", { "data-alarm": alarm.id, "data-act": word, "data-for": time }, title);
-    const acts = treated.length > 0
-      ? [act("Restore", "restore")]
-      : [act("Acknowledge", "acknowledge"), ...SHELVES.map(([title, time]) => act(`Shelve ${title}`, "shelve", time))];
+    const acts =
+      treated.length > 0
+        ? [act("Restore", "restore")]
+        : [
+            act("Acknowledge", "acknowledge"),
+            ...SHELVES.map(([title, time]) => act(`Shelve ${title}`, "shelve", time)),
+          ];
     const loud = treated.length > 0 ? "soft" : (CLASSES[alarm.severity] ?? "warn");
     return h(
       `div.alarm.${loud}`,
@@ -137,7 +146,8 @@ export class Alarms {
   history() {
     if (this.past.length === 0) return h("p.soft", {}, "Nothing since the display started.");
     const rows = this.past.map((event) => {
-      const calm = event.event === "cleared" ? "good" : event.event === "raised" ? (CLASSES[event.severity] ?? "warn") : "soft";
+      const calm =
+        event.event === "cleared" ? "good" : event.event === "raised" ? (CLASSES[event.severity] ?? "warn") : "soft";
       return h(
         "tr",
         {},

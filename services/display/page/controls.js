@@ -7,7 +7,8 @@ import { CHOICES, DEFAULTS } from "./settings.js";
 /** @typedef {import("./app.js").App} App */
 
 /**
- * Keys as tar1090 has them, as far as it has them. A letter is pressed with Alt; alone where the setting `letters` has it so.
+ * Keys as tar1090 has them, as far as it has them. A letter is pressed with Alt; alone, if the setting `letters` is
+ * `keys`.
  * @type {[string, string, (app: App) => void][]} */
 const KEYS = [
   ["l", "labels on and off", (app) => app.set({ labels: app.settings.labels > 0 ? 0 : DEFAULTS.labels })],

@@ -146,7 +146,8 @@ function distance(a, b) {
     for (let j = 1; j <= b.length; j++) {
       const change = rows[i - 1][j - 1] + Number(a[i - 1] !== b[j - 1]);
       row.push(Math.min(rows[i - 1][j] + 1, row[j - 1] + 1, change));
-      if (i > 1 && j > 1 && a[i - 1] === b[j - 2] && a[i - 2] === b[j - 1]) row[j] = Math.min(row[j], rows[i - 2][j - 2] + 1);
+      if (i > 1 && j > 1 && a[i - 1] === b[j - 2] && a[i - 2] === b[j - 1])
+        row[j] = Math.min(row[j], rows[i - 2][j - 2] + 1);
     }
     rows.push(row);
   }

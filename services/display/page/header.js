@@ -66,7 +66,10 @@ function showCounts(app) {
 /** Words of the filter that do not count, and what may be meant. @param {App} app */
 function showFaults(app) {
   const { faults, settings } = app;
-  const isEmpty = faults.length === 0 && settings.filter !== "" && app.picture.system.size > 0 &&
+  const isEmpty =
+    faults.length === 0 &&
+    settings.filter !== "" &&
+    app.picture.system.size > 0 &&
     ![...app.picture.system.values()].some((track) => app.matches(track));
   byId("filter").setAttribute("aria-invalid", String(faults.length > 0));
   const box = byId("faults");
@@ -92,7 +95,7 @@ function showFaults(app) {
 function bannerOf(app, isPast, isSilent) {
   const old = (performance.now() - app.newsAt) / 1000;
   // A page that has just been opened is connecting.
-  if (!app.connected && performance.now() < 1000 * STALE_S / 2) return "";
+  if (!app.connected && performance.now() < (1000 * STALE_S) / 2) return "";
   if (!app.connected) return "NO CONNECTION TO THE DISPLAY PROCESS: THE PICTURE STANDS STILL";
   if (isPast) return "";
   if (isSilent) return `FUSION ${app.fusion === "absent" ? "ABSENT" : "SILENT"}: THE TRACKS ARE NOT BEING UPDATED`;

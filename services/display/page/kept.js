@@ -118,7 +118,9 @@ export class KeptViews {
         {},
         h("button", { click: () => this.open(view) }, view.name),
         h("span.soft", {}, whose),
-        ...(mayRemove ? [h("button", { "aria-label": `Remove ${view.name}, ${whose}`, click: () => void remove() }, "×")] : []),
+        ...(mayRemove
+          ? [h("button", { "aria-label": `Remove ${view.name}, ${whose}`, click: () => void remove() }, "×")]
+          : []),
       );
     });
     this.list.replaceChildren(...(rows.length > 0 ? rows : [h("p.soft", {}, "None is kept.")]));

@@ -20,7 +20,8 @@ export class Operator {
    * @returns {Promise<Answer>}
    */
   async send(path, body) {
-    if (this.name === "" && !(await this.signIn())) return { ok: false, text: "No operator has signed in.", value: null };
+    if (this.name === "" && !(await this.signIn()))
+      return { ok: false, text: "No operator has signed in.", value: null };
     const first = await post(path, { ...body, operator: this.name });
     if (first.status !== 403) return first;
     if (!(await this.signIn())) return { ok: false, text: "No operator has signed in.", value: null };
@@ -93,5 +94,9 @@ export function field(id, title, type, value, more = {}) {
 
 /** @param {...[string, () => unknown]} acts What the buttons do; the first is the likeliest. */
 export function buttons(...acts) {
-  return h("p.buttons", {}, ...acts.map(([title, click]) => h("button", { type: "button", click: () => void click() }, title)));
+  return h(
+    "p.buttons",
+    {},
+    ...acts.map(([title, click]) => h("button", { type: "button", click: () => void click() }, title)),
+  );
 }

@@ -5,6 +5,7 @@
 
 import { clock, h, morph } from "./dom.js";
 import { buttons, dialogOf, field, show } from "./operator.js";
+import { nameOf } from "./picture.js";
 
 /** @typedef {import("./app.js").App} App */
 /** @typedef {Record<string, string | number>} Subject Parameters that are known from where the button stands. */
@@ -47,7 +48,10 @@ export function showTrackOrders(app, parent) {
   const number = numbers.at(-1);
   const track = number === undefined ? undefined : app.picture.system.get(number);
   if (!app.known.hasOperators || number === undefined || !track) return parent.replaceChildren();
-  const others = numbers.slice(0, -1).map((other) => orderButton(`join with ${other} …`, { track: other, with: number }));
+  const others = numbers.slice(0, -1).map((other) => {
+    const known = app.picture.system.get(other);
+    return orderButton(`join with ${known ? nameOf(known) : other} …`, { track: other, with: number });
+  });
   const shares = (app.shares.get(number) ?? []).filter((share) => !share.centre);
   const parts = shares.map((share) =>
     orderButton(`split off ${share.name} ${share.track} …`, {
@@ -111,7 +115,9 @@ async function ask(app, subject) {
     const { ok, text, value } = await app.operator.send("api/order", order);
     isGiven = ok;
     state.className = ok ? "good" : "bad";
-    state.textContent = ok ? `${value.number ? `Order ${value.number}: ` : ""}${value.state}. ${value.order}` : refusal(value, text);
+    state.textContent = ok
+      ? `${value.number ? `Order ${value.number}: ` : ""}${value.state}. ${value.order}`
+      : refusal(value, text);
     dialog.querySelector(".buttons button")?.replaceChildren(ok ? "Close" : "Give the order");
   };
   dialog.append(buttons(["Give the order", give], ["Cancel", () => dialog.close()]));

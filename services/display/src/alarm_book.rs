@@ -1,8 +1,8 @@
 //! Alarms as their operators treat them, and what has happened to them.
 //!
-//! The monitor states which alarms stand. The display adds two acts of operators: an alarm is *acknowledged* until it is
-//! cleared or raised again, or *shelved* for a time, in which pages neither count nor sound it. Neither act changes the
-//! alarm itself, and a restart of the display forgets both: a forgotten act shows an alarm again.
+//! The monitor states which alarms stand. The display adds two acts of operators: an alarm is *acknowledged* until the
+//! alarm is cleared or raised again, or *shelved* for a time. Pages neither count nor sound a shelved alarm. Neither
+//! act changes the alarm itself. A restart of the display forgets both acts: each alarm is then shown as before.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::fmt;

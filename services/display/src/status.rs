@@ -147,8 +147,8 @@ fn alarms(world: &World, now: Now) -> Vec<Value> {
     rows.collect()
 }
 
-/// Returns the standing alarms, and what has happened to alarms, the latest first: `alarms`, `events` [{`time_s`, `event`,
-/// `operator`, `name`, `severity`, `text`, `process`}].
+/// Returns the standing alarms and the stored events of alarms, the latest first: `alarms`, `events` [{`time_s`,
+/// `event`, `operator`, `name`, `severity`, `text`, `process`}].
 pub(crate) fn alarms_and_past(world: &World, now: Now) -> Value {
     let events = world.alarm_book.events().map(|past| {
         let row = StandingAlarm::from(&past.alarm);
