@@ -20,6 +20,7 @@ const sources = kinds.map((kind, number) => ({
   number,
   name: ["approach", "wam", "receivers"][number],
   kind,
+  adapter: "",
   rate: count,
   lastHeard: 0,
   lost: number,

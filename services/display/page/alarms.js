@@ -64,6 +64,7 @@ export class Alarms {
     const button = target.closest("[data-alarm]");
     if (!button) return;
     const [alarm, act] = [button.getAttribute("data-alarm"), button.getAttribute("data-act")];
+    if (act === "system") return this.app.set({ tab: "system" });
     if (act === "source") return this.app.showSource(Number(alarm));
     const time = Number(button.getAttribute("data-for"));
     void this.app.operator
@@ -105,7 +106,15 @@ export class Alarms {
   /** @param {Alarm} alarm */
   entry(alarm) {
     const { known } = this.app;
-    const source = known.sources.find(({ number }) => number === alarm.source);
+    // An alarm about the adapter of a source concerns the source.
+    const source = known.sources.find(({ number, adapter }) =>
+      alarm.source >= 0 ? number === alarm.source : adapter !== "" && adapter === alarm.process,
+    );
+    const subject = source
+      ? [h("button", { "data-alarm": source.number, "data-act": "source" }, `Show ${source.name}`)]
+      : alarm.process !== ""
+        ? [h("button", { "data-alarm": alarm.id, "data-act": "system" }, "Show processes")]
+        : [];
     const treated = [
       alarm.acknowledged && `acknowledged by ${alarm.acknowledged.operator} ${clock(alarm.acknowledged.time)}`,
       alarm.shelved && `shelved by ${alarm.shelved.operator} until ${clock(alarm.shelved.until)}`,
@@ -134,12 +143,7 @@ export class Alarms {
       ...(alarm.remedy ? [h("div", {}, "→ ", alarm.remedy)] : []),
       h("div.soft", {}, facts.join(" · ")),
       ...(treated.length > 0 ? [h("div", {}, treated.join(" · "))] : []),
-      h(
-        "p.buttons",
-        {},
-        ...(known.hasOperators ? acts : []),
-        ...(source ? [h("button", { "data-alarm": source.number, "data-act": "source" }, `Show ${source.name}`)] : []),
-      ),
+      h("p.buttons", {}, ...(known.hasOperators ? acts : []), ...subject),
     );
   }
 

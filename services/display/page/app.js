@@ -453,7 +453,7 @@ export class App {
     for (const map of [this.shares, this.histories, this.facts])
       for (const known of map.keys()) if (!this.selected.has(known)) map.delete(known);
     this.settings.sel = [...this.selected].join(",");
-    // Who works with the page does not want the map to move.
+    // From then on, a map that moves by itself would disturb.
     if (number >= 0 && this.hasFitted) this.pendingFit = false;
     if (this.selected.size === 0) this.settings.follow = false;
     if (number >= 0 && this.selected.has(number) && this.settings.tab === "tracks" && !more)

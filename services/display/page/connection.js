@@ -319,6 +319,7 @@ function sourceOf(source) {
     number: source.number,
     name: source.name,
     kind: source.kind,
+    adapter: source.adapter ?? "",
     rate: source.rate_hz ?? 0,
     lastHeard: source.heard_s ?? 0,
     lost: source.lost ?? 0,

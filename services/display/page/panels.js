@@ -13,6 +13,7 @@ import { CHOICES } from "./settings.js";
 /**
  * @typedef {object} Source
  * @property {number} number @property {string} name @property {string} kind
+ * @property {string} adapter Process that receives its reports; "": unknown.
  * @property {number} rate Reports a second. @property {number} lastHeard Seconds UTC; 0: never.
  * @property {number} lost @property {[string, number][]} rejected Count by reason, those that are not 0.
  * @property {string} errors Sentence on the learned errors. @property {number} clockOffset Seconds; NaN: unknown.
