@@ -399,7 +399,7 @@ def pictures(page, url, folder, target, metres):
           const chosen = flying.sort((a, b) => b.sourceCount - a.sourceCount || crowd(b) - crowd(a))[0];
           koseki.select(chosen.number);
           koseki.moved(() => Object.assign(koseki.view, { east: chosen.east, north: chosen.north, scale: metres }));
-          koseki.set({ sensors: true, trail: 300 });
+          koseki.set({ sensors: true, trail: 300, tab: "track" });
         }""",
         metres,
     )
