@@ -5,11 +5,13 @@
 
 import { App } from "./app.js";
 import { control } from "./controls.js";
+import { controlLabels } from "./nudge.js";
 import { groundOf } from "./ground.js";
 
 const count = Number(new URLSearchParams(location.search).get("tracks") ?? 5000);
 const app = new App(() => {});
 control(app);
+controlLabels(app);
 Object.assign(globalThis, { koseki: app });
 
 const origin = { latitude_deg: 41.297, longitude_deg: 2.078, height_m: 4 };

@@ -10,7 +10,8 @@ import { Coverage } from "./coverage.js";
 import { byId, clock, dayAndClock, grouped, h, setText } from "./dom.js";
 import { NAUTICAL_MILE_M, placeOf, sexagesimal } from "./geodesy.js";
 import { paintGround } from "./ground.js";
-import { labelOf, levelOf, levelText, NO_MOTION } from "./labels.js";
+import { LABEL_LINES, labelOf, levelOf, levelText, NO_MOTION } from "./labels.js";
+import { controlsOn } from "./nudge.js";
 import { measured, Painter } from "./painter.js";
 import { alarmsPanel, latencyPanel, sourcesPanel, systemPanel, TrackPanel, viewPanel } from "./panels.js";
 import { blankTrack, forgetMains, HAND_OVER_AFTER_S, noteMain, Picture, sourcesOf, Trail } from "./picture.js";
@@ -81,6 +82,13 @@ export class App {
     this.overlays = [];
     /** @type {{from: [number, number], to: [number, number]} | null} */
     this.measure = null;
+    /** What labels say and which come first, by the configuration. */
+    this.labelling = { lines: LABEL_LINES, prefer: "" };
+    this.prefers = /** @type {(track: Track) => boolean} */ (() => false);
+    /** Track under the pointer; -1: none. */
+    this.hovered = -1;
+    /** Where no label may lie: names on the map; controls upon it. @type {import("./placement.js").Box[][]} */
+    this.chrome = [[], []];
     this.matches = /** @type {(track: Track) => boolean} */ (() => true);
     /** State of the connection, and when the last picture came (milliseconds of the page's clock). */
     this.connected = false;
@@ -209,10 +217,12 @@ export class App {
 
   /**
    * @param {{instance: string, origin: import("./geodesy.js").Place | null,
-   *   recording?: {name: string, from_s: number, to_s: number, time_s: number, speed: number} | null}} what
+   *   recording?: {name: string, from_s: number, to_s: number, time_s: number, speed: number} | null,
+   *   labels?: {lines: readonly (readonly string[])[], prefer: string}}} what
    *   An origin that is not known yet is said later.
    */
-  hello({ instance, origin, recording }) {
+  hello({ instance, origin, recording, labels }) {
+    if (labels) this.labelBy(labels);
     setText(byId("instance"), recording ? `recording ${recording.name}` : instance);
     document.title = `Koseki ${recording?.name ?? instance}`;
     setText(byId("live"), recording ? "END" : "LIVE");
@@ -228,6 +238,14 @@ export class App {
       this.onOrigin();
     }
     this.dirty = true;
+  }
+
+  /** Labels tracks by a configuration. @param {{lines: readonly (readonly string[])[], prefer: string}} labelling */
+  labelBy(labelling) {
+    this.labelling = labelling;
+    const preferred = filterOf(labelling.prefer, (source) => this.sourceName(source));
+    this.prefers = labelling.prefer === "" ? () => false : preferred;
+    for (const track of this.picture.system.values()) this.relabel(track);
   }
 
   /**
@@ -388,7 +406,7 @@ export class App {
 
   /** @param {Track} track */
   relabel(track) {
-    track.label = labelOf(track, this.settings.units, this.mainName(track));
+    track.label = labelOf(track, this.settings.units, this.mainName(track), this.labelling.lines);
   }
 
   // ---- Selection and view
@@ -466,6 +484,7 @@ export class App {
       this.panelDue = now + 500;
       this.showPanel();
       this.showTop();
+      this.chrome[1] = controlsOn(this.map);
     }
     if (!this.dirty) return;
     this.dirty = false;
@@ -493,7 +512,7 @@ export class App {
       .join();
     if (key !== this.groundKey) {
       this.groundKey = key;
-      paintGround(this.groundContext, view, colours, this.ground, this.overlays, settings);
+      this.chrome[0] = paintGround(this.groundContext, view, colours, this.ground, this.overlays, settings);
       this.showScale();
     }
     this.painter.paint(this.trackContext, {
@@ -504,6 +523,9 @@ export class App {
       selected: this.selected,
       shares: this.shares,
       matches: this.matches,
+      prefers: this.prefers,
+      hovered: this.hovered,
+      chrome: this.chrome.flat(),
       kindOf: (source) => this.sourceOf.get(source)?.kind ?? "tracker",
       sites: this.known.sources,
       coverage: this.coverage,

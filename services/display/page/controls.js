@@ -1,6 +1,7 @@
 /** Mouse, fingers, keyboard, and the bar of time. */
 
 import { byId, clock, h, setText } from "./dom.js";
+import { giveBack, nudge } from "./nudge.js";
 import { CHOICES, DEFAULTS } from "./settings.js";
 
 /** @typedef {import("./app.js").App} App */
@@ -165,6 +166,8 @@ function controlPointer(app) {
   const fingers = new Map();
   let action = "";
   let moved = 0;
+  /** Label that is dragged. @type {import("./lettering.js").Label | null} */
+  let label = null;
   const where = (/** @type {MouseEvent} */ event) => {
     const box = canvas.getBoundingClientRect();
     return /** @type {[number, number]} */ ([event.clientX - box.left, event.clientY - box.top]);
@@ -181,7 +184,8 @@ function controlPointer(app) {
     const [x, y] = where(event);
     fingers.set(event.pointerId, [x, y]);
     moved = 0;
-    action = event.button === 2 ? "measure" : event.shiftKey ? "turn" : "pan";
+    label = app.painter.symbolAt(x, y) ? null : app.painter.lettering.at(x, y);
+    action = event.button === 2 ? "measure" : event.shiftKey ? "turn" : label ? "label" : "pan";
     if (action === "measure") {
       const at = target(x, y);
       app.measure = { from: at, to: at };
@@ -192,7 +196,10 @@ function controlPointer(app) {
     app.showCursor(x, y);
     const last = fingers.get(event.pointerId);
     if (!last) {
-      canvas.style.cursor = app.painter.at(x, y) ? "pointer" : "crosshair";
+      const track = app.painter.at(x, y);
+      canvas.style.cursor = track ? "pointer" : "crosshair";
+      if (app.hovered !== (track?.number ?? -1)) app.dirty = true;
+      app.hovered = track?.number ?? -1;
       return;
     }
     const [dx, dy] = [x - last[0], y - last[1]];
@@ -209,6 +216,8 @@ function controlPointer(app) {
       const [middleX, middleY] = [app.view.width / 2, app.view.height / 2];
       const angle = Math.atan2(y - middleY, x - middleX) - Math.atan2(last[1] - middleY, last[0] - middleX);
       app.moved(() => app.view.turn(angle));
+    } else if (action === "label" && label) {
+      if (moved > 3) nudge(app, [label], dx, dy);
     } else if (moved > 3) {
       app.settings.follow = false;
       app.moved(() => app.view.pan(dx, dy));
@@ -222,15 +231,20 @@ function controlPointer(app) {
       app.measure = null;
       app.dirty = true;
     }
-    if (action !== "pan" || moved > 3 || event.type === "pointercancel") return;
+    if ((action !== "pan" && action !== "label") || moved > 3 || event.type === "pointercancel") return;
     const track = app.painter.at(x, y);
     app.select(track ? track.number : -1, event.ctrlKey || event.metaKey);
   };
+  canvas.addEventListener("pointerleave", () => {
+    if (app.hovered >= 0) app.dirty = true;
+    app.hovered = -1;
+  });
   canvas.addEventListener("pointerup", ended);
   canvas.addEventListener("pointercancel", ended);
   canvas.addEventListener("dblclick", (event) => {
     const track = app.painter.at(...where(event));
     if (!track) return;
+    if (track.spot.pinned && !app.painter.symbolAt(...where(event))) return giveBack(app, [track]);
     app.centre(track.number);
     app.set({ follow: true });
   });

@@ -3,11 +3,13 @@
 import { App } from "./app.js";
 import { Connection } from "./connection.js";
 import { control } from "./controls.js";
+import { controlLabels } from "./nudge.js";
 import { groundOf, overlaysOf } from "./ground.js";
 
 const connection = new Connection();
 const app = new App(() => connection.ask());
 control(app);
+controlLabels(app);
 connection.start(app);
 // For the browser's console, and for tests.
 Object.assign(globalThis, { koseki: app });

@@ -34,6 +34,7 @@ mod feed_tests;
 mod foxglove;
 mod ground;
 mod history;
+mod label_settings;
 mod layers;
 mod operator;
 mod orders;
@@ -92,6 +93,7 @@ pub fn run(process: &Process, settings: &Settings) -> anyhow::Result<()> {
         settings.history_bytes(),
     );
     world.place(&origin(&process.config));
+    world.labels = settings.labels.clone();
     world.set_clock(PictureClock::of(process.config.is_recorded()));
     let shared = SharedState::fed(world, overlays, Now::read, Feed::of(&process.config));
     let server = serve(settings, &shared)?;

@@ -327,6 +327,7 @@ fn hello(world: &World) -> Message {
         "history_s": world.history_s,
         "layer_age_s": LAYER_AGE_S,
         "recording": recording,
+        "labels": world.labels.message(),
         "limits": {"rate_hz": RATE_HZ, "select": SELECT_MAX},
     });
     Message::text(hello.to_string())
