@@ -8,11 +8,12 @@
 import { COLOURS, countColour, SCALE_TOP_M } from "./colours.js";
 import { Coverage } from "./coverage.js";
 import { byId, clock, dayAndClock, grouped, h, setText } from "./dom.js";
-import { NAUTICAL_MILE_M, placeOf, sexagesimal } from "./geodesy.js";
+import { NAUTICAL_MILE_M, pathBetween, placeOf, sexagesimal } from "./geodesy.js";
 import { paintGround } from "./ground.js";
 import { LABEL_LINES, labelOf, levelOf, levelText, NO_MOTION } from "./labels.js";
+import { bearingText, distanceText } from "./measuring.js";
 import { controlsOn } from "./nudge.js";
-import { measured, Painter } from "./painter.js";
+import { Painter } from "./painter.js";
 import { alarmsPanel, latencyPanel, sourcesPanel, systemPanel, TrackPanel, viewPanel } from "./panels.js";
 import { blankTrack, forgetMains, HAND_OVER_AFTER_S, noteMain, Picture, sourcesOf, Trail } from "./picture.js";
 import { filterOf, read, write } from "./settings.js";
@@ -80,7 +81,7 @@ export class App {
     this.ground = { land: [], borders: [] };
     /** @type {import("./ground.js").Overlay[]} */
     this.overlays = [];
-    /** @type {{from: [number, number], to: [number, number]} | null} */
+    /** Measuring lines; none: null. @type {import("./measuring.js").Measuring | null} */
     this.measure = null;
     /** What labels say and which come first, by the configuration. */
     this.labelling = { lines: LABEL_LINES, prefer: "" };
@@ -530,6 +531,8 @@ export class App {
       sites: this.known.sources,
       coverage: this.coverage,
       measure: this.measure,
+      origin: this.known.origin,
+      declination: NaN,
     });
   }
 
@@ -605,7 +608,8 @@ export class App {
   showCursor(x, y) {
     const [east, north] = this.view.toGround(x, y);
     const place = placeOf(this.known.origin, east, north);
-    const fromOrigin = measured([0, 0], [east, north], this.settings.units).replace(/ \/ \S+/, "");
+    const path = pathBetween(this.known.origin, { east: 0, north: 0 }, { east, north });
+    const fromOrigin = path ? `${bearingText(path.there)}  ${distanceText(path.range, this.settings.units)}` : "";
     const signed = (/** @type {number} */ v) => `${v < 0 ? "−" : "+"}${grouped(Math.abs(v))}`;
     const where = place
       ? `${sexagesimal(place.latitude_deg, "N", "S")} ${sexagesimal(place.longitude_deg, "E", "W")}`

@@ -1,6 +1,7 @@
 /** Mouse, fingers, keyboard, and the bar of time. */
 
 import { byId, clock, h, setText } from "./dom.js";
+import { Measuring, measureSelected } from "./measuring.js";
 import { giveBack, nudge } from "./nudge.js";
 import { CHOICES, DEFAULTS } from "./settings.js";
 
@@ -51,6 +52,7 @@ const KEYS = [
   ["[", "", (app) => app.moved(() => app.view.turn(-Math.PI / 36))],
   ["]", "", (app) => app.moved(() => app.view.turn(Math.PI / 36))],
   ["\\", "north up", (app) => app.moved(() => Object.assign(app.view, { up: 0 }))],
+  [".", "measure between the selected tracks", measureSelected],
   ["/", "to the filter", () => byId("filter").focus()],
   ["?", "this help", () => toggleHelp()],
 ];
@@ -67,9 +69,10 @@ w a s d   move          q e  smaller, larger
 space     pause, play   ← →  a second back, ahead   Home  back to live, or to the end
 
 drag      move the map            shift+drag   turn it
-wheel     smaller, larger         right drag   bearing and distance
+wheel     smaller, larger         right drag   measure; right click on a line: away with it
 click     select                  ctrl+click   select one more
 double click: put a track into the middle and follow it
+drag a label  put it elsewhere (Ctrl+arrows, selected tracks); double click on it, or Ctrl+Backspace: give it back
 
 filter    BAW  fl>100  kt<200  sources>2  state=coasted  kind=group
           main=NAME  source=NAME  type=A320  /^EC/  -word: not so`;
@@ -172,10 +175,11 @@ function controlPointer(app) {
     const box = canvas.getBoundingClientRect();
     return /** @type {[number, number]} */ ([event.clientX - box.left, event.clientY - box.top]);
   };
-  /** Point under the cursor, or the track there. @param {number} x @param {number} y @returns {[number, number]} */
+  /** Point under the cursor, or the track there. @param {number} x @param {number} y */
   const target = (x, y) => {
     const track = app.painter.at(x, y);
-    return track ? [track.east, track.north] : app.view.toGround(x, y);
+    const [east, north] = track ? [track.east, track.north] : app.view.toGround(x, y);
+    return { east, north, track: track?.number ?? -1 };
   };
   canvas.addEventListener("contextmenu", (event) => event.preventDefault());
   canvas.addEventListener("pointerdown", (event) => {
@@ -187,8 +191,8 @@ function controlPointer(app) {
     label = app.painter.symbolAt(x, y) ? null : app.painter.lettering.at(x, y);
     action = event.button === 2 ? "measure" : event.shiftKey ? "turn" : label ? "label" : "pan";
     if (action === "measure") {
-      const at = target(x, y);
-      app.measure = { from: at, to: at };
+      app.measure ??= new Measuring();
+      app.measure.begin(target(x, y));
     }
   });
   canvas.addEventListener("pointermove", (event) => {
@@ -210,7 +214,7 @@ function controlPointer(app) {
       const after = Math.hypot(x - other[0], y - other[1]);
       if (before > 0) app.moved(() => app.view.zoom(after / before, (x + other[0]) / 2, (y + other[1]) / 2));
     } else if (action === "measure" && app.measure) {
-      app.measure = { from: app.measure.from, to: target(x, y) };
+      app.measure.lead(target(x, y));
       app.dirty = true;
     } else if (action === "turn") {
       const [middleX, middleY] = [app.view.width / 2, app.view.height / 2];
@@ -228,7 +232,9 @@ function controlPointer(app) {
     fingers.delete(event.pointerId);
     const [x, y] = where(event);
     if (action === "measure" && moved <= 3) {
-      app.measure = null;
+      app.measure?.drop();
+      app.measure?.dropAt(x, y);
+      if (app.measure?.lines.length === 0) app.measure = null;
       app.dirty = true;
     }
     if ((action !== "pan" && action !== "label") || moved > 3 || event.type === "pointercancel") return;

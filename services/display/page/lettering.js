@@ -63,13 +63,14 @@ export class Lettering {
    * @param {Scene} scene @param {{track: Track, x: number, y: number}[]} drawn @returns {Label[]}
    */
   layOut(scene, drawn) {
-    const { view, settings, chrome } = scene;
+    const { view, settings, chrome, measure } = scene;
     this.settle(view, drawn);
     const m = view.matrix();
     const wishes = [];
     const inView = drawn.filter(({ x, y }) => x >= 0 && y >= 0 && x <= view.width && y <= view.height);
     this.placement.begin(view.width, view.height, inView.length);
     for (const box of chrome) this.placement.keepOut(box);
+    for (const { box } of measure?.notes ?? []) this.placement.keepOut(box);
     for (const { track, x, y } of inView) {
       const vx = m.a * track.speedEast + m.c * track.speedNorth;
       const vy = m.b * track.speedEast + m.d * track.speedNorth;

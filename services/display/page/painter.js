@@ -7,7 +7,6 @@
  */
 
 import { countColour, heightColour } from "./colours.js";
-import { bearing, NAUTICAL_MILE_M } from "./geodesy.js";
 import { FONT } from "./labels.js";
 import { Lettering, VECTOR_MIN } from "./lettering.js";
 import { isGrave } from "./picture.js";
@@ -48,7 +47,9 @@ const SYMBOL_SIZE = 20;
  * @property {(source: number) => string} kindOf
  * @property {import("./panels.js").Source[]} sites Sensors.
  * @property {import("./coverage.js").Coverage} coverage
- * @property {{from: [number, number], to: [number, number]} | null} measure Measured line, metres.
+ * @property {import("./measuring.js").Measuring | null} measure Measuring lines.
+ * @property {import("./geodesy.js").Place} origin
+ * @property {number} declination Of magnetic north, degrees east; NaN: unknown.
  */
 
 /** Collects, by colour, what is stroked together. */
@@ -134,8 +135,9 @@ export class Painter {
     if (settings.vector > 0) this.paintVectors(ctx, scene);
     this.paintShares(ctx, scene);
     this.paintSymbols(ctx, scene);
+    scene.measure?.layOut(ctx, scene);
     this.lettering.paint(ctx, scene, this.drawn, (track) => this.colourOf(scene, track));
-    if (scene.measure) this.paintMeasure(ctx, scene, scene.measure);
+    scene.measure?.paint(ctx, scene.colours);
   }
 
   /** @param {CanvasRenderingContext2D} ctx @param {Scene} scene */
@@ -428,33 +430,6 @@ export class Painter {
   }
 
   /**
-   * Line that is being measured: bearing there and back, and its length.
-   * @param {CanvasRenderingContext2D} ctx @param {Scene} scene
-   * @param {{from: [number, number], to: [number, number]}} line
-   */
-  paintMeasure(ctx, { view, colours, settings }, { from, to }) {
-    const [x, y] = view.toScreen(...from);
-    const [toX, toY] = view.toScreen(...to);
-    ctx.strokeStyle = colours.measure;
-    ctx.lineWidth = 1.5;
-    ctx.setLineDash([6, 3]);
-    ctx.beginPath();
-    ctx.moveTo(x, y);
-    ctx.lineTo(toX, toY);
-    ctx.stroke();
-    ctx.setLineDash([]);
-    ctx.font = FONT;
-    const text = measured(from, to, settings.units);
-    const width = ctx.measureText(text).width;
-    const middleX = (x + toX) / 2 + 8;
-    const middleY = (y + toY) / 2 - 8;
-    ctx.fillStyle = colours.halo;
-    ctx.fillRect(middleX - 3, middleY - 11, width + 6, 15);
-    ctx.fillStyle = colours.measure;
-    ctx.fillText(text, middleX, middleY);
-  }
-
-  /**
    * System track nearest to a pixel, its symbol or label; `null` if none is near.
    * @param {number} x @param {number} y
    */
@@ -472,20 +447,6 @@ export class Painter {
     }
     return best;
   }
-}
-
-/**
- * Bearing and length of a line, and what they are from its other end.
- * @param {[number, number]} from @param {[number, number]} to @param {string} units
- */
-export function measured(from, to, units) {
-  const [east, north] = [to[0] - from[0], to[1] - from[1]];
-  const length = Math.hypot(east, north);
-  const degrees = (/** @type {number} */ b) => `${b.toFixed(1).padStart(5, "0")}°`;
-  const distance =
-    units === "metric" ? `${(length / 1000).toFixed(2)} km` : `${(length / NAUTICAL_MILE_M).toFixed(2)} NM`;
-  const near = length < 2000 ? `${length.toFixed(0)} m` : distance;
-  return `${degrees(bearing(east, north))} / ${degrees(bearing(-east, -north))}  ${near}`;
 }
 
 /**

@@ -26,6 +26,7 @@ pub(crate) const ASSETS: &[Asset] = assets! {
     "labels.js"
     "lettering.js"
     "main.js"
+    "measuring.js"
     "nudge.js"
     "painter.js"
     "panels.js"
