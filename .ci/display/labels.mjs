@@ -32,7 +32,7 @@ const wish = (x, y, change = {}) => ({
   vy: 0,
   rank: 1,
   widths: [56, 62],
-  heights: [13, 26],
+  heights: [11, 24],
   ...change,
 });
 

@@ -6,14 +6,11 @@
  */
 
 import { FONT, LINE_HEIGHT } from "./labels.js";
-import { leaderEnd, Placement } from "./placement.js";
+import { leaderEnd, PAD_X, PAD_Y, Placement } from "./placement.js";
 import { isGrave } from "./picture.js";
 
 /** Length of a bar that stands for a weight of 1, pixels. */
 const SHARE_BAR = 60;
-/** Free pixels beside and above the text, so that two labels that touch can be told apart. */
-const PAD_X = 3;
-const PAD_Y = 1;
 /** Leaders shorter than this are not drawn, pixels. */
 const LEADER_MIN = 9;
 /** Where the leader begins, pixels from the middle of the symbol. */
@@ -112,8 +109,8 @@ export class Lettering {
     const bars = full ? scene.shares.get(track.number) : undefined;
     for (let k = 0, longest = 0; k < lines; k++) {
       longest = Math.max(longest, track.label[k].length * this.glyph);
-      widths.push(2 * PAD_X + (bars ? Math.max(longest, this.barsWidth(bars)) : longest));
-      heights.push(2 * PAD_Y + (k + 1) * LINE_HEIGHT - 2 + (bars ? bars.length * LINE_HEIGHT + 6 : 0));
+      widths.push(bars ? Math.max(longest, this.barsWidth(bars)) : longest);
+      heights.push((k + 1) * LINE_HEIGHT - 2 + (bars ? bars.length * LINE_HEIGHT + 6 : 0));
     }
     const rank = full || isGrave(track) ? 3 : scene.prefers(track) ? 2 : track.state === "tentative" ? 0 : 1;
     return { track, spot: track.spot, x, y, vx, vy, rank, widths, heights };
@@ -141,10 +138,12 @@ export class Lettering {
   paintBacks(ctx, { settings, colours, hovered }, colourOf) {
     if (!settings.declutter) return;
     ctx.fillStyle = colours.halo;
-    for (const { left, top, width, height } of this.labels) ctx.fillRect(left, top, width, height);
+    const back = (/** @type {Label} */ { left, top, width, height }) =>
+      ctx.fillRect(left - PAD_X, top - PAD_Y, width + 2 * PAD_X, height + 2 * PAD_Y);
+    this.labels.forEach(back);
     const last = this.labels.at(-1);
     // Twice, so that what it covers cannot be seen.
-    if (last && last.track.number === hovered) ctx.fillRect(last.left, last.top, last.width, last.height);
+    if (last && last.track.number === hovered) back(last);
     /** @type {Map<string, Path2D>} */
     const leaders = new Map();
     for (const label of this.labels) {
@@ -175,7 +174,7 @@ export class Lettering {
       const own = colourOf(track);
       if (own !== colour) ctx.fillStyle = colour = own;
       for (let k = 0; k < lines; k++)
-        ctx.fillText(track.label[k], Math.round(left) + PAD_X, Math.round(top) + PAD_Y + (k + 1) * LINE_HEIGHT - 4);
+        ctx.fillText(track.label[k], Math.round(left), Math.round(top) + (k + 1) * LINE_HEIGHT - 4);
     }
     for (const label of this.labels) {
       const list = scene.shares.get(label.track.number);
@@ -192,8 +191,7 @@ export class Lettering {
    * Weights of a selected track's contributors, as bars below its label.
    * @param {CanvasRenderingContext2D} ctx @param {Scene} scene @param {Label} label @param {Share[]} list
    */
-  paintShareBars(ctx, { colours }, { left: corner, top, lines }, list) {
-    const left = corner + PAD_X;
+  paintShareBars(ctx, { colours }, { left, top, lines }, list) {
     const bar = left + this.barsWidth(list) - SHARE_BAR - 5 * this.glyph - 4;
     list.forEach((share, k) => {
       const base = Math.round(top) + (lines + k + 1) * LINE_HEIGHT;

@@ -56,7 +56,10 @@ const CROWD_TESTS_MAX = 8_000;
 /** Side of a cell, pixels. */
 const CELL = 32;
 /** Half of the side of a symbol that labels keep clear of, pixels. */
-const SYMBOL = 6;
+const SYMBOL = 5;
+/** Free pixels between two labels at least, so that their texts can be told apart: beside and above. */
+export const PAD_X = 3;
+export const PAD_Y = 1;
 
 /** What lies on the screen, as bits. */
 const BOX = 1;
@@ -501,7 +504,7 @@ export class Placement {
     const { x, y, vx, vy } = wish;
     const [toX, toY] = leaderEnd(x, y, box);
     this.shapes[owner] = [
-      this.add(BOX, owner, left, top, left + box.width, top + box.height, vx, vy),
+      this.add(BOX, owner, left - PAD_X, top - PAD_Y, left + box.width + PAD_X, top + box.height + PAD_Y, vx, vy),
       this.add(LEADER, owner, x, y, toX, toY, vx, vy),
     ];
     this.laid.push({ wish, lines, ...box });
