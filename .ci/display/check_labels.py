@@ -43,9 +43,11 @@ LABELS = """async () => {
     over.edge += label.left < 0 || label.top < 0 ||
       label.left + label.width > view.width || label.top + label.height > view.height;
   }
-  const places = labels.map(({ track, lines }) => [track.number, `${track.spot.place} ${lines}`]);
+  const places = labels.map(({ track, wish, lines }) => [track.number, `${wish.spot.place} ${lines}`]);
   const whole = labels.filter(({ lines }) => lines === settings.labels).length;
-  return { tracks: inView.length, labels: labels.length, whole, over, places, leftOut: painter.lettering.leftOut };
+  const fanned = labels.filter(({ wish }) => wish.members).length;
+  return { tracks: inView.length, labels: labels.length, whole, over, places, fanned,
+    leftOut: painter.lettering.leftOut };
 }"""
 
 
@@ -53,7 +55,7 @@ class Counts:
     """Sums over seconds."""
 
     def __init__(self):
-        self.tracks = self.labels = self.whole = self.compared = self.moved = 0
+        self.tracks = self.labels = self.whole = self.fanned = self.compared = self.moved = 0
         self.over = {}
         self.before = {}
 
@@ -63,6 +65,7 @@ class Counts:
         self.tracks += said["tracks"]
         self.labels += said["labels"]
         self.whole += said["whole"]
+        self.fanned += said["fanned"]
         for kind, count in said["over"].items():
             self.over[kind] = self.over.get(kind, 0) + count
         places = dict(map(tuple, said["places"]))
@@ -75,6 +78,7 @@ class Counts:
         return {
             "labelled": self.labels / self.tracks,
             "whole": self.whole / self.tracks,
+            "in a fan": self.fanned / self.tracks,
             **{f"over a {kind}": count / self.labels for kind, count in self.over.items()},
             "moved in a second": self.moved / max(1, self.compared),
         }

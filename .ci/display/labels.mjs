@@ -31,6 +31,7 @@ const wish = (x, y, change = {}) => ({
   vx: 0,
   vy: 0,
   rank: 1,
+  isBlock: false,
   widths: [56, 62],
   heights: [11, 24],
   ...change,

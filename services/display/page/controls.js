@@ -250,7 +250,8 @@ function controlPointer(app) {
   canvas.addEventListener("dblclick", (event) => {
     const track = app.painter.at(...where(event));
     if (!track) return;
-    if (track.spot.pinned && !app.painter.symbolAt(...where(event))) return giveBack(app, [track]);
+    const own = app.painter.lettering.at(...where(event));
+    if (own?.wish.spot.pinned && !app.painter.symbolAt(...where(event))) return giveBack(app, [own]);
     app.centre(track.number);
     app.set({ follow: true });
   });

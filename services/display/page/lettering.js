@@ -5,6 +5,7 @@
  * that the configuration prefers, confirmed tracks, and tentative ones.
  */
 
+import { blockOf, groupsOf } from "./fans.js";
 import { FONT, LINE_HEIGHT } from "./labels.js";
 import { leaderEnd, PAD_X, PAD_Y, Placement } from "./placement.js";
 import { isGrave } from "./picture.js";
@@ -22,8 +23,9 @@ export const VECTOR_MIN = 6;
 /** @typedef {import("./painter.js").Scene} Scene */
 /** @typedef {import("./painter.js").Share} Share */
 /** @typedef {import("./placement.js").Box} Box */
-/** @typedef {import("./placement.js").Laid & {track: Track, x: number, y: number}} Label */
-/** @typedef {import("./placement.js").Wish & {track: Track}} TrackWish */
+/** @typedef {import("./placement.js").Laid} Laid */
+/** Label of a track: its box, and that of the block in which it is a row. @typedef {Laid & {track: Track, block: Laid}} Label */
+/** @typedef {import("./placement.js").Wish & {track: Track, members?: Track[]}} TrackWish */
 
 export class Lettering {
   constructor() {
@@ -36,6 +38,10 @@ export class Lettering {
     /** Scale and direction of the last picture, and those for which the labels were last laid out anew. */
     this.scale = "";
     this.laidAt = "";
+    /** Which track stands for the group of a track, and where the blocks of these are. @type {Map<number, number>} */
+    this.leads = new Map();
+    /** @type {Map<number, import("./placement.js").Spot>} */
+    this.blocks = new Map();
   }
 
   /**
@@ -63,6 +69,7 @@ export class Lettering {
     const { view, settings, chrome, measure } = scene;
     this.settle(view, drawn);
     const m = view.matrix();
+    /** @type {TrackWish[]} */
     const wishes = [];
     const inView = drawn.filter(({ x, y }) => x >= 0 && y >= 0 && x <= view.width && y <= view.height);
     this.placement.begin(view.width, view.height, inView.length);
@@ -76,10 +83,60 @@ export class Lettering {
       const wish = this.wishOf(scene, track, x, y, vx, vy);
       if (wish) wishes.push(wish);
     }
-    const laid = this.placement.arrange(wishes);
-    this.leftOut = this.placement.leftOut;
-    const labels = laid.map((label) => labelled(label));
-    return [...labels, ...this.hoveredLabel(scene, wishes)];
+    const fanned = this.placement.isCrowd ? wishes : this.fan(wishes);
+    const labels = this.placement.arrange(fanned).flatMap((laid) => this.labelled(laid));
+    this.leftOut = wishes.length - labels.length;
+    return [...labels, ...this.hoveredLabel(scene, wishes, labels)];
+  }
+
+  /** Puts one wish for a block in the place of those of its members. @param {TrackWish[]} wishes */
+  fan(wishes) {
+    const free = wishes.filter(({ rank, spot }) => rank < 3 && !spot.pinned);
+    const symbols = free.map((wish) => ({ ...wish, number: wish.track.number }));
+    const groups = groupsOf(symbols, this.leads);
+    this.leads = new Map();
+    const blocks = new Map();
+    const taken = new Set();
+    const fanned = [];
+    for (const [lead, members] of groups) {
+      const spot = this.blocks.get(lead) ?? { place: -1, lines: 0, pinned: null };
+      blocks.set(lead, spot);
+      const width = Math.max(...members.map(({ widths }) => widths[0]));
+      const block = blockOf(members.length, width, LINE_HEIGHT);
+      const mean = (/** @type {"x" | "y" | "vx" | "vy"} */ key) =>
+        members.reduce((sum, member) => sum + member[key], 0) / members.length;
+      for (const { track, number, x, y } of members) {
+        this.leads.set(number, lead);
+        taken.add(track);
+        track.spot.place = -1;
+        this.placement.keepOutSymbol(x, y);
+      }
+      const [x, y, vx, vy] = [mean("x"), mean("y"), mean("vx"), mean("vy")];
+      const tracks = members.map(({ track }) => track);
+      const size = { widths: [block.width], heights: [block.height] };
+      // A block needs so much room that it must come first.
+      fanned.push({ track: tracks[0], members: tracks, spot, x, y, vx, vy, rank: 2, isBlock: true, ...size });
+    }
+    this.blocks = blocks;
+    return [...fanned, ...wishes.filter(({ track }) => !taken.has(track))];
+  }
+
+  /** Labels of what has been laid: one, or each row of a block. @param {Laid} laid @returns {Label[]} */
+  labelled(laid) {
+    const { track, members } = /** @type {TrackWish} */ (laid.wish);
+    if (!members) return [{ ...laid, track, block: laid }];
+    const width = Math.max(...members.map(({ label }) => label[0].length)) * this.glyph;
+    const { rows, step } = blockOf(members.length, width, LINE_HEIGHT);
+    return members.map((member, k) => ({
+      wish: laid.wish,
+      lines: 1,
+      left: laid.left + Math.floor(k / rows) * step,
+      top: laid.top + (k % rows) * LINE_HEIGHT,
+      width,
+      height: LINE_HEIGHT - 2,
+      track: member,
+      block: laid,
+    }));
   }
 
   /**
@@ -91,6 +148,7 @@ export class Lettering {
     const scale = `${view.scale} ${view.up}`;
     if (scale === this.scale && scale !== this.laidAt) {
       for (const { track } of drawn) track.spot.place = -1;
+      this.blocks.clear();
       this.laidAt = scale;
     }
     this.scale = scale;
@@ -113,15 +171,15 @@ export class Lettering {
       heights.push((k + 1) * LINE_HEIGHT - 2 + (bars ? bars.length * LINE_HEIGHT + 6 : 0));
     }
     const rank = full || isGrave(track) ? 3 : scene.prefers(track) ? 2 : track.state === "tentative" ? 0 : 1;
-    return { track, spot: track.spot, x, y, vx, vy, rank, widths, heights };
+    return { track, spot: track.spot, x, y, vx, vy, rank, isBlock: false, widths, heights };
   }
 
   /** Label of the track under the pointer, where there was no place for it: it covers others while the pointer is there.
-   * @param {Scene} scene @param {TrackWish[]} wishes @returns {Label[]} */
-  hoveredLabel({ hovered, view }, wishes) {
+   * @param {Scene} scene @param {TrackWish[]} wishes @param {Label[]} labels @returns {Label[]} */
+  hoveredLabel({ hovered, view }, wishes, labels) {
     const wish = wishes.find(({ track }) => track.number === hovered);
-    if (!wish || wish.spot.place >= 0 || wish.spot.pinned) return [];
-    return [labelled(besides(wish, view.width, view.height))];
+    if (!wish || labels.some(({ track }) => track.number === hovered)) return [];
+    return this.labelled(besides(wish, view.width, view.height));
   }
 
   /** Labels beside their symbols, whatever lies there. @param {Scene} scene
@@ -129,7 +187,7 @@ export class Lettering {
   pileUp(scene, drawn) {
     return drawn.flatMap(({ track, x, y }) => {
       const wish = this.wishOf(scene, track, x, y, 0, 0);
-      return wish ? [labelled(besides(wish, Infinity, Infinity))] : [];
+      return wish ? this.labelled(besides(wish, Infinity, Infinity)) : [];
     });
   }
 
@@ -138,17 +196,18 @@ export class Lettering {
   paintBacks(ctx, { settings, colours, hovered }, colourOf) {
     if (!settings.declutter) return;
     ctx.fillStyle = colours.halo;
-    const back = (/** @type {Label} */ { left, top, width, height }) =>
+    const back = (/** @type {import("./placement.js").Box} */ { left, top, width, height }) =>
       ctx.fillRect(left - PAD_X, top - PAD_Y, width + 2 * PAD_X, height + 2 * PAD_Y);
-    this.labels.forEach(back);
+    const blocks = new Set(this.labels.map(({ block }) => block));
+    blocks.forEach(back);
     const last = this.labels.at(-1);
     // Twice, so that what it covers cannot be seen.
     if (last && last.track.number === hovered) back(last);
     /** @type {Map<string, Path2D>} */
     const leaders = new Map();
-    for (const label of this.labels) {
-      const { x, y, track } = label;
-      const [toX, toY] = leaderEnd(x, y, label);
+    for (const block of blocks) {
+      const { x, y, track } = /** @type {TrackWish} */ (block.wish);
+      const [toX, toY] = leaderEnd(x, y, block);
       const reach = Math.hypot(toX - x, toY - y);
       if (reach < LEADER_MIN) continue;
       const colour = colourOf(track);
@@ -212,12 +271,6 @@ export class Lettering {
       ) ?? null
     );
   }
-}
-
-/** @param {import("./placement.js").Laid} laid @returns {Label} */
-function labelled(laid) {
-  const { track, x, y } = /** @type {TrackWish} */ (laid.wish);
-  return { ...laid, track, x, y };
 }
 
 /** A label right above its symbol, or left below where the map ends. @param {TrackWish} wish

@@ -16,16 +16,16 @@ const REACH = 240;
 /** Moves labels by a distance in pixels. @param {App} app @param {Label[]} labels @param {number} dx @param {number} dy */
 export function nudge(app, labels, dx, dy) {
   const bounded = (/** @type {number} */ value) => Math.min(REACH, Math.max(-REACH, value));
-  for (const { track, x, y, left, top } of labels) {
-    const [fromX, fromY] = track.spot.pinned ?? [left - x, top - y];
-    track.spot.pinned = [bounded(fromX + dx), bounded(fromY + dy)];
+  for (const { wish, left, top } of labels.map(({ block }) => block)) {
+    const [fromX, fromY] = wish.spot.pinned ?? [left - wish.x, top - wish.y];
+    wish.spot.pinned = [bounded(fromX + dx), bounded(fromY + dy)];
   }
   app.dirty = true;
 }
 
-/** Lets labels be placed automatically again. @param {App} app @param {import("./picture.js").Track[]} tracks */
-export function giveBack(app, tracks) {
-  for (const { spot } of tracks) Object.assign(spot, { pinned: null, place: -1 });
+/** Lets labels be placed automatically again. @param {App} app @param {Label[]} labels */
+export function giveBack(app, labels) {
+  for (const { wish } of labels) Object.assign(wish.spot, { pinned: null, place: -1 });
   app.dirty = true;
 }
 
@@ -39,7 +39,7 @@ export function controlLabels(app) {
     if (!event.ctrlKey || event.altKey || event.metaKey || !isMap || app.selected.size === 0) return;
     const labels = app.painter.lettering.labels.filter(({ track }) => app.selected.has(track.number));
     if (event.key in ARROWS) nudge(app, labels, ...ARROWS[event.key]);
-    else if (event.key === "Backspace") giveBack(app, labels.map(({ track }) => track));
+    else if (event.key === "Backspace") giveBack(app, labels);
     else return;
     event.preventDefault();
   });

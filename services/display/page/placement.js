@@ -36,8 +36,11 @@ const DIRECTIONS = [
 const PLACES = LENGTHS.length * DIRECTIONS.length;
 /** Distances at which targets that overlap fan out: names alone, where nothing nearer is free. */
 const FAN_LENGTHS = [96, 112, 128, 144, 160];
-const ALL_LENGTHS = [...LENGTHS, ...FAN_LENGTHS];
-const FAN_PLACES = ALL_LENGTHS.length * DIRECTIONS.length;
+/** Distances at which only a block of many names is put. */
+const BLOCK_LENGTHS = [180, 200, 220, 240, 270, 300, 330, 360, 400];
+const ALL_LENGTHS = [...LENGTHS, ...FAN_LENGTHS, ...BLOCK_LENGTHS];
+const FAN_PLACES = (LENGTHS.length + FAN_LENGTHS.length) * DIRECTIONS.length;
+const BLOCK_PLACES = ALL_LENGTHS.length * DIRECTIONS.length;
 /** Free pixels round a place that is taken anew, so that it can be kept for long. */
 const MARGIN = 5;
 /** Moments of the time ahead at which a place taken anew shall still be free, seconds. */
@@ -232,6 +235,7 @@ function crosses(x, y, toX, toY, left, top, right, bottom) {
  * @property {number} x @property {number} y Its symbol.
  * @property {number} vx @property {number} vy Its motion, pixels a second.
  * @property {number} rank Interest: the higher ones first, 0 to 3; 3 always has a label.
+ * @property {boolean} isBlock Whether it is a block of many names: it may lie far away, and over vectors.
  * @property {number[]} widths @property {number[]} heights Size with one line, with two, …
  */
 
@@ -289,6 +293,16 @@ export class Placement {
       shape = this.moments[k].add(kind, owner, x + dx, y + dy, toX + dx, toY + dy);
     }
     return shape;
+  }
+
+  /** Whether there are more labels than are looked after well. */
+  get isCrowd() {
+    return this.depth === 1;
+  }
+
+  /** Keeps labels off the symbol of a target that wants no label of its own. @param {number} x @param {number} y */
+  keepOutSymbol(x, y) {
+    this.add(BOX, NOBODY, x - SYMBOL, y - SYMBOL, x + SYMBOL, y + SYMBOL, 0, 0);
   }
 
   /** Keeps labels out of a rectangle. @param {Box} box */
@@ -367,12 +381,20 @@ export class Placement {
     // One with fewer lines becomes whole where there is more room than it needs.
     if (spot.lines < most && spot.place < PLACES && this.isFree(wish, spot.place, most, MARGIN, HARD)) spot.lines = most;
     const lines = Math.min(spot.lines, most);
-    if (!this.isFree(wish, spot.place, lines, 0, HARD)) {
+    if (!this.canStay(wish, spot.place, lines)) {
       spot.place = -1;
       return false;
     }
     this.layAt(owner, wish, spot.place, lines);
     return true;
+  }
+
+  /** Whether a label need not leave its place: a vector that will have passed is borne. @private
+   * @param {Wish} wish @param {number} place @param {number} lines */
+  canStay(wish, place, lines) {
+    if (!this.isFree(wish, place, lines, 0, BOX)) return false;
+    if (wish.isBlock || this.isFree(wish, place, lines, 0, VECTOR)) return true;
+    return this.depth > 1 && this.brevity(wish, place, lines) < this.depth - 1;
   }
 
   /** Finds a new place. @private @param {number} owner @param {Wish} wish */
@@ -382,7 +404,7 @@ export class Placement {
     let place = this.best(owner, wish, lines, 0, PLACES);
     if (place < 0) lines = 1;
     if (place < 0 && most > 1) place = this.best(owner, wish, lines, 0, PLACES);
-    if (place < 0 && this.depth > 1) place = this.best(owner, wish, lines, PLACES, FAN_PLACES);
+    if (place < 0 && this.depth > 1) place = this.best(owner, wish, lines, PLACES, wish.isBlock ? BLOCK_PLACES : FAN_PLACES);
     wish.spot.place = place;
     if (place < 0) return false;
     wish.spot.lines = lines;

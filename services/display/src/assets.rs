@@ -19,6 +19,7 @@ pub(crate) const ASSETS: &[Asset] = assets! {
     "coverage.js"
     "display.css"
     "dom.js"
+    "fans.js"
     "favicon.svg"
     "geodesy.js"
     "ground.js"
