@@ -112,7 +112,7 @@ export class Lettering {
         this.placement.keepOutSymbol(x, y);
       }
       const [x, y, vx, vy] = [mean("x"), mean("y"), mean("vx"), mean("vy")];
-      const tracks = members.map(({ track }) => track);
+      const tracks = members.map(({ track }) => track).sort((a, b) => (a.label[0] < b.label[0] ? -1 : 1));
       const size = { widths: [block.width], heights: [block.height] };
       // A block needs so much room that it must come first.
       fanned.push({ track: tracks[0], members: tracks, spot, x, y, vx, vy, rank: 2, isBlock: true, ...size });

@@ -55,7 +55,7 @@ const AHEAD_COUNT_MAX = 600;
 /** Tests of a place that a picture may cost, besides those of the labels that keep theirs. */
 const TESTS_MAX = 40_000;
 /** The same in a crowd, where most labels find no place. */
-const CROWD_TESTS_MAX = 8_000;
+const CROWD_TESTS_MAX = 3_000;
 /** Side of a cell, pixels. */
 const CELL = 32;
 /** Half of the side of a symbol that labels keep clear of, pixels. */
@@ -379,7 +379,7 @@ export class Placement {
     if (spot.place < 0) return false;
     const most = wish.widths.length;
     // One with fewer lines becomes whole where there is more room than it needs.
-    if (spot.lines < most && spot.place < PLACES && this.isFree(wish, spot.place, most, MARGIN, HARD)) spot.lines = most;
+    if (spot.lines < most && spot.place < PLACES && this.canGrow(wish, spot.place, most)) spot.lines = most;
     const lines = Math.min(spot.lines, most);
     if (!this.canStay(wish, spot.place, lines)) {
       spot.place = -1;
@@ -387,6 +387,12 @@ export class Placement {
     }
     this.layAt(owner, wish, spot.place, lines);
     return true;
+  }
+
+  /** Whether there is room for more lines, and will be for a while. @private
+   * @param {Wish} wish @param {number} place @param {number} lines */
+  canGrow(wish, place, lines) {
+    return this.isFree(wish, place, lines, MARGIN, HARD) && this.brevity(wish, place, lines) < this.depth / 2;
   }
 
   /** Whether a label need not leave its place: a vector that will have passed is borne. @private
@@ -421,7 +427,7 @@ export class Placement {
       let cost = ALL_LENGTHS[Math.floor(place / DIRECTIONS.length)];
       if (cost >= least) break;
       this.tests++;
-      if (!this.isFree(wish, place, lines, 0, HARD)) continue;
+      if (!this.isFree(wish, place, lines, 0, wish.isBlock ? BOX : HARD)) continue;
       if (!this.isFree(wish, place, lines, MARGIN, HARD | LEADER)) cost += COST_TIGHT;
       if (!this.hasLeader(owner, wish, place, lines)) cost += COST_CROSSED;
       if (cost < least) cost += COST_BRIEF * this.brevity(wish, place, lines);
