@@ -50,6 +50,8 @@ const AHEAD = [0, 20, 40, 60, 80, 100, 120];
 const COST_TIGHT = 10;
 const COST_CROSSED = 30;
 const COST_BRIEF = 30;
+/** How many displaced labels are as bad as a symbol under a label. */
+const HIDDEN = 3;
 /** Most labels for which the time ahead is looked at, and which fan out: a crowd takes less work. */
 const AHEAD_COUNT_MAX = 600;
 /** Tests of a place that a picture may cost, besides those of the labels that keep theirs. */
@@ -448,7 +450,8 @@ export class Placement {
     for (let place = 0; place < PLACES; place++) {
       const { left, top, width, height } = this.boxOf(wish, place, lines);
       if (left < 0 || top < 0 || left + width > this.width || top + height > this.height) continue;
-      const lost = this.under(left, top, width, height, wishes).length;
+      const symbols = wishes.filter(({ x, y }) => x > left && y > top && x < left + width && y < top + height).length;
+      const lost = this.under(left, top, width, height, wishes).length + HIDDEN * symbols;
       if (lost < least) [best, least] = [place, lost];
     }
     const { left, top, width, height } = this.boxOf(wish, best, lines);
