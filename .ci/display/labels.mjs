@@ -5,6 +5,7 @@ import { test } from "node:test";
 
 const page = new URL("../../services/display/page/", import.meta.url);
 const module = (name) => import(new URL(name, page));
+const { blockOf, groupsOf } = await module("fans.js");
 const { labelOf } = await module("labels.js");
 const { blankTrack } = await module("picture.js");
 const { leaderEnd, overlap, Placement } = await module("placement.js");
@@ -191,4 +192,45 @@ test("labels say the fields that are configured, and always alerts", () => {
   const lines = [["code", "address"], ["angle", "climb"]];
   assert.deepEqual(labelOf(track, "aviation", "west", lines), ["2345 EMERG", "090° −20"]);
   assert.ok(labelOf(blankTrack(), "aviation", "")[1].startsWith("---"), "unknown heights are no numbers");
+});
+
+/** Symbol of a target. */
+const target = (number, x, y, vx = 0, vy = 0) => ({ number, x, y, vx, vy });
+
+test("targets upon each other are a group, and those that only cross are not", () => {
+  const parked = [target(5, 100, 100), target(3, 106, 100), target(9, 111, 102)];
+  const groups = groupsOf([...parked, target(1, 104, 101, 3, 0), target(2, 300, 300)], new Map());
+  assert.deepEqual([...groups].map(([lead, members]) => [lead, members.map(({ number }) => number)]), [[3, [3, 5, 9]]]);
+  assert.equal(groupsOf(parked.slice(0, 2), new Map()).size, 0, "two have their own labels");
+  const apart = [target(5, 100, 100), target(3, 112, 100), target(9, 124, 100)];
+  assert.equal(groupsOf(apart, new Map()).size, 0);
+  const before = new Map([[5, 5], [3, 5], [9, 5]]);
+  assert.deepEqual([...groupsOf(apart, before).keys()], [5], "a group holds longer than it takes to make it, and keeps its lead");
+  const crowd = Array.from({ length: 300 }, (_, k) => target(k, 100 + (k % 20), 100));
+  assert.equal(groupsOf(crowd, new Map()).get(0).length, 60, "a block is bounded");
+});
+
+test("a block has columns of at most ten rows, and may lie far away where nothing nearer is free", () => {
+  assert.deepEqual(blockOf(17, 50, 13), { rows: 9, step: 60, width: 110, height: 117 });
+  const own = wish(500, 500, { isBlock: true, widths: [110], heights: [117] });
+  const wall = { left: 330, top: 330, width: 340, height: 340 };
+  const [block] = layOut(new Placement(), [own], [wall]);
+  assert.ok(!overlap(block, wall));
+  const [toX, toY] = leaderEnd(500, 500, block);
+  assert.ok(Math.hypot(toX - 500, toY - 500) < 400.1);
+});
+
+test("a vector that passes is borne, and one that stays is not", () => {
+  const placement = new Placement();
+  const own = wish(500, 500);
+  const [label] = layOut(placement, [own]);
+  const { place } = own.spot;
+  const under = (vy) => {
+    placement.begin(WIDTH, HEIGHT, 1);
+    placement.keepOff(label.left - 30, label.top + 12, label.left + 90, label.top + 12, 0, vy);
+    placement.arrange([own]);
+    return own.spot.place;
+  };
+  assert.equal(under(2), place);
+  assert.notEqual(under(0), place);
 });
