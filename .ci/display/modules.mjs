@@ -10,7 +10,7 @@ const { COLOURS } = await module("colours.js");
 const { Coverage } = await module("coverage.js");
 const { bearing, placeOf, sexagesimal } = await module("geodesy.js");
 const { groundOf, overlaysOf, ringStep } = await module("ground.js");
-const { climbText, heightText, LabelGrid, labelOf, modesText, NO_MOTION, place, turnText } = await module("labels.js");
+const { climbText, heightText, modesText, NO_MOTION, turnText } = await module("labels.js");
 const { blankTrack, forgetMains, noteMain, Picture, Trail } = await module("picture.js");
 const { DEFAULTS, read, write } = await module("settings.js");
 const { View } = await module("view.js");
@@ -132,31 +132,6 @@ test("rates stand beside their errors, and what is not known is no number", () =
   assert.equal(turnText(NO_MOTION), "–");
   assert.equal(modesText(motion), "left turn 82 %, climb change 50 %");
   assert.equal(modesText(NO_MOTION), "–");
-});
-
-test("labels that keep clear of each other do not overlap, and unknown heights are no numbers", () => {
-  const grid = new LabelGrid(300, 200);
-  const placed = [];
-  for (let k = 0; k < 60; k++) {
-    const track = Object.assign(blankTrack(), { number: k, callsign: `ABC${k}`, height: k % 2 ? 1000 : NaN });
-    track.label = labelOf(track, "aviation", "west");
-    assert.ok(track.label[1].startsWith(k % 2 ? "~033" : "---"));
-    const label = place(grid, track, (k * 37) % 300, (k * 53) % 200, 3, 7);
-    if (label) placed.push(label);
-  }
-  assert.ok(placed.length > 5 && placed.length < 60);
-  const inside = placed.filter(
-    ({ left, top, width, height }) => left > 0 && top > 0 && left + width < 300 && top + height < 200,
-  );
-  for (const a of inside)
-    for (const b of inside)
-      assert.ok(
-        a === b ||
-          a.left + a.width <= b.left ||
-          b.left + b.width <= a.left ||
-          a.top + a.height <= b.top ||
-          b.top + b.height <= a.top,
-      );
 });
 
 test("a trail is bounded, in order, and takes no point twice", () => {

@@ -1,15 +1,20 @@
 /**
  * Stands in for main.js where the page is measured without a server: thousands of tracks that fly circles, each heard
- * once a second, as pictures at 4 Hz. `?tracks=5000` says how many.
+ * once a second, as pictures at 4 Hz. `?tracks=5000` says how many. With `&straight` they fly straight on instead, spread
+ * over a rectangle of 560 by 380 km.
  */
 
 import { App } from "./app.js";
 import { control } from "./controls.js";
+import { controlLabels } from "./nudge.js";
 import { groundOf } from "./ground.js";
 
-const count = Number(new URLSearchParams(location.search).get("tracks") ?? 5000);
+const asked = new URLSearchParams(location.search);
+const count = Number(asked.get("tracks") ?? 5000);
+const straight = asked.has("straight");
 const app = new App(() => {});
 control(app);
+controlLabels(app);
 Object.assign(globalThis, { koseki: app });
 
 const origin = { latitude_deg: 41.297, longitude_deg: 2.078, height_m: 4 };
@@ -46,9 +51,9 @@ const flights = Array.from({ length: count }, (_, k) => {
   const azimuth = 2 * Math.PI * draw();
   return {
     number: k + 1,
-    east: distance * Math.sin(azimuth),
-    north: distance * Math.cos(azimuth),
-    radius: 4000 + 20000 * draw(),
+    east: straight ? 560_000 * (draw() - 0.5) : distance * Math.sin(azimuth),
+    north: straight ? 380_000 * (draw() - 0.5) : distance * Math.cos(azimuth),
+    radius: straight ? 1e8 : 4000 + 20000 * draw(),
     phase: 2 * Math.PI * draw(),
     speed: 70 + 190 * draw(),
     height: 300 + 11500 * draw(),
@@ -79,8 +84,8 @@ function stateOf(flight, time) {
     kind: flight.kind,
     members: flight.kind === "group" ? 4 : 0,
     time,
-    east: flight.east + flight.radius * Math.sin(turn),
-    north: flight.north + flight.radius * Math.cos(turn),
+    east: flight.east + flight.radius * (Math.sin(turn) - Math.sin(flight.phase)),
+    north: flight.north + flight.radius * (Math.cos(turn) - Math.cos(flight.phase)),
     height: flight.height,
     speedEast: flight.speed * Math.cos(turn),
     speedNorth: -flight.speed * Math.sin(turn),

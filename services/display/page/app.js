@@ -10,14 +10,16 @@ import { COLOURS, countColour, SCALE_TOP_M } from "./colours.js";
 import { Coverage } from "./coverage.js";
 import { byId, grouped, h, morph, setText } from "./dom.js";
 import { readFilter } from "./filter.js";
-import { NAUTICAL_MILE_M, placeOf, sexagesimal } from "./geodesy.js";
+import { NAUTICAL_MILE_M, pathBetween, placeOf, sexagesimal } from "./geodesy.js";
 import { paintGround } from "./ground.js";
 import { showHeader } from "./header.js";
 import { KeptViews, keepHabits } from "./kept.js";
-import { labelOf, levelOf, levelText, NO_MOTION } from "./labels.js";
+import { LABEL_LINES, labelOf, levelOf, levelText, NO_MOTION } from "./labels.js";
+import { bearingText, distanceText } from "./measuring.js";
+import { controlsOn } from "./nudge.js";
 import { Operator } from "./operator.js";
 import { controlOrders, showTrackOrders } from "./orders.js";
-import { measured, Painter } from "./painter.js";
+import { Painter } from "./painter.js";
 import { latencyPanel, sourcesPanel, systemPanel, TrackPanel, viewPanel } from "./panels.js";
 import { blankTrack, forgetMains, HAND_OVER_AFTER_S, noteMain, Picture, sourcesOf, Trail } from "./picture.js";
 import { read, write } from "./settings.js";
@@ -86,8 +88,15 @@ export class App {
     this.ground = { land: [], borders: [] };
     /** @type {import("./ground.js").Overlay[]} */
     this.overlays = [];
-    /** @type {{from: [number, number], to: [number, number]} | null} */
+    /** Measuring lines; none: null. @type {import("./measuring.js").Measuring | null} */
     this.measure = null;
+    /** What labels say and which come first, by the configuration. */
+    this.labelling = { lines: LABEL_LINES, prefer: "" };
+    this.prefers = /** @type {(track: Track) => boolean} */ (() => false);
+    /** Track under the pointer; -1: none. */
+    this.hovered = -1;
+    /** Where no label may lie: names on the map; controls upon it. @type {import("./placement.js").Box[][]} */
+    this.chrome = [[], []];
     this.matches = /** @type {(track: Track) => boolean} */ (() => true);
     /** @type {import("./filter.js").Fault[]} Words of the filter that cannot be read. */
     this.faults = [];
@@ -259,10 +268,12 @@ export class App {
 
   /**
    * @param {{instance: string, origin: import("./geodesy.js").Place | null,
-   *   recording?: {name: string, from_s: number, to_s: number, time_s: number, speed: number} | null}} what
+   *   recording?: {name: string, from_s: number, to_s: number, time_s: number, speed: number} | null,
+   *   labels?: {lines: readonly (readonly string[])[], prefer: string}}} what
    *   An origin that is not known yet is said later.
    */
-  hello({ instance, origin, recording }) {
+  hello({ instance, origin, recording, labels }) {
+    if (labels) this.labelBy(labels);
     setText(byId("instance"), recording ? `recording ${recording.name}` : instance);
     document.title = `Koseki ${recording?.name ?? instance}`;
     setText(byId("live"), recording ? "END" : "LIVE");
@@ -278,6 +289,14 @@ export class App {
       this.onOrigin();
     }
     this.dirty = true;
+  }
+
+  /** Labels tracks by a configuration. @param {{lines: readonly (readonly string[])[], prefer: string}} labelling */
+  labelBy(labelling) {
+    this.labelling = labelling;
+    const { matches } = readFilter(labelling.prefer, (source) => this.sourceName(source));
+    this.prefers = labelling.prefer === "" ? () => false : matches;
+    for (const track of this.picture.system.values()) this.relabel(track);
   }
 
   /**
@@ -441,7 +460,7 @@ export class App {
 
   /** @param {Track} track */
   relabel(track) {
-    track.label = labelOf(track, this.settings.units, this.mainName(track));
+    track.label = labelOf(track, this.settings.units, this.mainName(track), this.labelling.lines);
   }
 
   // ---- Selection and view
@@ -561,6 +580,7 @@ export class App {
       this.showPanel();
       showHeader(this);
       this.alarms.sound(now);
+      this.chrome[1] = controlsOn(this.map);
     }
     if (!this.dirty) return;
     this.dirty = false;
@@ -588,7 +608,7 @@ export class App {
       .join();
     if (key !== this.groundKey) {
       this.groundKey = key;
-      paintGround(this.groundContext, view, colours, this.ground, this.overlays, settings);
+      this.chrome[0] = paintGround(this.groundContext, view, colours, this.ground, this.overlays, settings);
       this.showScale();
     }
     this.painter.paint(this.trackContext, {
@@ -599,10 +619,15 @@ export class App {
       selected: this.selected,
       shares: this.shares,
       shows: (track) => this.shows(track),
+      prefers: this.prefers,
+      hovered: this.hovered,
+      chrome: this.chrome.flat(),
       kindOf: (source) => this.sourceOf.get(source)?.kind ?? "tracker",
       sites: this.known.sources,
       coverage: this.coverage,
       measure: this.measure,
+      origin: this.known.origin,
+      declination: NaN,
     });
   }
 
@@ -678,7 +703,8 @@ export class App {
   showCursor(x, y) {
     const [east, north] = this.view.toGround(x, y);
     const place = placeOf(this.known.origin, east, north);
-    const fromOrigin = measured([0, 0], [east, north], this.settings.units).replace(/ \/ \S+/, "");
+    const path = pathBetween(this.known.origin, { east: 0, north: 0 }, { east, north });
+    const fromOrigin = path ? `${bearingText(path.there)}  ${distanceText(path.range, this.settings.units)}` : "";
     const signed = (/** @type {number} */ v) => `${v < 0 ? "−" : "+"}${grouped(Math.abs(v))}`;
     const where = place
       ? `${sexagesimal(place.latitude_deg, "N", "S")} ${sexagesimal(place.longitude_deg, "E", "W")}`

@@ -184,7 +184,8 @@ export class Connection {
     if (!app) return;
     if (message.type === "hello") {
       this.layerAge = message.layer_age_s;
-      app.hello({ instance: message.instance, origin: message.origin, recording: message.recording });
+      const { instance, origin, recording, labels } = message;
+      app.hello({ instance, origin, recording, labels });
       app.learn({ sources: message.sources.map(sourceOf), hasOperators: message.operators });
     } else if (message.type === "selected") {
       for (const track of message.tracks) this.selected(app, track);

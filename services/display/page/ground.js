@@ -92,12 +92,15 @@ export function ringStep(scale) {
  * @param {Ground} ground
  * @param {Overlay[]} overlays
  * @param {{rings: boolean, dim: boolean}} settings
+ * @returns {import("./placement.js").Box[]} Names that it has written.
  */
 export function paintGround(ctx, view, colours, ground, overlays, settings) {
   ctx.fillStyle = colours.water;
   ctx.fillRect(0, 0, view.width, view.height);
   const matrix = view.matrix();
   const bounds = view.bounds();
+  /** @type {import("./placement.js").Box[]} */
+  const names = [];
   ctx.globalAlpha = settings.dim ? 0.45 : 1;
   ctx.lineJoin = "round";
 
@@ -133,11 +136,19 @@ export function paintGround(ctx, view, colours, ground, overlays, settings) {
     if (overlay.name !== "" && overlay.lines.length > 0 && view.scale < 60) {
       const [east, north] = overlay.lines[0].points;
       const [x, y] = view.toScreen(east, north);
-      ctx.fillText(overlay.name, x + 4, y - 4);
+      names.push(written(ctx, overlay.name, x + 4, y - 4));
     }
   }
-  if (settings.rings) paintRings(ctx, view, colours, bounds);
+  if (settings.rings) names.push(...paintRings(ctx, view, colours, bounds));
   ctx.globalAlpha = 1;
+  return names;
+}
+
+/** Writes a name. @param {CanvasRenderingContext2D} ctx @param {string} text @param {number} x @param {number} y Its base line.
+ * @returns {import("./placement.js").Box} */
+function written(ctx, text, x, y) {
+  ctx.fillText(text, x, y);
+  return { left: x, top: y - 9, width: ctx.measureText(text).width, height: 11 };
 }
 
 /**
@@ -172,6 +183,7 @@ function trace(ctx, m, [west, south, east, north], lines, closed) {
  * @param {number[]} bounds
  */
 function paintRings(ctx, view, colours, [west, south, east, north]) {
+  const names = [];
   const step = ringStep(view.scale);
   const nearest = Math.hypot(Math.max(west, -east, 0), Math.max(south, -north, 0)) / NAUTICAL_MILE_M;
   const farthest = Math.hypot(Math.max(-west, east), Math.max(-south, north)) / NAUTICAL_MILE_M;
@@ -197,6 +209,7 @@ function paintRings(ctx, view, colours, [west, south, east, north]) {
   ctx.font = "10px system-ui, 'DejaVu Sans', sans-serif";
   for (let ring = Math.max(1, Math.floor(nearest / step)); ring * step <= farthest; ring++) {
     const radius = (ring * step * NAUTICAL_MILE_M) / view.scale;
-    ctx.fillText(`${Number((ring * step).toPrecision(3))} NM`, x + 3, y - radius - 3);
+    names.push(written(ctx, `${Number((ring * step).toPrecision(3))} NM`, x + 3, y - radius - 3));
   }
+  return names;
 }

@@ -3,6 +3,7 @@
 import { App } from "./app.js";
 import { Connection } from "./connection.js";
 import { control } from "./controls.js";
+import { controlLabels } from "./nudge.js";
 import { groundOf, overlaysOf } from "./ground.js";
 import { openingAddress, unknownIn } from "./kept.js";
 
@@ -18,6 +19,7 @@ if (location.hash.length <= 1) history.replaceState(null, "", opening);
 const connection = new Connection();
 const app = new App(() => connection.ask());
 control(app);
+controlLabels(app);
 connection.start(app);
 app.notice(unknownIn(start));
 // For the browser's console, and for tests.

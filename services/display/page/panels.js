@@ -389,6 +389,7 @@ const VIEW_SETTINGS = [
   ["biases", "Sites and learned offsets × 100"],
   ["coverage", "Coverage of each source, as seen"],
   ["rings", "Range rings"],
+  ["handovers", "Rings at a change of the main source"],
   ["dim", "Map dimmed"],
   ["up", "Bearing that points up, degrees"],
   ["isolate", "Selected tracks only"],

@@ -32,7 +32,7 @@ import { ALERT } from "./wire.js";
  * @property {number} mainsSince Since when that has been noted, seconds.
  * @property {Trail} trail
  * @property {string[]} label Lines of its label, longest form.
- * @property {number} place Where its label was put last.
+ * @property {import("./placement.js").Spot} spot Where its label is.
  */
 
 /**
@@ -157,7 +157,7 @@ export function blankTrack() {
     mainsSince: 0,
     trail: new Trail(),
     label: [],
-    place: 0,
+    spot: { place: -1, lines: 0, pinned: null },
   };
 }
 

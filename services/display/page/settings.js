@@ -20,6 +20,7 @@
  * @property {boolean} sensors Sensor tracks. @property {boolean} detections
  * @property {boolean} bearings Of direction finders. @property {boolean} areas Wide-area counts and cues.
  * @property {boolean} coverage Of each source, as far as the page has seen it.
+ * @property {boolean} handovers Rings round tracks with another main source.
  * @property {boolean} rings Range rings. @property {boolean} biases Sites with learned offsets.
  * @property {boolean} dim Map dimmed.
  * @property {boolean} inview Table shows only what is on the map.
@@ -59,6 +60,7 @@ export const DEFAULTS = Object.freeze({
   rings: true,
   biases: false,
   coverage: false,
+  handovers: false,
   dim: false,
   inview: false,
   isolate: false,

@@ -38,6 +38,7 @@ mod feed_tests;
 mod foxglove;
 mod ground;
 mod history;
+mod label_settings;
 mod layers;
 mod operator;
 #[cfg(test)]
@@ -99,6 +100,7 @@ pub fn run(process: &Process, settings: &Settings) -> anyhow::Result<()> {
         settings.history_bytes(),
     );
     world.place(&origin(&process.config));
+    world.labels = settings.labels.clone();
     world.set_clock(PictureClock::of(process.config.is_recorded()));
     let desk = Desk {
         has_operators: settings.operator_token.is_some(),

@@ -338,6 +338,7 @@ fn hello(world: &World, has_operators: bool) -> Message {
         "layer_age_s": LAYER_AGE_S,
         "recording": recording,
         "operators": has_operators,
+        "labels": world.labels.message(),
         "limits": {"rate_hz": RATE_HZ, "select": SELECT_MAX},
     });
     Message::text(hello.to_string())

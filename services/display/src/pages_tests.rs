@@ -335,6 +335,7 @@ fn a_page_gets_all_tracks_then_what_has_changed_once_it_has_acknowledged() {
         (&hello["instance"], &hello["origin"]["latitude_deg"]),
         (&json!("test"), &json!(41.0))
     );
+    assert_eq!(hello["labels"]["lines"][1], json!(["level", "speed"]));
     let (header, records) = page.picture();
     assert_eq!(
         (header.flags & picture_bits::FULL, header.tracks, header.identities),

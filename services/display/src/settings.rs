@@ -7,6 +7,7 @@ use deployment::{Deployment, Parts, Secret};
 use settings::{KeyTable, SettingsError};
 use web::HostName;
 
+use crate::label_settings::LabelSettings;
 use crate::views::Views;
 
 /// Fewest characters of a token: nobody may guess it.
@@ -46,6 +47,8 @@ settings::settings! {
         history_mb: u32 = 256, in [1, 65_536];
         /// GeoJSON files drawn under the tracks, relative to the data folder unless absolute.
         overlays: Vec<String> = Vec::new(), usually "none";
+        /// Labels of the tracks.
+        labels: LabelSettings = LabelSettings::default();
         /// Views that all pages share.
         views: ViewSettings = ViewSettings::default();
     }

@@ -48,6 +48,18 @@ fn a_display_that_others_can_reach_must_be_asked_for_and_has_a_token() {
             "display.foxglove_sites: \"https://app.example/\" is no site",
         ),
         (
+            "labels = { lines = [] }",
+            "display.labels.lines: has 0 lines; a label has 1 to 3",
+        ),
+        (
+            "labels = { lines = [[\"name\"], []] }",
+            "display.labels.lines: line 2 has 0 fields",
+        ),
+        (
+            "labels = { lines = [[\"nam\"]] }",
+            "\"nam\" is not known; there are: name, callsign",
+        ),
+        (
             "listen = \"127.0.0.1:8900\"\nhosts = [\"a b\"]",
             "display.hosts: \"a b\" is no name",
         ),

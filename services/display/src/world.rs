@@ -19,6 +19,7 @@ use rustc_hash::FxHashMap;
 use crate::alarm_book::AlarmBook;
 use crate::clock::PictureClock;
 use crate::history::History;
+use crate::label_settings::LabelSettings;
 use crate::records::{self, DetectionPlace};
 use crate::reports::Reports;
 use crate::wire::{LAYER_AGE_S, Past};
@@ -93,6 +94,8 @@ pub(crate) struct World {
     /// Increases whenever all state is cleared.
     pub(crate) generation: u64,
     pub(crate) sources: Vec<SourceFact>,
+    /// Labels of the tracks.
+    pub(crate) labels: LabelSettings,
     /// State derived from health, alarms, origin, orders and latencies.
     pub(crate) observed: Deployment,
     pub(crate) stamp: u64,
@@ -121,6 +124,7 @@ impl World {
             recording: None,
             generation: 0,
             observed,
+            labels: LabelSettings::default(),
             stamp: 0,
             tracks: BTreeMap::new(),
             identities: FxHashMap::default(),
