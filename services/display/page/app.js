@@ -73,6 +73,7 @@ export class App {
       stages: [],
       processes: [],
       system: [],
+      declination: NaN,
       time: 0,
     };
     /** @type {Map<number, import("./panels.js").Source>} */
@@ -532,7 +533,7 @@ export class App {
       coverage: this.coverage,
       measure: this.measure,
       origin: this.known.origin,
-      declination: NaN,
+      declination: this.known.declination,
     });
   }
 

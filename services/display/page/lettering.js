@@ -124,7 +124,7 @@ export class Lettering {
   /** Labels of what has been laid: one, or each row of a block. @param {Laid} laid @returns {Label[]} */
   labelled(laid) {
     const { track, members } = /** @type {TrackWish} */ (laid.wish);
-    if (!members) return [{ ...laid, track, block: laid }];
+    if (!members) return [Object.assign(laid, { track, block: laid })];
     const width = Math.max(...members.map(({ label }) => label[0].length)) * this.glyph;
     const { rows, step } = blockOf(members.length, width, LINE_HEIGHT);
     return members.map((member, k) => ({
@@ -235,9 +235,10 @@ export class Lettering {
       for (let k = 0; k < lines; k++)
         ctx.fillText(track.label[k], Math.round(left), Math.round(top) + (k + 1) * LINE_HEIGHT - 4);
     }
+    if (scene.selected.size === 0) return;
     for (const label of this.labels) {
-      const list = scene.shares.get(label.track.number);
-      if (list && scene.selected.has(label.track.number)) this.paintShareBars(ctx, scene, label, list);
+      const list = scene.selected.has(label.track.number) ? scene.shares.get(label.track.number) : undefined;
+      if (list) this.paintShareBars(ctx, scene, label, list);
     }
   }
 

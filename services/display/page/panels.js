@@ -66,6 +66,7 @@ import { CHOICES } from "./settings.js";
  * @property {Source[]} sources @property {Alarm[]} alarms @property {Order[]} orders @property {Stage[]} stages
  * @property {Process[]} processes
  * @property {[string, string][]} system Figures of the instance as a whole.
+ * @property {number} declination Magnetic declination, degrees, east positive; NaN: not given.
  * @property {number} time When this was said, seconds UTC.
  */
 
