@@ -29,6 +29,7 @@ pub(crate) const ASSETS: &[Asset] = assets! {
     "main.js"
     "measuring.js"
     "nudge.js"
+    "occupancy.js"
     "painter.js"
     "panels.js"
     "picture.js"
