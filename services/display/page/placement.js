@@ -49,9 +49,10 @@ const MARGIN = 5;
 /** Moments of the time ahead at which a place taken anew shall still be free, seconds. */
 const AHEAD = [0, 20, 40, 60, 80, 100, 120];
 /** What is as bad as a leader that is so many pixels longer: no free pixels round a label, a leader across a symbol or a
- * label, and each of the moments ahead at which the place is no longer free. */
+ * label, a vector across a block, and each of the moments ahead at which the place is no longer free. */
 const COST_TIGHT = 10;
 const COST_CROSSED = 30;
+const COST_VECTOR = 80;
 const COST_BRIEF = 30;
 /** How many displaced labels are as bad as a symbol under a label. */
 const HIDDEN = 3;
@@ -270,6 +271,7 @@ export class Placement {
       if (cost >= least) break;
       this.tests++;
       if (!this.isFree(wish, place, lines, 0, wish.isBlock ? BOX : HARD)) continue;
+      if (wish.isBlock && !this.isFree(wish, place, lines, 0, VECTOR)) cost += COST_VECTOR;
       if (!this.isFree(wish, place, lines, MARGIN, HARD | LEADER)) cost += COST_TIGHT;
       if (!this.hasLeader(owner, wish, place, lines)) cost += COST_CROSSED;
       if (cost < least) cost += COST_BRIEF * this.brevity(wish, place, lines);
