@@ -99,7 +99,7 @@ export class Lettering {
     const taken = new Set();
     const fanned = [];
     for (const [lead, members] of groups) {
-      const spot = this.blocks.get(lead) ?? { place: -1, lines: 0, pinned: null };
+      const spot = this.blocks.get(lead) ?? { place: -1, lines: 0, isForced: false, pinned: null };
       blocks.set(lead, spot);
       const width = Math.max(...members.map(({ widths }) => widths[0]));
       const block = blockOf(members.length, width, LINE_HEIGHT);

@@ -10,6 +10,8 @@ const CELL = 32;
 export const BOX = 1;
 export const VECTOR = 2;
 export const LEADER = 4;
+export const SYMBOL = 8;
+const RECTANGLES = BOX | SYMBOL;
 /** No track: what belongs to the map. */
 export const NOBODY = -1;
 
@@ -54,7 +56,7 @@ export class Occupancy {
     this.shapes.set([x, y, toX, toY], 4 * shape);
     this.kinds[shape] = kind;
     this.owners[shape] = owner;
-    if (kind === BOX) this.enter(shape, x, y, toX, toY);
+    if ((kind & RECTANGLES) !== 0) this.enter(shape, x, y, toX, toY);
     else this.enterAlong(shape, x, y, toX, toY);
     return shape;
   }
@@ -94,13 +96,14 @@ export class Occupancy {
   }
 
   /**
-   * First shape of the kinds `mask` in a rectangle; -1: none.
-   * @param {number} mask @param {number} x @param {number} y @param {number} toX @param {number} toY
+   * How many shapes of the kinds `mask` lie in a rectangle, one in two cells twice; the count ends at `most`.
+   * @param {number} most @param {number} mask @param {number} x @param {number} y @param {number} toX @param {number} toY
    */
-  hit(mask, x, y, toX, toY) {
+  hits(most, mask, x, y, toX, toY) {
     const right = Math.min(this.columns - 1, Math.floor(toX / CELL));
     const bottom = Math.min(this.rows - 1, Math.floor(toY / CELL));
     const { shapes, kinds } = this;
+    let found = 0;
     for (let row = Math.max(0, Math.floor(y / CELL)); row <= bottom; row++)
       for (let column = Math.max(0, Math.floor(x / CELL)); column <= right; column++)
         for (let entry = this.heads[row * this.columns + column]; entry >= 0; entry = this.next[entry]) {
@@ -108,11 +111,12 @@ export class Occupancy {
           const kind = kinds[shape];
           if ((kind & mask) === 0) continue;
           const at = 4 * shape;
-          if (kind === BOX) {
-            if (shapes[at] < toX && shapes[at + 2] > x && shapes[at + 1] < toY && shapes[at + 3] > y) return shape;
-          } else if (crosses(shapes[at], shapes[at + 1], shapes[at + 2], shapes[at + 3], x, y, toX, toY)) return shape;
+          if ((kind & RECTANGLES) !== 0) {
+            if (shapes[at] >= toX || shapes[at + 2] <= x || shapes[at + 1] >= toY || shapes[at + 3] <= y) continue;
+          } else if (!crosses(shapes[at], shapes[at + 1], shapes[at + 2], shapes[at + 3], x, y, toX, toY)) continue;
+          if (++found === most) return found;
         }
-    return -1;
+    return found;
   }
 
   /**
@@ -128,7 +132,7 @@ export class Occupancy {
       for (let column = left; column <= right; column++)
         for (let entry = this.heads[row * this.columns + column]; entry >= 0; entry = this.next[entry]) {
           const shape = this.item[entry];
-          if (this.kinds[shape] !== BOX || this.owners[shape] === owner) continue;
+          if ((this.kinds[shape] & RECTANGLES) === 0 || this.owners[shape] === owner) continue;
           const at = 4 * shape;
           if (crosses(x, y, toX, toY, shapes[at], shapes[at + 1], shapes[at + 2], shapes[at + 3])) return false;
         }

@@ -156,7 +156,7 @@ export function blankTrack() {
     mainsSince: 0,
     trail: new Trail(),
     label: [],
-    spot: { place: -1, lines: 0, pinned: null },
+    spot: { place: -1, lines: 0, isForced: false, pinned: null },
   };
 }
 

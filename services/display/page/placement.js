@@ -13,7 +13,7 @@
  * 0.3 % with it.
  */
 
-import { BOX, LEADER, NOBODY, Occupancy, VECTOR } from "./occupancy.js";
+import { BOX, LEADER, NOBODY, Occupancy, SYMBOL, VECTOR } from "./occupancy.js";
 
 /** Distances between symbol and label that are tried in turn, pixels. */
 const LENGTHS = [12, 22, 34, 46, 58, 69, 80];
@@ -38,9 +38,9 @@ const DIRECTIONS = [
 ];
 const PLACES = LENGTHS.length * DIRECTIONS.length;
 /** Distances at which targets that overlap fan out: names alone, where nothing nearer is free. */
-const FAN_LENGTHS = [96, 112, 128, 144, 160];
+const FAN_LENGTHS = [96, 112, 128, 144, 160, 180, 200, 220, 240];
 /** Distances at which only a block of many names is put. */
-const BLOCK_LENGTHS = [180, 200, 220, 240, 270, 300, 330, 360, 400];
+const BLOCK_LENGTHS = [270, 300, 330, 360, 400];
 const ALL_LENGTHS = [...LENGTHS, ...FAN_LENGTHS, ...BLOCK_LENGTHS];
 const FAN_PLACES = (LENGTHS.length + FAN_LENGTHS.length) * DIRECTIONS.length;
 const BLOCK_PLACES = ALL_LENGTHS.length * DIRECTIONS.length;
@@ -63,13 +63,13 @@ const TESTS_MAX = 40_000;
 /** The same in a crowd, where most labels find no place. */
 const CROWD_TESTS_MAX = 3_000;
 /** Half of the side of a symbol that labels keep clear of, pixels. */
-const SYMBOL = 5;
+const HALF = 5;
 /** Free pixels between two labels at least, so that their texts can be told apart: beside and above. */
 export const PAD_X = 3;
 export const PAD_Y = 1;
 
 /** What makes a label give up its place: a leader that comes across does not. */
-const HARD = BOX | VECTOR;
+const HARD = BOX | SYMBOL | VECTOR;
 
 /**
  * A label that wants a place.
@@ -87,6 +87,7 @@ const HARD = BOX | VECTOR;
  * @typedef {object} Spot
  * @property {number} place Where its label is; -1: nowhere.
  * @property {number} lines With how many lines.
+ * @property {boolean} isForced Whether it has displaced others: it then bears symbols and vectors.
  * @property {[number, number] | null} pinned Where its user has put it: from the symbol to the label's corner, pixels.
  */
 
@@ -96,6 +97,11 @@ const HARD = BOX | VECTOR;
  */
 
 /** @typedef {Box & {wish: Wish, lines: number}} Laid */
+
+/** Whether a label must be shown, whatever it displaces. @param {Wish} wish */
+function isMust(wish) {
+  return wish.rank === 3 || wish.isBlock;
+}
 
 export class Placement {
   constructor() {
@@ -145,7 +151,7 @@ export class Placement {
 
   /** Keeps labels off the symbol of a target that wants no label of its own. @param {number} x @param {number} y */
   keepOutSymbol(x, y) {
-    this.add(BOX, NOBODY, x - SYMBOL, y - SYMBOL, x + SYMBOL, y + SYMBOL, 0, 0);
+    this.add(SYMBOL, NOBODY, x - HALF, y - HALF, x + HALF, y + HALF, 0, 0);
   }
 
   /** Keeps labels out of a rectangle. @param {Box} box */
@@ -172,17 +178,17 @@ export class Placement {
     this.shapes = [];
     this.tests = 0;
     wishes.forEach(({ x, y, vx, vy }, owner) =>
-      this.add(BOX, owner, x - SYMBOL, y - SYMBOL, x + SYMBOL, y + SYMBOL, vx, vy),
+      this.add(SYMBOL, owner, x - HALF, y - HALF, x + HALF, y + HALF, vx, vy),
     );
     const ranks = [3, 2, 1, 0].map((rank) => wishes.map((_, owner) => owner).filter((o) => wishes[o].rank === rank));
     /** @type {number[]} */
     const homeless = [];
     for (const owner of ranks.flat()) if (!this.pin(owner, wishes[owner])) homeless.push(owner);
     const left = homeless.filter((owner) => !this.keep(owner, wishes[owner]));
-    const must = left.filter((owner) => wishes[owner].rank === 3);
+    const must = left.filter((owner) => isMust(wishes[owner]));
     for (const owner of must)
       if (!this.find(owner, wishes[owner])) left.push(...this.force(owner, wishes[owner], wishes));
-    this.search(left.filter((owner) => wishes[owner].rank < 3), wishes);
+    this.search(left.filter((owner) => !isMust(wishes[owner])), wishes);
     return this.laid;
   }
 
@@ -241,7 +247,8 @@ export class Placement {
   /** Whether a label need not leave its place: a vector that will have passed is borne. @private
    * @param {Wish} wish @param {number} place @param {number} lines */
   canStay(wish, place, lines) {
-    if (!this.isFree(wish, place, lines, 0, BOX)) return false;
+    if (wish.spot.isForced) return this.isFree(wish, place, lines, 0, BOX);
+    if (!this.isFree(wish, place, lines, 0, BOX | SYMBOL)) return false;
     if (wish.isBlock || this.isFree(wish, place, lines, 0, VECTOR)) return true;
     return this.depth > 1 && this.brevity(wish, place, lines) < this.depth - 1;
   }
@@ -256,7 +263,7 @@ export class Placement {
     if (place < 0 && this.depth > 1) place = this.best(owner, wish, lines, PLACES, wish.isBlock ? BLOCK_PLACES : FAN_PLACES);
     wish.spot.place = place;
     if (place < 0) return false;
-    wish.spot.lines = lines;
+    Object.assign(wish.spot, { lines, isForced: false });
     this.layAt(owner, wish, place, lines);
     return true;
   }
@@ -270,7 +277,7 @@ export class Placement {
       let cost = ALL_LENGTHS[Math.floor(place / DIRECTIONS.length)];
       if (cost >= least) break;
       this.tests++;
-      if (!this.isFree(wish, place, lines, 0, wish.isBlock ? BOX : HARD)) continue;
+      if (!this.isFree(wish, place, lines, 0, wish.isBlock ? BOX | SYMBOL : HARD)) continue;
       if (wish.isBlock && !this.isFree(wish, place, lines, 0, VECTOR)) cost += COST_VECTOR;
       if (!this.isFree(wish, place, lines, MARGIN, HARD | LEADER)) cost += COST_TIGHT;
       if (!this.hasLeader(owner, wish, place, lines)) cost += COST_CROSSED;
@@ -289,11 +296,11 @@ export class Placement {
     const lines = wish.widths.length;
     let best = 0;
     let least = Infinity;
-    for (let place = 0; place < PLACES; place++) {
+    for (let place = 0; place < (wish.isBlock ? BLOCK_PLACES : PLACES); place++) {
       const { left, top, width, height } = this.boxOf(wish, place, lines);
       if (left < 0 || top < 0 || left + width > this.width || top + height > this.height) continue;
-      const symbols = wishes.filter(({ x, y }) => x > left && y > top && x < left + width && y < top + height).length;
-      const lost = this.under(left, top, width, height, wishes).length + HIDDEN * symbols;
+      const hits = (/** @type {number} */ mask) => this.moments[0].hits(99, mask, left, top, left + width, top + height);
+      const lost = this.under(left, top, width, height, wishes).length + HIDDEN * hits(SYMBOL) + hits(VECTOR);
       if (lost < least) [best, least] = [place, lost];
     }
     const { left, top, width, height } = this.boxOf(wish, best, lines);
@@ -304,7 +311,7 @@ export class Placement {
       const at = this.laid.findIndex((laid) => laid.wish === wishes[other]);
       this.laid.splice(at, 1);
     }
-    Object.assign(wish.spot, { place: best, lines });
+    Object.assign(wish.spot, { place: best, lines, isForced: true });
     this.layAt(owner, wish, best, lines);
     return lost;
   }
@@ -314,7 +321,7 @@ export class Placement {
   under(left, top, width, height, wishes) {
     const owners = [];
     for (const { wish, ...box } of this.laid) {
-      if (wish.rank === 3 || wish.spot.pinned || !overlap(box, { left, top, width, height })) continue;
+      if (isMust(wish) || wish.spot.pinned || !overlap(box, { left, top, width, height })) continue;
       owners.push(wishes.indexOf(wish));
     }
     return owners;
@@ -342,7 +349,7 @@ export class Placement {
     const { left, top, width, height } = this.boxOf(wish, place, lines);
     const [right, bottom] = [left + width, top + height];
     if (left < margin || top < margin || right > this.width - margin || bottom > this.height - margin) return false;
-    return this.moments[0].hit(mask, left - margin, top - margin, right + margin, bottom + margin) < 0;
+    return this.moments[0].hits(1, mask, left - margin, top - margin, right + margin, bottom + margin) === 0;
   }
 
   /** At how many of the later moments a place is no longer free. @private
@@ -352,7 +359,7 @@ export class Placement {
     for (let k = 1; k < this.depth; k++) {
       const [x, y] = [left + AHEAD[k] * wish.vx, top + AHEAD[k] * wish.vy];
       const inside = x >= 0 && y >= 0 && x + width <= this.width && y + height <= this.height;
-      if (!inside || this.moments[k].hit(HARD, x, y, x + width, y + height) >= 0) return this.depth - k;
+      if (!inside || this.moments[k].hits(1, HARD, x, y, x + width, y + height) > 0) return this.depth - k;
     }
     return 0;
   }
