@@ -180,10 +180,13 @@ export class Placement {
     wishes.forEach(({ x, y, vx, vy }, owner) =>
       this.add(SYMBOL, owner, x - HALF, y - HALF, x + HALF, y + HALF, vx, vy),
     );
-    const ranks = [3, 2, 1, 0].map((rank) => wishes.map((_, owner) => owner).filter((o) => wishes[o].rank === rank));
+    /** Owners by rank. @type {number[][]} */
+    const ranks = [[], [], [], []];
+    wishes.forEach((wish, owner) => ranks[3 - wish.rank].push(owner));
     /** @type {number[]} */
     const homeless = [];
-    for (const owner of ranks.flat()) if (!this.pin(owner, wishes[owner])) homeless.push(owner);
+    for (const owners of ranks)
+      for (const owner of owners) if (!this.pin(owner, wishes[owner])) homeless.push(owner);
     const left = homeless.filter((owner) => !this.keep(owner, wishes[owner]));
     const must = left.filter((owner) => isMust(wishes[owner]));
     for (const owner of must)
