@@ -61,6 +61,25 @@ export function bearing(east, north) {
   return ((Math.atan2(east, north) * 180) / Math.PI + 360) % 360;
 }
 
+const degreesText = (/** @type {number} */ degrees) => `${String(Math.round(degrees) % 360).padStart(3, "0")}°`;
+
+/**
+ * Magnetic bearing: 018°M.
+ * @param {number} degrees True bearing. @param {number} declination Degrees, east positive.
+ */
+export function magneticText(degrees, declination) {
+  return `${degreesText((degrees - declination + 720) % 360)}M`;
+}
+
+/**
+ * True bearing, and the magnetic one where the declination is known: 020° / 018°M.
+ * @param {number} degrees @param {number} declination NaN: unknown.
+ */
+export function courseText(degrees, declination) {
+  const magnetic = Number.isFinite(declination) ? ` / ${magneticText(degrees, declination)}` : "";
+  return degreesText(degrees) + magnetic;
+}
+
 /**
  * Degrees, minutes and seconds: 41°17′49″N.
  * @param {number} degrees @param {string} positive @param {string} negative

@@ -3,11 +3,15 @@
 import { App } from "./app.js";
 import { Connection } from "./connection.js";
 import { control } from "./controls.js";
-import { groundOf, overlaysOf } from "./ground.js";
+import { groundOf } from "./ground.js";
+import { overlaysOf } from "./maps.js";
+import { TrailRequests } from "./trails.js";
 
 const connection = new Connection();
 const app = new App(() => connection.ask());
 control(app);
+const trails = new TrailRequests(app);
+app.onLeap = (time) => void trails.ask(time).catch((error) => console.error(error));
 connection.start(app);
 // For the browser's console, and for tests.
 Object.assign(globalThis, { koseki: app });

@@ -7,6 +7,7 @@
  */
 
 import { countColour, heightColour } from "./colours.js";
+import { paintCoverage } from "./coverage.js";
 import { bearing, NAUTICAL_MILE_M } from "./geodesy.js";
 import { FONT, LabelGrid, LINE_HEIGHT, place } from "./labels.js";
 import { isGrave } from "./picture.js";
@@ -112,7 +113,10 @@ export class Painter {
     if (settings.sensors) this.paintSensorTracks(ctx, scene);
     if (settings.areas) this.paintAreas(ctx, scene);
     if (settings.bearings) this.paintBearings(ctx, scene);
-    if (settings.coverage) this.paintCoverage(ctx, scene);
+    if (settings.coverage || settings.pd !== "") {
+      ctx.font = FONT;
+      paintCoverage(ctx, view, scene.colours.sources, scene.coverage, settings.pd);
+    }
     if (settings.biases) this.paintSites(ctx, scene);
 
     this.drawn = [];
@@ -219,31 +223,6 @@ export class Painter {
       ctx.stroke();
       ctx.setLineDash([]);
       ctx.fillText(area.cue ? `cue ${area.targets}` : String(area.targets), x - 4, y + 4);
-    }
-  }
-
-  /**
-   * Outlines of what each source has seen.
-   * @param {CanvasRenderingContext2D} ctx @param {Scene} scene
-   */
-  paintCoverage(ctx, { view, colours, sites, coverage }) {
-    ctx.font = FONT;
-    ctx.lineWidth = 1.2;
-    for (const site of sites) {
-      const outline = coverage.outline(site.number);
-      if (outline.length < 3) continue;
-      ctx.strokeStyle = ctx.fillStyle = colours.sources[site.number % colours.sources.length];
-      ctx.beginPath();
-      const corners = outline.map(([east, north]) => view.toScreen((site.east || 0) + east, (site.north || 0) + north));
-      for (const [x, y] of corners) ctx.lineTo(x, y);
-      ctx.closePath();
-      ctx.globalAlpha = 0.06;
-      ctx.fill();
-      ctx.globalAlpha = 0.6;
-      ctx.stroke();
-      const [x, y] = corners.reduce((a, b) => (b[1] < a[1] ? b : a));
-      ctx.fillText(site.name, x + 4, y - 4);
-      ctx.globalAlpha = 1;
     }
   }
 

@@ -55,8 +55,8 @@ import { ALERT } from "./wire.js";
  *   minor: number, bearing: number}} Area
  */
 
-/** Points that a trail keeps, and seconds between two: eight minutes. */
-const TRAIL_MAX = 240;
+/** Points that a trail keeps, and seconds between two: ten minutes. */
+const TRAIL_MAX = 300;
 const TRAIL_STEP_S = 2;
 
 /** Past positions of one track: a ring, whole from the start, so that memory stays what it is. */

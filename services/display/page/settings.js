@@ -22,8 +22,11 @@ import { sourcesOf } from "./picture.js";
  * @property {string} units aviation or metric
  * @property {boolean} sensors Sensor tracks. @property {boolean} detections
  * @property {boolean} bearings Of direction finders. @property {boolean} areas Wide-area counts and cues.
- * @property {boolean} coverage Of each source, as far as the page has seen it.
- * @property {boolean} rings Range rings. @property {boolean} biases Sites with learned offsets.
+ * @property {boolean} coverage Outline of each source's coverage.
+ * @property {string} pd Name of the source whose probability of detection is shown; "": none.
+ * @property {boolean} rings Range rings about the origin. @property {boolean} siterings The same about each sensor.
+ * @property {string} maps Layers of the map from the lowest up, separated by "|"; a minus switches one off.
+ * @property {boolean} biases Sites with learned offsets.
  * @property {boolean} dim Map dimmed.
  * @property {boolean} inview Table shows only what is on the map.
  * @property {boolean} isolate Only selected tracks are shown.
@@ -56,8 +59,11 @@ export const DEFAULTS = Object.freeze({
   bearings: false,
   areas: false,
   rings: true,
+  siterings: false,
+  maps: "",
   biases: false,
   coverage: false,
+  pd: "",
   dim: false,
   inview: false,
   isolate: false,

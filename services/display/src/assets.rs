@@ -24,14 +24,18 @@ pub(crate) const ASSETS: &[Asset] = assets! {
     "ground.js"
     "index.html"
     "labels.js"
+    "lines.js"
     "main.js"
+    "maps.js"
     "painter.js"
     "panels.js"
     "picture.js"
     "plots.js"
     "settings.js"
     "table.js"
+    "trails.js"
     "view.js"
+    "why.js"
     "wire.js"
 };
 

@@ -1,6 +1,5 @@
 //! State shared by the agent and the server.
 
-use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -8,6 +7,7 @@ use runtime::Now;
 
 use crate::feed::Feed;
 use crate::orders::OrderQueue;
+use crate::settings::MapFiles;
 use crate::status::Audience;
 use crate::world::World;
 
@@ -15,7 +15,8 @@ use crate::world::World;
 #[derive(Debug)]
 pub(crate) struct SharedState {
     world: Mutex<World>,
-    pub(crate) overlays: Vec<PathBuf>,
+    /// Files of the map.
+    pub(crate) maps: MapFiles,
     /// Orders of operators.
     pub(crate) orders: OrderQueue,
     /// Reads the clocks.
@@ -36,16 +37,16 @@ pub(crate) struct TrafficCounts {
 }
 
 impl SharedState {
-    /// Creates the shared state of a world and the files of its overlays, without published samples.
-    pub(crate) fn new(world: World, overlays: Vec<PathBuf>, clock: fn() -> Now) -> Arc<Self> {
-        Self::fed(world, overlays, clock, Feed::default())
+    /// Creates the shared state of a world and the files of its map, without published samples.
+    pub(crate) fn new(world: World, maps: MapFiles, clock: fn() -> Now) -> Arc<Self> {
+        Self::fed(world, maps, clock, Feed::default())
     }
 
-    /// Creates the shared state of a world, the files of its overlays, and the samples as they are published.
-    pub(crate) fn fed(world: World, overlays: Vec<PathBuf>, clock: fn() -> Now, feed: Feed) -> Arc<Self> {
+    /// Creates the shared state of a world, the files of its map, and the samples as they are published.
+    pub(crate) fn fed(world: World, maps: MapFiles, clock: fn() -> Now, feed: Feed) -> Arc<Self> {
         Arc::new(Self {
             world: Mutex::new(world),
-            overlays,
+            maps,
             orders: OrderQueue::default(),
             clock,
             traffic: TrafficCounts::default(),
