@@ -20,6 +20,8 @@ import time
 
 from playwright.sync_api import sync_playwright
 
+from engineer import drive_engineer, drive_guest, overlay_of
+
 PATIENCE_S = 30
 
 # Luminance (WCAG 2) of the brightest pixel of the canvas of tracks, over the ground below it.
@@ -416,9 +418,11 @@ def main():
     given.folder.mkdir(parents=True, exist_ok=True)
     records = given.folder / "records"
     recorder = ["--set", "recorder.enabled=true", "--set", 'recorder.format=["csv", "mcap"]']
-    command = ["demo", "--instance", "ci-display", "--out", records, *recorder]
+    maps = ["--set", f'display.overlays=["{overlay_of(given.folder)}"]', "--set", "display.declination_deg=1.5"]
+    command = ["demo", "--instance", "ci-display", "--out", records, *recorder, *maps]
+    began = time.monotonic()
     demo = Koseki(given.koseki, given.folder / "demo.txt", command)
-    player = None
+    player = guest = None
     try:
         url = demo.address()
         print(url)
@@ -439,7 +443,14 @@ def main():
             large = browser.new_page(viewport={"width": 1920, "height": 1080}, device_scale_factor=2)
             pictures(large, url, given.folder, "3840x2160.png", 60)
             large.close()
+            drive_engineer(browser, url, given.folder, began, until, check)
+            guest = Koseki(given.koseki, given.folder / "guest.txt", ["display", "--instance", "ci-display"])
+            page = browser.new_page(viewport={"width": 1280, "height": 800})
+            page.on("pageerror", lambda error: errors.append(str(error)))
+            drive_guest(page, guest.address(), until, check)
+            page.close()
             demo.stop()
+            check(guest.process.wait(timeout=30) == 0, "a display without the file ends with the instance")
             player = Koseki(given.koseki, given.folder / "recording.txt", ["display", "--recording", records / "latest"])
             page = browser.new_page(viewport={"width": 1280, "height": 800})
             page.on("pageerror", lambda error: errors.append(str(error)))
@@ -450,8 +461,8 @@ def main():
             raise AssertionError("the page complains: " + json.dumps(errors[:5]))
     finally:
         demo.stop()
-        if player:
-            player.stop()
+        for other in filter(None, [guest, player]):
+            other.stop()
     recorded = Recorded(records / "latest" / "system_tracks.csv")
     compare(recorded, seen, past)
     compare_recording(recorded, replayed, killed)

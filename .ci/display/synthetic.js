@@ -6,6 +6,7 @@
 import { App } from "./app.js";
 import { control } from "./controls.js";
 import { groundOf } from "./ground.js";
+import { NO_REASONS, reasonOf } from "./why.js";
 
 const count = Number(new URLSearchParams(location.search).get("tracks") ?? 5000);
 const app = new App(() => {});
@@ -23,6 +24,7 @@ const sources = kinds.map((kind, number) => ({
   rate: count,
   lastHeard: 0,
   lost: number,
+  dependsOn: /** @type {[string, number][]} */ ([]),
   rejected: /** @type {[string, number][]} */ (number === 0 ? [["position", 12]] : []),
   errors: `+${12 * number}.0 m east, -5.0 m north ± 0.4 (removed), covariances × ${1 + number / 2}`,
   clockOffset: 0.012,
@@ -136,11 +138,15 @@ function picture() {
         accuracy: 10 * weight,
         east: track.east + 400 * (source - 1),
         north: track.north + 300,
+        ...reasonOf({}),
       })),
       2 + Math.sin(time),
-      [["quality", "0.93"]],
-      [],
-      { climb: flight.climb, climbSigma: 0.5, turn: 0, turnSigma: 0.5, modes: [{ mode: "steady", probability: 0.9 }] },
+      {
+        facts: [["quality", "0.93"]],
+        rule: "auto",
+        why: NO_REASONS,
+        motion: { climb: flight.climb, climbSigma: 0.5, turn: 0, turnSigma: 0.5, modes: [{ mode: "steady", probability: 0.9 }] },
+      },
     );
   }
 }
