@@ -7,27 +7,30 @@
 
 import { Alarms } from "./alarms.js";
 import { COLOURS, countColour, SCALE_TOP_M } from "./colours.js";
-import { Coverage } from "./coverage.js";
+import { Coverage, coverageChoice, PROBABILITY_LEGEND } from "./coverage.js";
 import { byId, grouped, h, morph, setText } from "./dom.js";
 import { readFilter } from "./filter.js";
-import { NAUTICAL_MILE_M, placeOf, sexagesimal } from "./geodesy.js";
+import { bearing, magneticText, NAUTICAL_MILE_M, pathBetween, placeOf, sexagesimal } from "./geodesy.js";
 import { paintGround } from "./ground.js";
 import { showHeader } from "./header.js";
 import { KeptViews, keepHabits } from "./kept.js";
-import { labelOf, levelOf, levelText, NO_MOTION } from "./labels.js";
+import { LABEL_LINES, labelOf, levelOf, levelText, NO_MOTION } from "./labels.js";
+import { layersChoice, layersOf } from "./maps.js";
+import { bearingText, distanceText } from "./measuring.js";
+import { controlsOn } from "./nudge.js";
 import { Operator } from "./operator.js";
 import { controlOrders, showTrackOrders } from "./orders.js";
-import { measured, Painter } from "./painter.js";
+import { Painter } from "./painter.js";
 import { latencyPanel, sourcesPanel, systemPanel, TrackPanel, viewPanel } from "./panels.js";
-import { blankTrack, forgetMains, HAND_OVER_AFTER_S, noteMain, Picture, sourcesOf, Trail } from "./picture.js";
+import { blankTrack, forgetMains, HAND_OVER_AFTER_S, noteMain, Picture, Trail } from "./picture.js";
 import { read, write } from "./settings.js";
 import { TrackTable } from "./table.js";
 import { controlTabs } from "./tabs.js";
 import { View } from "./view.js";
+import { NO_REASONS } from "./why.js";
 
 /** @typedef {import("./picture.js").Track} Track */
 /** @typedef {import("./settings.js").Settings} Settings */
-/** @typedef {import("./painter.js").Share} Share */
 /** @typedef {import("./panels.js").Known} Known */
 /** @typedef {import("./panels.js").History} History */
 /** @typedef {import("./picture.js").Spot} Spot */
@@ -61,7 +64,7 @@ export class App {
     this.coverage = new Coverage();
     /** @type {Set<number>} */
     this.selected = new Set();
-    /** @type {Map<number, Share[]>} */
+    /** @type {Map<number, import("./panels.js").Share[]>} */
     this.shares = new Map();
     /** @type {Map<number, History>} */
     this.histories = new Map();
@@ -78,16 +81,24 @@ export class App {
       stages: [],
       processes: [],
       system: [],
+      declination: NaN,
       time: 0,
     };
     /** @type {Map<number, import("./panels.js").Source>} */
     this.sourceOf = new Map();
     /** @type {import("./ground.js").Ground} */
     this.ground = { land: [], borders: [] };
-    /** @type {import("./ground.js").Overlay[]} */
+    /** @type {import("./maps.js").Overlay[]} */
     this.overlays = [];
-    /** @type {{from: [number, number], to: [number, number]} | null} */
+    /** Measuring lines; none: null. @type {import("./measuring.js").Measuring | null} */
     this.measure = null;
+    /** What labels say and which come first, by the configuration. */
+    this.labelling = { lines: LABEL_LINES, prefer: "" };
+    this.prefers = /** @type {(track: Track) => boolean} */ (() => false);
+    /** Track under the pointer; -1: none. */
+    this.hovered = -1;
+    /** Where no label may lie: names on the map; controls upon it. @type {import("./placement.js").Box[][]} */
+    this.chrome = [[], []];
     this.matches = /** @type {(track: Track) => boolean} */ (() => true);
     /** @type {import("./filter.js").Fault[]} Words of the filter that cannot be read. */
     this.faults = [];
@@ -108,6 +119,8 @@ export class App {
     this.pastEdition = 0;
     /** Called when the origin of the frame is known. */
     this.onOrigin = () => {};
+    /** Called when the picture has leapt to another time, seconds UTC. @type {(time: number) => void} */
+    this.onLeap = () => {};
     /** Figures that tests and curious people read. */
     this.stats = { pictures: 0, frames: 0, sounds: 0, frameMs: /** @type {number[]} */ ([]) };
     this.pendingFit = this.settings.scale === 0;
@@ -132,6 +145,8 @@ export class App {
     /** @type {TrackPanel | null} */
     this.trackPanel = null;
     this.trackOrders = h("div");
+    /** Sources, and the choice of the coverage that is shown. */
+    this.sourceParts = [h("div"), h("div")];
     this.mounted = "";
     this.operator = new Operator();
     this.alarms = new Alarms(this);
@@ -258,11 +273,14 @@ export class App {
   // ---- Messages of the server
 
   /**
-   * @param {{instance: string, origin: import("./geodesy.js").Place | null,
-   *   recording?: {name: string, from_s: number, to_s: number, time_s: number, speed: number} | null}} what
+   * @param {{instance: string, origin: import("./geodesy.js").Place | null, declination_deg?: number | null,
+   *   recording?: {name: string, from_s: number, to_s: number, time_s: number, speed: number} | null,
+   *   labels?: {lines: readonly (readonly string[])[], prefer: string}}} what
    *   An origin that is not known yet is said later.
    */
-  hello({ instance, origin, recording }) {
+  hello({ instance, origin, recording, labels, declination_deg }) {
+    if (labels) this.labelBy(labels);
+    this.known.declination = declination_deg ?? NaN;
     setText(byId("instance"), recording ? `recording ${recording.name}` : instance);
     document.title = `Koseki ${recording?.name ?? instance}`;
     setText(byId("live"), recording ? "END" : "LIVE");
@@ -278,6 +296,14 @@ export class App {
       this.onOrigin();
     }
     this.dirty = true;
+  }
+
+  /** Labels tracks by a configuration. @param {{lines: readonly (readonly string[])[], prefer: string}} labelling */
+  labelBy(labelling) {
+    this.labelling = labelling;
+    const { matches } = readFilter(labelling.prefer, (source) => this.sourceName(source));
+    this.prefers = labelling.prefer === "" ? () => false : matches;
+    for (const track of this.picture.system.values()) this.relabel(track);
   }
 
   /**
@@ -310,15 +336,12 @@ export class App {
       noteMain(track, main, time);
       track.trail.add(track.time, track.east, track.north);
       this.relabel(track);
-      for (const source of sourcesOf(track)) {
-        const { east, north } = this.siteOf(source);
-        this.coverage.add(source, track.east - (east || 0), track.north - (north || 0));
-      }
     }
     for (const identity of identities ?? []) {
       const track = picture.system.get(identity.number);
       if (track) this.relabel(Object.assign(track, identity));
     }
+    if (leap) this.onLeap(time);
     picture.addLayers(time - layerAge, sensor ?? [], detections ?? [], bearings ?? [], areas ?? []);
     this.stats.pictures++;
     this.pictureAt = performance.now();
@@ -345,13 +368,12 @@ export class App {
   /**
    * Details of a selected track.
    * @param {number} number @param {string} stateTime Time of the state that they belong to, nanoseconds UTC.
-   * @param {Share[]} shares @param {number} nis NaN: unknown.
-   * @param {[string, string][]} facts @param {{time_s: number, kind: string, text: string}[]} decisions
-   * @param {import("./labels.js").Motion} motion
+   * @param {import("./panels.js").Share[]} shares @param {number} nis NaN: unknown.
+   * @param {Omit<import("./panels.js").Facts, "stateTime">} facts
    */
-  details(number, stateTime, shares, nis, facts, decisions, motion) {
+  details(number, stateTime, shares, nis, facts) {
     this.shares.set(number, shares);
-    this.facts.set(number, { stateTime, facts, decisions, motion });
+    this.facts.set(number, { stateTime, ...facts });
     const track = this.picture.system.get(number);
     if (track) this.remember(number, track.time, track.height, Math.hypot(track.speedEast, track.speedNorth), shares, nis);
     // Map and panel show the same instant.
@@ -441,7 +463,7 @@ export class App {
 
   /** @param {Track} track */
   relabel(track) {
-    track.label = labelOf(track, this.settings.units, this.mainName(track));
+    track.label = labelOf(track, this.settings.units, this.mainName(track), this.labelling.lines);
   }
 
   // ---- Selection and view
@@ -561,7 +583,10 @@ export class App {
       this.showPanel();
       showHeader(this);
       this.alarms.sound(now);
+      this.chrome[1] = controlsOn(this.map);
     }
+    if (this.settings.coverage || this.settings.pd !== "")
+      void this.coverage.refresh(now, () => (this.dirty = true)).catch((error) => console.error(error));
     if (!this.dirty) return;
     this.dirty = false;
     this.paint();
@@ -582,13 +607,22 @@ export class App {
       view.height,
       settings.theme,
       settings.rings,
+      settings.siterings,
       settings.dim,
+      settings.maps,
     ]
       .concat([this.ground.land.length, this.overlays.length])
       .join();
     if (key !== this.groundKey) {
       this.groundKey = key;
-      paintGround(this.groundContext, view, colours, this.ground, this.overlays, settings);
+      this.chrome[0] = paintGround(this.groundContext, view, colours, {
+        ground: this.ground,
+        overlays: this.overlays,
+        layers: layersOf(settings.maps, this.overlays),
+        sites: this.known.sources,
+        settings,
+        latitude: this.known.origin.latitude_deg,
+      });
       this.showScale();
     }
     this.painter.paint(this.trackContext, {
@@ -599,10 +633,15 @@ export class App {
       selected: this.selected,
       shares: this.shares,
       shows: (track) => this.shows(track),
+      prefers: this.prefers,
+      hovered: this.hovered,
+      chrome: this.chrome.flat(),
       kindOf: (source) => this.sourceOf.get(source)?.kind ?? "tracker",
       sites: this.known.sources,
       coverage: this.coverage,
       measure: this.measure,
+      origin: this.known.origin,
+      declination: this.known.declination,
     });
   }
 
@@ -661,6 +700,7 @@ export class App {
         ["□", colours.sensor["ads-b"], "ADS-B"],
         ["◇", colours.sensor.tracker, "other sensor"],
       );
+    if (settings.pd !== "") lines.push(...PROBABILITY_LEGEND);
     if (settings.detections) lines.push(["·", colours.sensor.detection, "detection"]);
     if (settings.at > 0 && !this.isRecording && (settings.detections || settings.bearings || settings.areas))
       lines.push(["–", colours.unknown, "detections, bearings, counts: not kept"]);
@@ -678,12 +718,15 @@ export class App {
   showCursor(x, y) {
     const [east, north] = this.view.toGround(x, y);
     const place = placeOf(this.known.origin, east, north);
-    const fromOrigin = measured([0, 0], [east, north], this.settings.units).replace(/ \/ \S+/, "");
+    const path = pathBetween(this.known.origin, { east: 0, north: 0 }, { east, north });
+    const fromOrigin = path ? `${bearingText(path.there)}  ${distanceText(path.range, this.settings.units)}` : "";
     const signed = (/** @type {number} */ v) => `${v < 0 ? "−" : "+"}${grouped(Math.abs(v))}`;
+    const variation = this.known.declination;
+    const magnetic = Number.isFinite(variation) ? ` ${magneticText(bearing(east, north), variation)}` : "";
     const where = place
       ? `${sexagesimal(place.latitude_deg, "N", "S")} ${sexagesimal(place.longitude_deg, "E", "W")}`
       : "beyond the horizon";
-    setText(byId("cursor"), `${where}\nE ${signed(east)} m  N ${signed(north)} m  ${fromOrigin}`);
+    setText(byId("cursor"), `${where}\nE ${signed(east)} m  N ${signed(north)} m  ${fromOrigin}${magnetic}`);
   }
 
   // ---- Panel
@@ -719,21 +762,34 @@ export class App {
     const { settings, known } = this;
     const panel = byId("panel");
     // Figures that the user is marking or changing are left alone.
-    const busy = panel.contains(document.activeElement) && settings.tab === "view";
+    const busy = panel.contains(document.activeElement) && ["view", "sources"].includes(settings.tab);
     if (settings.tab === "" || busy || (settings.tab !== "tracks" && !getSelection()?.isCollapsed)) return;
     const scroll = panel.scrollTop;
     if (settings.tab === "tracks") {
       this.table.update(this.listed(), settings.sort, this.selected, settings.units, (track) => this.mainName(track));
     } else if (settings.tab === "track") this.showTrack(panel);
-    else if (settings.tab === "sources") 
-      morph(panel, sourcesPanel(known.sources, known.time, known.hasOperators));
+    else if (settings.tab === "sources") this.showSources(panel);
     else if (settings.tab === "alarms") this.alarms.show(panel);
     else if (settings.tab === "latency") panel.replaceChildren(latencyPanel(known.stages));
-    else if (settings.tab === "system") 
+    else if (settings.tab === "system")
       morph(panel, systemPanel(known.processes, known.orders, known.system, known.time, known.hasOperators));
-    else if (settings.tab === "view") 
-      panel.replaceChildren(this.kept.panel(), viewPanel(settings, (patch) => this.set(patch)));
+    else if (settings.tab === "view")
+      panel.replaceChildren(
+        this.kept.panel(),
+        viewPanel(settings, (patch) => this.set(patch)),
+        layersChoice(settings.maps, this.overlays, (patch) => this.set(patch)),
+      );
     if (settings.tab !== "tracks") panel.scrollTop = scroll;
+  }
+
+  /** @param {HTMLElement} panel */
+  showSources(panel) {
+    const { known, settings, sourceParts } = this;
+    const [list, choice] = sourceParts;
+    if (!panel.contains(list)) panel.replaceChildren(...sourceParts);
+    morph(list, sourcesPanel(known.sources, known.time, known.hasOperators));
+    if (!choice.contains(document.activeElement))
+      choice.replaceChildren(coverageChoice(this.coverage, known.sources, settings.pd, (patch) => this.set(patch)));
   }
 
   /** @param {HTMLElement} panel */
@@ -756,7 +812,7 @@ export class App {
       track,
       this.shares.get(number) ?? [],
       this.historyOf(number),
-      this.facts.get(number) ?? { stateTime: "", facts: [], decisions: [], motion: NO_MOTION },
+      this.facts.get(number) ?? { stateTime: "", facts: [], rule: "", why: NO_REASONS, motion: NO_MOTION },
       this.known,
       this.settings.units,
       COLOURS[this.settings.theme].sources,

@@ -6,6 +6,7 @@
  */
 
 import { IDENTITY, PICTURE, PICTURE_AREA_KIND, PICTURE_TRACK, readPicture, TRACK_KIND, TRACK_STATE } from "./wire.js";
+import { reasonOf, whyOf } from "./why.js";
 
 /** @typedef {import("./app.js").App} App */
 /** @typedef {import("./app.js").Change} Change */
@@ -184,7 +185,7 @@ export class Connection {
     if (!app) return;
     if (message.type === "hello") {
       this.layerAge = message.layer_age_s;
-      app.hello({ instance: message.instance, origin: message.origin, recording: message.recording });
+      app.hello(message);
       app.learn({ sources: message.sources.map(sourceOf), hasOperators: message.operators });
     } else if (message.type === "selected") {
       for (const track of message.tracks) this.selected(app, track);
@@ -223,6 +224,7 @@ export class Connection {
       centre: share.centre,
       east: share.position_m?.[0] ?? NaN,
       north: share.position_m?.[1] ?? NaN,
+      ...reasonOf(share),
     }));
     /** @type {[string, string][]} */
     const facts = [];
@@ -241,8 +243,8 @@ export class Connection {
       turnSigma: track.turn_sigma_dps ?? NaN,
       modes: track.modes ?? [],
     };
-    const decisions = track.decisions ?? [];
-    app.details(track.number, track.reference_time_ns, shares, track.nis ?? NaN, facts, decisions, motion);
+    const rule = track.rule ?? "";
+    app.details(track.number, track.reference_time_ns, shares, track.nis ?? NaN, { facts, rule, why: whyOf(track), motion });
   }
 
   /** @param {App} app @param {any} status */
@@ -324,6 +326,7 @@ function sourceOf(source) {
     lastHeard: source.heard_s ?? 0,
     lost: source.lost ?? 0,
     rejected: Object.entries(source.rejected ?? {}).filter(([, count]) => count > 0),
+    dependsOn: source.depends_on ?? [],
     errors: source.errors ?? "",
     clockOffset: source.clock_offset_s ?? NaN,
     east: source.site_m?.[0] ?? NaN,

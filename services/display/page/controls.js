@@ -1,6 +1,8 @@
 /** Mouse, fingers, keyboard, and the bar of time. */
 
 import { byId, clock, h, setText } from "./dom.js";
+import { Measuring, measureSelected } from "./measuring.js";
+import { giveBack, nudge } from "./nudge.js";
 import { isNameKey, SearchBox } from "./search.js";
 import { CHOICES, DEFAULTS } from "./settings.js";
 
@@ -57,6 +59,7 @@ const KEYS = [
   ["[", "", (app) => app.moved(() => app.view.turn(-Math.PI / 36))],
   ["]", "", (app) => app.moved(() => app.view.turn(Math.PI / 36))],
   ["\\", "north up", (app) => app.moved(() => Object.assign(app.view, { up: 0 }))],
+  [".", "measure between the selected tracks", measureSelected],
   ["/", "to the filter", () => byId("filter").focus()],
   ["?", "this help", () => toggleHelp()],
 ];
@@ -78,9 +81,10 @@ shift ← → a second back, ahead      Home      back to live, or to the end
 Tab       to the next control       ↑ ↓       in the table; Enter there selects and centres
 
 drag      move the map              shift+drag   turn it
-wheel     smaller, larger           right drag   bearing and distance
+wheel     smaller, larger           right drag   measure; right click on a line: away with it
 click     select                    ctrl+click   select one more
 double click: put a track into the middle and follow it
+drag a label  put it elsewhere (Ctrl+arrows, selected tracks); double click on it, or Ctrl+Backspace: give it back
 
 filter    BAW  fl>100  kt<200  sources>2  state=coasted  kind=group
           main=NAME  source=NAME  type=A320  /^EC/  -word: not so`;
@@ -241,15 +245,18 @@ function controlPointer(app) {
   const fingers = new Map();
   let action = "";
   let moved = 0;
+  /** Label that is dragged. @type {import("./lettering.js").Label | null} */
+  let label = null;
   const where = (/** @type {MouseEvent} */ event) => {
     const box = canvas.getBoundingClientRect();
     const size = app.settings.size / 100;
     return /** @type {[number, number]} */ ([(event.clientX - box.left) / size, (event.clientY - box.top) / size]);
   };
-  /** Point under the cursor, or the track there. @param {number} x @param {number} y @returns {[number, number]} */
+  /** Point under the cursor, or the track there. @param {number} x @param {number} y */
   const target = (x, y) => {
     const track = app.painter.at(x, y);
-    return track ? [track.east, track.north] : app.view.toGround(x, y);
+    const [east, north] = track ? [track.east, track.north] : app.view.toGround(x, y);
+    return { east, north, track: track?.number ?? -1 };
   };
   canvas.addEventListener("contextmenu", (event) => event.preventDefault());
   canvas.addEventListener("pointerdown", (event) => {
@@ -257,10 +264,11 @@ function controlPointer(app) {
     const [x, y] = where(event);
     fingers.set(event.pointerId, [x, y]);
     moved = 0;
-    action = event.button === 2 ? "measure" : event.shiftKey ? "turn" : "pan";
+    label = app.painter.symbolAt(x, y) ? null : app.painter.lettering.at(x, y);
+    action = event.button === 2 ? "measure" : event.shiftKey ? "turn" : label ? "label" : "pan";
     if (action === "measure") {
-      const at = target(x, y);
-      app.measure = { from: at, to: at };
+      app.measure ??= new Measuring();
+      app.measure.begin(target(x, y));
     }
   });
   canvas.addEventListener("pointermove", (event) => {
@@ -268,7 +276,10 @@ function controlPointer(app) {
     app.showCursor(x, y);
     const last = fingers.get(event.pointerId);
     if (!last) {
-      canvas.style.cursor = app.painter.at(x, y) ? "pointer" : "crosshair";
+      const track = app.painter.at(x, y);
+      canvas.style.cursor = track ? "pointer" : "crosshair";
+      if (app.hovered !== (track?.number ?? -1)) app.dirty = true;
+      app.hovered = track?.number ?? -1;
       return;
     }
     const [dx, dy] = [x - last[0], y - last[1]];
@@ -279,12 +290,14 @@ function controlPointer(app) {
       const after = Math.hypot(x - other[0], y - other[1]);
       if (before > 0) app.moved(() => app.view.zoom(after / before, (x + other[0]) / 2, (y + other[1]) / 2));
     } else if (action === "measure" && app.measure) {
-      app.measure = { from: app.measure.from, to: target(x, y) };
+      app.measure.lead(target(x, y));
       app.dirty = true;
     } else if (action === "turn") {
       const [middleX, middleY] = [app.view.width / 2, app.view.height / 2];
       const angle = Math.atan2(y - middleY, x - middleX) - Math.atan2(last[1] - middleY, last[0] - middleX);
       app.moved(() => app.view.turn(angle));
+    } else if (action === "label" && label) {
+      if (moved > 3) nudge(app, [label], dx, dy);
     } else if (moved > 3) {
       app.settings.follow = false;
       app.moved(() => app.view.pan(dx, dy));
@@ -295,18 +308,26 @@ function controlPointer(app) {
     fingers.delete(event.pointerId);
     const [x, y] = where(event);
     if (action === "measure" && moved <= 3) {
-      app.measure = null;
+      app.measure?.drop();
+      app.measure?.dropAt(x, y);
+      if (app.measure?.lines.length === 0) app.measure = null;
       app.dirty = true;
     }
-    if (action !== "pan" || moved > 3 || event.type === "pointercancel") return;
+    if ((action !== "pan" && action !== "label") || moved > 3 || event.type === "pointercancel") return;
     const track = app.painter.at(x, y);
     app.select(track ? track.number : -1, event.ctrlKey || event.metaKey);
   };
+  canvas.addEventListener("pointerleave", () => {
+    if (app.hovered >= 0) app.dirty = true;
+    app.hovered = -1;
+  });
   canvas.addEventListener("pointerup", ended);
   canvas.addEventListener("pointercancel", ended);
   canvas.addEventListener("dblclick", (event) => {
     const track = app.painter.at(...where(event));
     if (!track) return;
+    const own = app.painter.lettering.at(...where(event));
+    if (own?.wish.spot.pinned && !app.painter.symbolAt(...where(event))) return giveBack(app, [own]);
     app.centre(track.number);
     app.set({ follow: true });
   });

@@ -3,12 +3,15 @@
  */
 
 import { clock, grouped, h, latency, span } from "./dom.js";
-import { bearing, placeOf, sexagesimal } from "./geodesy.js";
+import { bearing, courseText, placeOf, sexagesimal } from "./geodesy.js";
 import { climbText, heightText, levelOf, modesText, speedText, turnText } from "./labels.js";
 import { ALERTS, nameOf } from "./picture.js";
 import { orderButton } from "./orders.js";
 import { histogram, plot } from "./plots.js";
 import { CHOICES } from "./settings.js";
+import { contributorsTable, decisionsPart, rulesPart } from "./why.js";
+
+/** @typedef {import("./painter.js").Share & import("./why.js").Reasoned} Share */
 
 /**
  * @typedef {object} Source
@@ -16,6 +19,7 @@ import { CHOICES } from "./settings.js";
  * @property {string} adapter Process that receives its reports; "": unknown.
  * @property {number} rate Reports a second. @property {number} lastHeard Seconds UTC; 0: never.
  * @property {number} lost @property {[string, number][]} rejected Count by reason, those that are not 0.
+ * @property {[string, number][]} dependsOn Sources with errors that depend on its errors, with the correlation.
  * @property {string} errors Sentence on the learned errors. @property {number} clockOffset Seconds; NaN: unknown.
  * @property {number} east @property {number} north Its site, metres; NaN: unknown.
  * @property {[number, number]} offset Learned offset, east and north, metres.
@@ -23,8 +27,8 @@ import { CHOICES } from "./settings.js";
 
 /**
  * What else is known of the selected track; `stateTime`: time of the state that it belongs to, nanoseconds UTC.
- * @typedef {{stateTime: string, facts: [string, string][],
- *   decisions: {time_s: number, kind: string, text: string}[], motion: import("./labels.js").Motion}} Facts
+ * @typedef {{stateTime: string, facts: [string, string][], rule: string, why: import("./why.js").Why,
+ *   motion: import("./labels.js").Motion}} Facts
  */
 
 /**
@@ -65,6 +69,7 @@ import { CHOICES } from "./settings.js";
  * @property {Order[]} orders @property {Stage[]} stages
  * @property {Process[]} processes
  * @property {[string, string][]} system Figures of the instance as a whole.
+ * @property {number} declination Magnetic declination, degrees, east positive; NaN: not given.
  * @property {number} time When this was said, seconds UTC.
  */
 
@@ -102,13 +107,14 @@ export class TrackPanel {
       canvas: /** @type {HTMLCanvasElement} */ (h("canvas.plot")),
     }));
     this.facts = h("div");
+    this.details = /** @type {HTMLDetailsElement} */ (h("details"));
     const parts = this.plots.flatMap(({ title, canvas }) => [title, canvas]);
-    parent.replaceChildren(h("div.pad", {}, this.head, this.shares, ...parts, this.facts));
+    parent.replaceChildren(h("div.pad", {}, this.head, this.shares, this.facts, ...parts, this.details));
   }
 
   /**
    * @param {import("./picture.js").Track} track
-   * @param {import("./painter.js").Share[]} shares @param {History} history @param {Facts} facts
+   * @param {Share[]} shares @param {History} history @param {Facts} facts
    * @param {Known} known @param {string} units @param {string[]} palette
    * @param {boolean} isPast Whether it is a moment of the past that is shown.
    */
@@ -119,7 +125,7 @@ export class TrackPanel {
     const unit = units === "metric" ? "" : " kt";
     this.head.replaceChildren(
       h("h1", {}, nameOf(track), track.kind === "group" ? ` ×${track.members}` : ""),
-      h("div.soft.under", {}, `system track ${track.number} · ${track.state}${track.onGround ? " · on ground" : ""} `),
+      h("div.soft.under", {}, `${track.state}${track.onGround ? " · on ground" : ""} `),
       h("div.bad", {}, alerts.join(" ")),
       h(
         "div.grid",
@@ -132,7 +138,7 @@ export class TrackPanel {
         figure("speed", `${speedText(track, units)}${unit}`),
         figure(
           "track angle",
-          speed > 0.5 ? `${bearing(track.speedEast, track.speedNorth).toFixed(0).padStart(3, "0")}°` : "–",
+          speed > 0.5 ? courseText(bearing(track.speedEast, track.speedNorth), known.declination) : "–",
         ),
         figure("climb ± σ", climbText(track, facts.motion)),
         figure("turn rate", turnText(facts.motion)),
@@ -148,32 +154,8 @@ export class TrackPanel {
     );
     this.shares.replaceChildren(
       h("h2", {}, "Contributors"),
-      tableOf(
-        ["Source", ">Track", "Weight", ">", ">λ"],
-        shares.map((share) => {
-          const bar = h("i");
-          bar.style.width = `${100 * share.weight}%`;
-          return h(
-            "tr",
-            {
-              "data-source": share.source,
-              "data-weight": share.weight,
-              "data-track": share.track,
-              "data-accuracy": share.accuracy,
-            },
-            h(
-              "td",
-              {},
-              share.name,
-              share.centre ? h("span.soft", {}, share.fresh ? " centre" : " centre, silent") : "",
-            ),
-            h("td.num", {}, share.track),
-            h("td", {}, h("span.bar", {}, bar)),
-            h("td.num", {}, share.weight.toFixed(3)),
-            h("td.num", {}, Number.isFinite(share.accuracy) ? share.accuracy.toPrecision(3) : "–"),
-          );
-        }),
-      ),
+      contributorsTable(shares),
+      ...(isPast ? [h("p.soft", {}, "Reasons, decisions and rules are those of the present: press Home.")] : []),
     );
     const until = history.times.at(-1) ?? track.time;
     const since = Math.max(until - 300, Math.min(history.times[0] ?? until, until - 30));
@@ -205,14 +187,21 @@ export class TrackPanel {
     this.plots[3].title.hidden = canvases[3].hidden = !known95;
     if (known95) plot(canvases[3], one(history.nis), { ...axes, unit: "χ²", low: 0, bands: [[5.99, "95 %"]] });
     this.shares.dataset.stateTime = facts.stateTime;
-    const decisions = facts.decisions.map(({ time_s, kind, text }) =>
-      h("tr", {}, h("td.num.soft", {}, clock(time_s)), h("td", {}, text || kind)),
-    );
+    const open = this.details.open;
     this.facts.replaceChildren(
-      ...(decisions.length > 0 ? [h("h2", {}, "Decisions"), tableOf(["UTC", ""], decisions.reverse())] : []),
-      h("h2", {}, "More"),
-      h("div.grid", {}, ...facts.facts.map(([label, value]) => figure(label, value))),
+      ...(isPast ? [] : [...decisionsPart(facts.why), ...rulesPart(facts.why, facts.rule)]),
     );
+    this.details.replaceChildren(
+      h("summary", {}, "Details"),
+      h(
+        "div.grid",
+        {},
+        figure("system track", String(track.number)),
+        ...facts.facts.map(([label, value]) => figure(label, value)),
+        ...shares.map((share) => figure(`${share.name}, its track`, String(share.track))),
+      ),
+    );
+    this.details.open = open;
   }
 }
 
@@ -226,7 +215,8 @@ export function sourcesPanel(sources, now, hasOperators) {
     const late = silent > 10 ? "bad" : silent > 5 ? "warn" : "";
     const rejected = source.rejected.map(([reason, count]) => `${reason} ${grouped(count)}`).join(", ");
     const told = [
-      source.errors,
+      source.errors.replace(/, depends on source.*/, ""),
+      ...source.dependsOn.map(([name, correlation]) => `errors follow those of ${name} (${correlation.toFixed(1)})`),
       Number.isFinite(source.clockOffset) ? `clock ${(source.clockOffset * 1000).toFixed(0)} ms` : "",
       rejected ? `rejected: ${rejected}` : "",
     ].filter((text) => text !== "");
@@ -387,8 +377,10 @@ const VIEW_SETTINGS = [
   ["bearings", "Bearings"],
   ["areas", "Wide-area counts and cues"],
   ["biases", "Sites and learned offsets × 100"],
-  ["coverage", "Coverage of each source, as seen"],
+  ["coverage", "Coverage of each source"],
   ["rings", "Range rings"],
+  ["handovers", "Rings at a change of the main source"],
+  ["siterings", "Range rings of each sensor"],
   ["dim", "Map dimmed"],
   ["up", "Bearing that points up, degrees"],
   ["isolate", "Selected tracks only"],

@@ -32,7 +32,7 @@ import { ALERT } from "./wire.js";
  * @property {number} mainsSince Since when that has been noted, seconds.
  * @property {Trail} trail
  * @property {string[]} label Lines of its label, longest form.
- * @property {number} place Where its label was put last.
+ * @property {import("./placement.js").Spot} spot Where its label is.
  */
 
 /**
@@ -55,8 +55,8 @@ import { ALERT } from "./wire.js";
  *   minor: number, bearing: number}} Area
  */
 
-/** Points that a trail keeps, and seconds between two: eight minutes. */
-const TRAIL_MAX = 240;
+/** Points that a trail keeps, and seconds between two: ten minutes. */
+const TRAIL_MAX = 300;
 const TRAIL_STEP_S = 2;
 
 /** Past positions of one track: a ring, whole from the start, so that memory stays what it is. */
@@ -157,7 +157,7 @@ export function blankTrack() {
     mainsSince: 0,
     trail: new Trail(),
     label: [],
-    place: 0,
+    spot: { place: -1, lines: 0, isForced: false, pinned: null },
   };
 }
 

@@ -19,8 +19,12 @@
  * @property {string} units aviation, metric, or maritime (as aviation, and without levels)
  * @property {boolean} sensors Sensor tracks. @property {boolean} detections
  * @property {boolean} bearings Of direction finders. @property {boolean} areas Wide-area counts and cues.
- * @property {boolean} coverage Of each source, as far as the page has seen it.
- * @property {boolean} rings Range rings. @property {boolean} biases Sites with learned offsets.
+ * @property {boolean} coverage Outline of each source's coverage.
+ * @property {string} pd Name of the source whose probability of detection is shown; "": none.
+ * @property {boolean} handovers Rings round tracks with another main source.
+ * @property {boolean} rings Range rings about the origin. @property {boolean} siterings The same about each sensor.
+ * @property {string} maps Layers of the map from the lowest up, separated by "|"; a minus switches one off.
+ * @property {boolean} biases Sites with learned offsets.
  * @property {boolean} dim Map dimmed.
  * @property {boolean} inview Table shows only what is on the map.
  * @property {boolean} isolate Only selected tracks are shown.
@@ -57,8 +61,12 @@ export const DEFAULTS = Object.freeze({
   bearings: false,
   areas: false,
   rings: true,
+  siterings: false,
+  maps: "",
   biases: false,
   coverage: false,
+  handovers: false,
+  pd: "",
   dim: false,
   inview: false,
   isolate: false,

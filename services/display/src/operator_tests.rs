@@ -12,6 +12,7 @@ use crate::feed::Feed;
 use crate::operator;
 use crate::pages::router;
 use crate::pages::tests::{LONG, now};
+use crate::settings::MapFiles;
 use crate::shared::{Desk, SharedState};
 use crate::views::Views;
 use crate::world::World;
@@ -38,7 +39,7 @@ fn served(folder: &tempfile::TempDir) -> Server {
         has_operators: true,
         views: Views::open("theme=day", Some(folder.path().join("views.json"))).unwrap(),
     };
-    let shared = SharedState::fed(world, Vec::new(), now, Feed::default(), desk);
+    let shared = SharedState::fed(world, MapFiles::default(), now, Feed::default(), desk);
     let guard = Guard {
         writer: Some(WriteAccess {
             token: TOKEN.to_owned(),

@@ -2,8 +2,8 @@
 //!
 //! - `sources`: `number`, `name`, `kind`, `adapter`, `rate_hz`, `heard_s`, `reports`, `lost`, `rejected` {reason:
 //!   count}, `registration` {`comparisons`, `offset_m` [2], `offset_sigma_m` [2], `time_offset_s`, `range_bias_m`,
-//!   `azimuth_bias_deg`, `removed`}, `errors` (all that fusion has learned of the source's errors, as a sentence),
-//!   `inflation`, `clock_offset_s`
+//!   `azimuth_bias_deg`, `removed`}, `depends_on` [[name, correlation]], `errors` (all that fusion has learned of the
+//!   source's errors, as a sentence), `inflation`, `clock_offset_s`
 //! - `alarms`: `id`, `code`, `name`, `severity`, `event`, `text`, `remedy`, `raised_s`, `changed_s`, `times`,
 //!   `process`, `source`, `acknowledged` {`operator`, `time_s`} or `null`, `shelved` {`operator`, `until_s`} or `null`
 //! - `alarm_events`: number of all events of alarms so far; `/api/alarms.json` lists the stored ones
@@ -23,6 +23,7 @@ use telemetry::{BUCKET_BOUNDS_NS, Buckets, Span, Stage};
 use crate::alarm_book::AlarmId;
 use crate::details::seconds;
 use crate::orders;
+use crate::reasons;
 use crate::world::{SourceFact, World};
 
 /// Connected pages.
@@ -114,6 +115,9 @@ fn source(world: &World, fact: &SourceFact) -> Value {
         "rejected": rejected,
         "registration": registration,
         "errors": known.to_string(),
+        "depends_on": reasons::dependent(known)
+            .map(|(number, correlation)| (world.observed.source_name(number), correlation))
+            .collect::<Vec<_>>(),
         "inflation": known.covariance_inflation,
         "clock_offset_s": (known.clock_offset_sigma_s > 0.0).then_some(known.clock_offset_s),
     })
