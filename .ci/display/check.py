@@ -18,7 +18,10 @@ import subprocess
 import sys
 import time
 
+import check_labels
 from playwright.sync_api import sync_playwright
+
+from engineer import drive_engineer, drive_guest, overlay_of
 
 PATIENCE_S = 30
 
@@ -186,12 +189,33 @@ def drive(page, url, folder, demo):
         all(title in text.upper() for title in ["CONTRIBUTORS", "HEIGHT", "WEIGHT OF EACH"]), "the panel has its parts"
     )
 
+    print("labels and panels")
+    said = page.evaluate(check_labels.LABELS)
+    over = said["over"]
+    check(said["labels"] + said["leftOut"] == said["tracks"], f"{said['leftOut']} of {said['tracks']} are left out")
+    check(said["leftOut"] == 0, f"{said['labels']} tracks are labelled, {said['fanned']} of them in a fan")
+    check(over["label"] == over["control"] == over["edge"] == 0, "no label lies on another, on a control, or off the map")
+    page.evaluate("koseki.trackCanvas.focus()")
+    page.keyboard.press("Control+ArrowUp")
+    until(page, "koseki.painter.lettering.labels.some(({ wish }) => wish.spot.pinned)")
+    page.keyboard.press("Control+Backspace")
+    until(page, "koseki.painter.lettering.labels.every(({ wish }) => !wish.spot.pinned)")
+    page.keyboard.press(".")
+    texts = page.evaluate("(koseki.frame(), koseki.measure.notes.flatMap(({ texts }) => texts))")
+    check("°T / " in texts[0], f"a measuring line of the selected track: {texts}")
+    for tab in ["tracks", "track", "sources", "alarms", "latency", "system", "view"]:
+        page.evaluate("tab => koseki.set({ tab })", tab)
+        page.wait_for_timeout(700)
+        wide = page.evaluate("[document.getElementById('panel'), document.body].map((e) => e.scrollWidth - e.clientWidth)")
+        check(max(wide) <= 0, f"nothing is cut in the panel {tab}")
+    page.evaluate("koseki.measure = null")
+
     print("sensor tracks are switched on")
-    page.keyboard.press("c")
+    page.keyboard.press("Alt+c")
     page.evaluate("koseki.set({ labels: 0, trails: false, vector: 0 })")
     page.wait_for_timeout(400)
     bright = page.evaluate(BRIGHTEST)
-    page.keyboard.press("n")
+    page.keyboard.press("Alt+n")
     until(page, "koseki.picture.sensor.size >= 40")
     page.evaluate("koseki.set({ filter: 'nothing-is-called-so' })")
     page.wait_for_timeout(400)
@@ -212,7 +236,7 @@ def drive(page, url, folder, demo):
     check(page.evaluate("koseki.picture.time") == held, "time stands still")
     past = [page.evaluate(TRACKS)]
     for _ in range(4):
-        page.keyboard.press("ArrowLeft")
+        page.keyboard.press("Shift+ArrowLeft")
     until(page, "held => koseki.picture.time < held - 3", argument=held)
     page.wait_for_timeout(300)
     past.append(page.evaluate(TRACKS))
@@ -245,7 +269,7 @@ def drive(page, url, folder, demo):
         0 < len(drawn) < whole and all(height > 50 * 30.48 and n > 1 for height, n in drawn),
         f"{len(drawn)} of {whole} tracks pass",
     )
-    for key in ["o", "q", "]", "d"]:
+    for key in ["Alt+o", "Alt+q", "]", "Alt+d"]:
         page.keyboard.press(key)
     page.wait_for_timeout(700)
     address = page.url
@@ -399,12 +423,21 @@ def pictures(page, url, folder, target, metres):
           const chosen = flying.sort((a, b) => b.sourceCount - a.sourceCount || crowd(b) - crowd(a))[0];
           koseki.select(chosen.number);
           koseki.moved(() => Object.assign(koseki.view, { east: chosen.east, north: chosen.north, scale: metres }));
-          koseki.set({ sensors: true, trail: 300 });
+          koseki.set({ sensors: true, trail: 300, tab: "track" });
         }""",
         metres,
     )
     page.wait_for_timeout(9000)
+    over = page.evaluate(check_labels.LABELS)["over"]
+    check(over["label"] == 0, f"{target}: no label lies on another")
     page.screenshot(path=folder / target)
+
+
+def watch(page, errors):
+    """Collects what the page complains of, and what it asks other machines for."""
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
+    page.on("request", lambda r: errors.append(f"asks for {r.url}") if "127.0.0.1" not in r.url else None)
 
 
 def main():
@@ -416,9 +449,10 @@ def main():
     given.folder.mkdir(parents=True, exist_ok=True)
     records = given.folder / "records"
     recorder = ["--set", "recorder.enabled=true", "--set", 'recorder.format=["csv", "mcap"]']
-    command = ["demo", "--instance", "ci-display", "--out", records, *recorder]
+    maps = ["--set", f'display.overlays=["{overlay_of(given.folder)}"]', "--set", "display.declination_deg=1.5"]
+    command = ["demo", "--instance", "ci-display", "--out", records, *recorder, *maps]
     demo = Koseki(given.koseki, given.folder / "demo.txt", command)
-    player = None
+    player = guest = None
     try:
         url = demo.address()
         print(url)
@@ -429,17 +463,28 @@ def main():
             )
             errors = []
             page = browser.new_page(viewport={"width": 1280, "height": 800})
-            page.on("pageerror", lambda error: errors.append(str(error)))
-            page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
-            page.on("request", lambda r: errors.append(f"asks for {r.url}") if "127.0.0.1" not in r.url else None)
+            watch(page, errors)
             check(page.evaluate("!document.createElement('canvas').getContext('webgl')"), "this browser has no WebGL")
-            seen, past, killed = drive(page, url, given.folder, demo)
+            # Before fusion is killed: the picture of the README has no alarm.
             pictures(page, url, given.folder, "1280x800.png", 75)
+            calm = page.evaluate("koseki.known.alarms.every(({ cleared }) => cleared)")
+            page.close()
+            page = browser.new_page(viewport={"width": 1280, "height": 800})
+            watch(page, errors)
+            seen, past, killed = drive(page, url, given.folder, demo)
+            began = time.monotonic()
             page.close()
             large = browser.new_page(viewport={"width": 1920, "height": 1080}, device_scale_factor=2)
             pictures(large, url, given.folder, "3840x2160.png", 60)
             large.close()
+            drive_engineer(browser, url, given.folder, began, until, check)
+            guest = Koseki(given.koseki, given.folder / "guest.txt", ["display", "--instance", "ci-display"])
+            page = browser.new_page(viewport={"width": 1280, "height": 800})
+            page.on("pageerror", lambda error: errors.append(str(error)))
+            drive_guest(page, guest.address(), until, check)
+            page.close()
             demo.stop()
+            check(guest.process.wait(timeout=30) == 0, "a display without the file ends with the instance")
             player = Koseki(given.koseki, given.folder / "recording.txt", ["display", "--recording", records / "latest"])
             page = browser.new_page(viewport={"width": 1280, "height": 800})
             page.on("pageerror", lambda error: errors.append(str(error)))
@@ -450,12 +495,13 @@ def main():
             raise AssertionError("the page complains: " + json.dumps(errors[:5]))
     finally:
         demo.stop()
-        if player:
-            player.stop()
+        for other in filter(None, [guest, player]):
+            other.stop()
     recorded = Recorded(records / "latest" / "system_tracks.csv")
     compare(recorded, seen, past)
     compare_recording(recorded, replayed, killed)
     if given.picture:
+        check(calm, "the README's picture has no alarm")
         given.picture.write_bytes((given.folder / "1280x800.png").read_bytes())
         check(given.picture.stat().st_size <= 400_000, "the README's picture is small")
 

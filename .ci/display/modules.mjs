@@ -7,13 +7,16 @@ import { test } from "node:test";
 const page = new URL("../../services/display/page/", import.meta.url);
 const module = (name) => import(new URL(name, page));
 const { COLOURS } = await module("colours.js");
-const { Coverage } = await module("coverage.js");
-const { bearing, placeOf, sexagesimal } = await module("geodesy.js");
-const { groundOf, overlaysOf, ringStep } = await module("ground.js");
-const { climbText, heightText, LabelGrid, labelOf, modesText, NO_MOTION, place, turnText } = await module("labels.js");
-const { blankTrack, forgetMains, noteMain, Picture, sourcesOf, Trail } = await module("picture.js");
-const { DEFAULTS, filterOf, read, write } = await module("settings.js");
+const { Coverage, probabilityOf } = await module("coverage.js");
+const { bearing, courseText, placeOf, sexagesimal } = await module("geodesy.js");
+const { centresOf, groundOf, ringStep } = await module("ground.js");
+const { climbText, heightText, modesText, NO_MOTION, turnText } = await module("labels.js");
+const { layersOf, layersText, overlaysOf, zoomOf } = await module("maps.js");
+const { blankTrack, forgetMains, noteMain, Picture, Trail } = await module("picture.js");
+const { DEFAULTS, read, write } = await module("settings.js");
+const { joined, trailsOf } = await module("trails.js");
 const { View } = await module("view.js");
+const { NO_REASONS, reasonOf, whyOf } = await module("why.js");
 
 const near = (a, b, limit = 1e-6) => assert.ok(Math.abs(a - b) <= limit, `${a} is not ${b}`);
 
@@ -84,41 +87,6 @@ test("settings survive the address, and nonsense in it does not count", () => {
   assert.deepEqual(read("#labels=&theme=pink&constructor=1&scale=NaN&__proto__=1"), { ...DEFAULTS });
 });
 
-test("filters", () => {
-  const track = Object.assign(blankTrack(), {
-    number: 42,
-    callsign: "BAW12",
-    address: "4CA123",
-    code: "2345",
-    type: "A320",
-    height: 3048,
-    speedEast: 100,
-    source: 1,
-    sourceCount: 2,
-    sourcesLow: 0b110,
-    sourcesHigh: 1,
-  });
-  const name = (source) => ["west", "mlat", "ads-b"][source] ?? "";
-  for (const text of [
-    "",
-    "baw",
-    "BAW 4ca",
-    "#42",
-    "fl>99 fl<101",
-    "fl=100",
-    "kt>190",
-    "sources=2",
-    "/^BAW\\d+$/",
-    "-VLG",
-  ])
-    assert.ok(filterOf(text, name)(track), text);
-  for (const text of ["type=a320", "main=mlat", "source=ads-b", "-source=west", "state=confirmed", "kind=single"])
-    assert.ok(filterOf(text, name)(track), text);
-  for (const text of ["vlg", "fl>100", "-baw", "/[/", "source=west", "state=coasted", "members>1"])
-    assert.ok(!filterOf(text, name)(track), text);
-  assert.deepEqual(sourcesOf(track), [1, 2, 32]);
-});
-
 test("a source that takes over is a hand-over, and a leap through time is none", () => {
   const track = Object.assign(blankTrack(), { number: 1, source: -1 });
   const at = (time, source) => {
@@ -137,7 +105,7 @@ test("a source that takes over is a hand-over, and a leap through time is none",
   assert.equal(at(5040, 0), 5040, "what was not the main one for long takes over");
 });
 
-test("level, arrow, filter and table read the same height", () => {
+test("level, arrow and table read the same height", () => {
   const shown = (change) => heightText(Object.assign(blankTrack(), { isLevel: true }, change), "aviation");
   assert.equal(shown({ height: 11000, isLevel: false }), "~361 ", "a calculated height is marked");
   assert.equal(shown({ height: 11000, climb: 9 }), "361 ", "an arrow is for the server to decide");
@@ -145,8 +113,6 @@ test("level, arrow, filter and table read the same height", () => {
   assert.equal(shown({ height: 11000, sinks: true }), "361↓");
   assert.equal(shown({ height: -40 }), "−001 ", "a wrong height is not hidden behind 000");
   assert.equal(shown({ height: -10 }), "000 ");
-  const track = Object.assign(blankTrack(), { height: 361 * 30.48 });
-  assert.ok(filterOf("fl=361", () => "")(track));
 });
 
 test("rates stand beside their errors, and what is not known is no number", () => {
@@ -169,31 +135,6 @@ test("rates stand beside their errors, and what is not known is no number", () =
   assert.equal(turnText(NO_MOTION), "–");
   assert.equal(modesText(motion), "left turn 82 %, climb change 50 %");
   assert.equal(modesText(NO_MOTION), "–");
-});
-
-test("labels that keep clear of each other do not overlap, and unknown heights are no numbers", () => {
-  const grid = new LabelGrid(300, 200);
-  const placed = [];
-  for (let k = 0; k < 60; k++) {
-    const track = Object.assign(blankTrack(), { number: k, callsign: `ABC${k}`, height: k % 2 ? 1000 : NaN });
-    track.label = labelOf(track, "aviation", "west");
-    assert.ok(track.label[1].startsWith(k % 2 ? "~033" : "---"));
-    const label = place(grid, track, (k * 37) % 300, (k * 53) % 200, 3, 7);
-    if (label) placed.push(label);
-  }
-  assert.ok(placed.length > 5 && placed.length < 60);
-  const inside = placed.filter(
-    ({ left, top, width, height }) => left > 0 && top > 0 && left + width < 300 && top + height < 200,
-  );
-  for (const a of inside)
-    for (const b of inside)
-      assert.ok(
-        a === b ||
-          a.left + a.width <= b.left ||
-          b.left + b.width <= a.left ||
-          a.top + a.height <= b.top ||
-          b.top + b.height <= a.top,
-      );
 });
 
 test("a trail is bounded, in order, and takes no point twice", () => {
@@ -257,18 +198,94 @@ test("land, borders and overlays", () => {
   assert.deepEqual(overlaysOf(7), []);
 });
 
-test("range rings stand apart at every scale, and coverage keeps the farthest", () => {
+test("styles, zooms and names of features, and what is no style", () => {
+  const properties = { name: "RUXET", minzoom: 7, maxzoom: "12", stroke: "#f80", "stroke-width": 3, fill: "red;", "marker-symbol": "circle" };
+  const [feature] = overlaysOf({ name: "fixes.geojson", features: [{ properties, geometry: { type: "Point", coordinates: [1, 2] } }] });
+  assert.deepEqual([feature.layer, feature.name, feature.minzoom, feature.maxzoom, feature.isPoint], ["fixes.geojson", "RUXET", 7, 12, true]);
+  assert.deepEqual([feature.style.stroke, feature.style.strokeWidth, feature.style.fill, feature.style.symbol], ["#f80", 3, "", "circle"]);
+  near(zoomOf(156543.034, 0), 0, 1e-9);
+  near(zoomOf(156543.034 / 1024, 60), 9, 1e-9);
+});
+
+test("layers of the map keep their order and their switches, and new ones are on", () => {
+  const overlays = [{ layer: "a.geojson" }, { layer: "b.geojson" }, { layer: "a.geojson" }];
+  const names = (setting) => layersText(layersOf(setting, overlays));
+  assert.equal(names(""), "land|borders|a.geojson|b.geojson|range rings");
+  assert.equal(names("-b.geojson|land|gone|land"), "-b.geojson|land|borders|a.geojson|range rings");
+  assert.equal(names(names("-borders|range rings")), names("-borders|range rings"));
+});
+
+test("sensors at one place share their rings", () => {
+  const sites = [[0, 0, "a"], [50, 0, "b"], [NaN, NaN, "c"], [900, 0, "d"]].map(([east, north, name]) => ({ east, north, name }));
+  assert.deepEqual(centresOf(sites).map(({ name }) => name), ["a, b", "d"]);
+});
+
+test("true and magnetic bearings", () => {
+  assert.deepEqual([courseText(20, NaN), courseText(1, 2), courseText(359.6, -1)], ["020°", "001° / 359°M", "000° / 001°M"]);
+});
+
+test("range rings stand apart at every scale", () => {
   for (const scale of [0.05, 3, 77, 900, 30_000]) {
     const pixels = (ringStep(scale) * 1852) / scale;
     assert.ok(pixels >= 119 && pixels <= 301, `${pixels}`);
   }
+});
+
+test("coverage reaches to the farthest cell in which the source detects, or that it alone sees", () => {
   const coverage = new Coverage();
-  coverage.add(3, 0, 1000);
-  coverage.add(3, 1, 4000);
-  coverage.add(3, -2000, 0);
-  const reach = coverage.outline(3).map(([east, north]) => Math.round(Math.hypot(east, north)));
-  assert.deepEqual(reach, [4000, 2000]);
+  const cells = [
+    [0, 2, 50, 48, 50],
+    [0, 5, 4, 2, 20],
+    [3, 7, 9, 0, 0],
+  ];
+  coverage.take({ since_s: 5, sectors: 4, ring_m: 1000, sources: [{ number: 3, name: "radar", site_m: [10, 20], cells }] });
+  const outline = coverage.outline(3).map(([east, north]) => [Math.round(east) + 0, Math.round(north) + 0]);
+  assert.deepEqual(outline, [
+    [0, 3000],
+    [3000, 0],
+    [0, 0],
+    [-8000, 0],
+    [0, 8000],
+  ]);
   assert.deepEqual(coverage.outline(9), []);
+  const probabilities = coverage.sources.get(3).cells.map(probabilityOf);
+  assert.deepEqual(probabilities, [0.96, 0.1, NaN]);
+});
+
+test("trails of the server are joined with newer points of the page", () => {
+  const octets = new ArrayBuffer(8 + 8 + 24 + 8);
+  const view = new DataView(octets);
+  view.setFloat64(0, 1.7e9, true);
+  [7, 2].forEach((value, k) => view.setUint32(8 + 4 * k, value, true));
+  [0, 100, 1, 4, 96, 1].forEach((value, k) => view.setFloat32(16 + 4 * k, value, true));
+  [9, 0].forEach((value, k) => view.setUint32(40 + 4 * k, value, true));
+  const { until, tracks } = trailsOf(octets);
+  assert.deepEqual([until, tracks.size, tracks.get(9)], [1.7e9, 2, []]);
+  const own = new Trail();
+  for (const age of [2, -3, -6]) own.add(1.7e9 - age, 100 - age, 1);
+  own.add(1.7e9 + 99, 0, 0);
+  const trail = joined(tracks.get(7), own, until, 1.7e9 + 6);
+  const points = Array.from({ length: trail.length }, (_, k) => trail.at(k));
+  assert.deepEqual(
+    points.map((at) => [trail.timeOf(at) - 1.7e9, trail.east[at]]),
+    [
+      [-4, 96],
+      [0, 100],
+      [3, 103],
+      [6, 106],
+    ],
+  );
+});
+
+test("what is unknown of a contributor is not a number, and reasons are those of the server", () => {
+  const known = reasonOf({ age_s: 1.5, sigma_m: [30, 20], residual_m: [3, 4], residual_sigmas: 0.2, bias_m: [0, -7, 1], reason: "A." });
+  assert.deepEqual([known.age, known.sigmaShort, known.residual, known.bias, known.reason], [1.5, 20, 5, 7, "A."]);
+  const unknown = reasonOf({});
+  assert.ok([unknown.age, unknown.sigmaLong, unknown.residual].every(Number.isNaN) && unknown.reason === "");
+  assert.deepEqual(whyOf({}), NO_REASONS);
+  const rules = [{ rule: "mosaic", summary: "S", in_force: false, shares: [[0, "radar", 1]], apart_m: null }];
+  const why = whyOf({ rules, decisions_missing: "None." });
+  assert.ok(Number.isNaN(why.rules[0].apart) && why.decisionsMissing === "None.");
 });
 
 /** Light, red, green and blue from 0 to 1, of a colour written #rrggbb. */

@@ -1,15 +1,21 @@
 /**
  * Stands in for main.js where the page is measured without a server: thousands of tracks that fly circles, each heard
- * once a second, as pictures at 4 Hz. `?tracks=5000` says how many.
+ * once a second, as pictures at 4 Hz. `?tracks=5000` says how many. With `&straight` they fly straight on instead, spread
+ * over a rectangle of 560 by 380 km.
  */
 
 import { App } from "./app.js";
 import { control } from "./controls.js";
+import { controlLabels } from "./nudge.js";
 import { groundOf } from "./ground.js";
+import { NO_REASONS, reasonOf } from "./why.js";
 
-const count = Number(new URLSearchParams(location.search).get("tracks") ?? 5000);
+const asked = new URLSearchParams(location.search);
+const count = Number(asked.get("tracks") ?? 5000);
+const straight = asked.has("straight");
 const app = new App(() => {});
 control(app);
+controlLabels(app);
 Object.assign(globalThis, { koseki: app });
 
 const origin = { latitude_deg: 41.297, longitude_deg: 2.078, height_m: 4 };
@@ -20,9 +26,11 @@ const sources = kinds.map((kind, number) => ({
   number,
   name: ["approach", "wam", "receivers"][number],
   kind,
+  adapter: "",
   rate: count,
   lastHeard: 0,
   lost: number,
+  dependsOn: /** @type {[string, number][]} */ ([]),
   rejected: /** @type {[string, number][]} */ (number === 0 ? [["position", 12]] : []),
   errors: `+${12 * number}.0 m east, -5.0 m north ± 0.4 (removed), covariances × ${1 + number / 2}`,
   clockOffset: 0.012,
@@ -45,9 +53,9 @@ const flights = Array.from({ length: count }, (_, k) => {
   const azimuth = 2 * Math.PI * draw();
   return {
     number: k + 1,
-    east: distance * Math.sin(azimuth),
-    north: distance * Math.cos(azimuth),
-    radius: 4000 + 20000 * draw(),
+    east: straight ? 560_000 * (draw() - 0.5) : distance * Math.sin(azimuth),
+    north: straight ? 380_000 * (draw() - 0.5) : distance * Math.cos(azimuth),
+    radius: straight ? 1e8 : 4000 + 20000 * draw(),
     phase: 2 * Math.PI * draw(),
     speed: 70 + 190 * draw(),
     height: 300 + 11500 * draw(),
@@ -78,8 +86,8 @@ function stateOf(flight, time) {
     kind: flight.kind,
     members: flight.kind === "group" ? 4 : 0,
     time,
-    east: flight.east + flight.radius * Math.sin(turn),
-    north: flight.north + flight.radius * Math.cos(turn),
+    east: flight.east + flight.radius * (Math.sin(turn) - Math.sin(flight.phase)),
+    north: flight.north + flight.radius * (Math.cos(turn) - Math.cos(flight.phase)),
     height: flight.height,
     speedEast: flight.speed * Math.cos(turn),
     speedNorth: -flight.speed * Math.sin(turn),
@@ -136,11 +144,15 @@ function picture() {
         accuracy: 10 * weight,
         east: track.east + 400 * (source - 1),
         north: track.north + 300,
+        ...reasonOf({}),
       })),
       2 + Math.sin(time),
-      [["quality", "0.93"]],
-      [],
-      { climb: flight.climb, climbSigma: 0.5, turn: 0, turnSigma: 0.5, modes: [{ mode: "steady", probability: 0.9 }] },
+      {
+        facts: [["quality", "0.93"]],
+        rule: "auto",
+        why: NO_REASONS,
+        motion: { climb: flight.climb, climbSigma: 0.5, turn: 0, turnSigma: 0.5, modes: [{ mode: "steady", probability: 0.9 }] },
+      },
     );
   }
 }

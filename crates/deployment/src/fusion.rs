@@ -35,7 +35,8 @@ settings::settings! {
         standby_core: Option<usize> = None, usually "any";
         /// Time without a sign of life from the leading process after which the standby takes over.
         takeover_ms: f64 = 100.0, in [50, 60_000];
-        /// Whether the decisions of fusion, with reasons, are published on `system/decisions`, and so recorded.
+        /// Whether the decisions of fusion, with reasons, are published on `system/decisions` for every reader, and
+        /// recorded. A display gets them in any case; then a burst may exceed the queue.
         decisions: bool = false;
         /// Time through fusion beyond which a report has missed its deadline.
         deadline_us: f64 = 1000.0, in [0.1, 1e9];

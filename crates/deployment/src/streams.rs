@@ -2,6 +2,7 @@
 
 use bus::BusError;
 use messages::{Stream, StreamId, SystemTrack, Topic};
+use runtime::DecisionUse;
 use runtime::instance::Visit;
 
 use crate::Deployment;
@@ -74,13 +75,28 @@ impl Deployment {
         });
         let sensors = self.wide_area_sensors.iter();
         let of_sensors = sensors.map(|sensor| (Stream::WideArea, sensor.number, sensor.name.as_str()));
-        let decisions = self.fusion.decisions.then_some(StreamId::DECISIONS);
+        let decisions = self.decision_use().map(|_| StreamId::DECISIONS);
         let of_system = [StreamId::SYSTEM_TRACKS, StreamId::ALARMS, StreamId::ORDERS];
         let of_system = of_system.into_iter().chain(decisions);
         of_sources
             .chain(of_sensors)
             .map(|(stream, number, name)| (StreamId { stream, number }, name))
             .chain(of_system.map(|id| (id, "")))
+    }
+
+    /// The [streams](Self::streams) of a recording: decisions only if they are asked for.
+    pub fn recorded_streams(&self) -> impl Iterator<Item = (StreamId, &str)> {
+        let is_recorded = |id: &StreamId| id.stream != Stream::Decisions || self.fusion.decisions;
+        self.streams().filter(move |(id, _)| is_recorded(id))
+    }
+
+    /// What decisions of fusion are published for; `None`: nobody wants them.
+    pub fn decision_use(&self) -> Option<DecisionUse> {
+        match (self.fusion.decisions, self.services.display) {
+            (true, _) => Some(DecisionUse::Record),
+            (false, true) => Some(DecisionUse::Show),
+            (false, false) => None,
+        }
     }
 }
 

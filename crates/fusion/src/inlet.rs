@@ -117,8 +117,9 @@ pub(crate) fn corrected(report: &SensorTrack, sources: &[SourceSettings], now_ns
     Some(without_biases(report, (known, source.place_m), now_ns))
 }
 
+/// Returns the report without the biases `known` of a source at `place_m`, at `now_ns`.
 #[cold]
-fn without_biases(
+pub(crate) fn without_biases(
     report: &SensorTrack,
     (known, place_m): (&CorrectionTable, Option<[f64; 2]>),
     now_ns: i64,

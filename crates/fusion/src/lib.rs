@@ -23,6 +23,7 @@ mod association_step;
 mod assumed;
 mod border;
 pub mod checkpoint;
+pub mod comparison;
 mod coverage;
 mod credibility;
 mod crossing;

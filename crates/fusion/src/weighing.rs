@@ -185,10 +185,7 @@ impl Weighed {
 
     /// Gives each contribution its accuracy value.
     fn value(&mut self) {
-        let three_axes = self.candidates().iter().all(|candidate| candidate.state.has_height);
-        for candidate in &mut self.candidates[..self.len] {
-            candidate.lambda = candidate.lambda_over(three_axes);
-        }
+        value(&mut self.candidates[..self.len]);
     }
 
     fn push(&mut self, member: SensorSlot, candidate: Candidate) {
@@ -367,30 +364,48 @@ impl Weigher<'_> {
         let (settings, sensors) = (self.settings, &self.tracks.sensors);
         let entry = sensors.get(member);
         let latest = &entry.latest;
-        let (source, rule) = (&settings.sources[usize::from(latest.source)], &settings.rule);
-        let reported = State::of_report(latest);
-        let state = self.state(member, &reported, reference_ns);
-        let life = TrackState::from_code(latest.state).unwrap_or(TrackState::Tentative);
-        let age_ns = (reference_ns - latest.time_of_measurement_ns).max(0);
+        let source = &settings.sources[usize::from(latest.source)];
+        let state = self.state(member, &State::of_report(latest), reference_ns);
+        let of_report = candidate_of(settings, latest, state, reference_ns);
         Candidate {
-            source: latest.source,
-            priority: source.priority,
             alpha: self.alpha(latest, state.position_m, state.velocity_mps),
             residual: self.residual(member, reference_ns),
-            lambda: f64::INFINITY,
-            age_ns,
-            period_ns: source.period_ns,
-            overdue: age_ns as f64 > rule.overdue_periods * source.period_ns as f64,
-            stale: false,
-            life,
-            trace_m2: latest
-                .has(sensor_track_bits::TRACE)
-                .then(|| latest.trace_m2 + state.horizontal_trace_m2() - reported.horizontal_trace_m2()),
-            quality: sensors
-                .qualities
-                .index(member as usize, reference_ns, source.period_ns, rule.quality_scans),
+            quality: sensors.qualities.index(
+                member as usize,
+                reference_ns,
+                source.period_ns,
+                settings.rule.quality_scans,
+            ),
             filter_share: entry.share,
-            state,
+            ..of_report
         }
+    }
+}
+
+/// What the `latest` report of a sensor track, moved to `state` at `reference_ns`, shows without earlier reports.
+pub(crate) fn candidate_of(settings: &Settings, latest: &SensorTrack, state: State, reference_ns: i64) -> Candidate {
+    let (source, rule) = (&settings.sources[usize::from(latest.source)], &settings.rule);
+    let age_ns = (reference_ns - latest.time_of_measurement_ns).max(0);
+    let grown_m2 = || state.horizontal_trace_m2() - State::of_report(latest).horizontal_trace_m2();
+    Candidate {
+        source: latest.source,
+        priority: source.priority,
+        age_ns,
+        period_ns: source.period_ns,
+        overdue: age_ns as f64 > rule.overdue_periods * source.period_ns as f64,
+        life: TrackState::from_code(latest.state).unwrap_or(TrackState::Tentative),
+        trace_m2: latest
+            .has(sensor_track_bits::TRACE)
+            .then(|| latest.trace_m2 + grown_m2()),
+        state,
+        ..Candidate::default()
+    }
+}
+
+/// Gives each candidate its accuracy value.
+pub(crate) fn value(candidates: &mut [Candidate]) {
+    let three_axes = candidates.iter().all(|candidate| candidate.state.has_height);
+    for candidate in candidates {
+        candidate.lambda = candidate.lambda_over(three_axes);
     }
 }

@@ -272,8 +272,8 @@ fn keep_house(
     mut decisions: Option<Publisher<SharedMemory, Decision>>,
     mut whole: WholeSaid<'_>,
 ) -> anyhow::Result<()> {
-    // The loop wakes nobody: its decisions of a whole pause have to fit into their topic.
-    let longest = if desk.queues.decisions.is_some() {
+    // The loop wakes nobody: recorded decisions of a whole pause have to fit into their topic.
+    let longest = if desk.queues.records_decisions() {
         PAUSE
     } else {
         IDLE_PAUSE
@@ -297,7 +297,8 @@ fn keep_house(
         }
         let mut worked = false;
         if let (Some(queue), Some(publisher)) = (&desk.queues.decisions, &mut decisions) {
-            worked |= !queue.is_empty();
+            // A display is content with decisions that are late by a pause.
+            worked |= !queue.is_empty() && desk.queues.records_decisions();
             publish_decisions(queue, publisher)?;
         }
         worked |= whole.go_on(&desk.queues.restored)?;

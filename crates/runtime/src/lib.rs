@@ -34,5 +34,6 @@ pub use numbered_files::NumberedFiles;
 pub use pause::LookPause;
 pub use process::{DeploymentProcess, Options, Speed};
 pub use publication::Publication;
+pub use queues::DecisionUse;
 pub use service::Rest;
 pub use wake_up_limit::WakeUpLimit;

@@ -18,6 +18,15 @@ const NAMES_MAX: usize = 4;
 /// Maximum number of reports in quarantine that wait to be written.
 const QUARANTINED_MAX: usize = 4;
 
+/// What decisions are published for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DecisionUse {
+    /// Recordings and other readers: none may be lost.
+    Record,
+    /// The display alone, which shows the latest: a burst may exceed the queue of the topic.
+    Show,
+}
+
 /// Queues to a loop and from it.
 #[derive(Debug)]
 pub struct Queues {
@@ -33,6 +42,8 @@ pub struct Queues {
     refused: AtomicU64,
     /// Decisions of the loop, for publication; `None` without a request.
     pub decisions: Option<ArrayQueue<Decision>>,
+    /// Use of these decisions.
+    decision_use: Option<DecisionUse>,
     /// Snapshots of the engine.
     pub restored: ArrayQueue<SnapshotParts>,
     /// Reports in quarantine, for a file.
@@ -83,19 +94,25 @@ impl SnapshotParts {
 }
 
 impl Queues {
-    /// Creates empty queues, with a queue of decisions on request.
-    pub fn new(decisions: bool) -> Arc<Self> {
+    /// Creates empty queues, with a queue of decisions if these have a use.
+    pub fn new(decision_use: Option<DecisionUse>) -> Arc<Self> {
         Arc::new(Self {
             orders: ArrayQueue::new(ORDERS_MAX),
             order_states: ArrayQueue::new(ORDER_STATES_MAX),
             leads: AtomicBool::new(false),
             housekeeper: OnceLock::new(),
             refused: AtomicU64::new(0),
-            decisions: decisions.then(|| ArrayQueue::new(DECISIONS_MAX)),
+            decisions: decision_use.map(|_| ArrayQueue::new(DECISIONS_MAX)),
+            decision_use,
             restored: ArrayQueue::new(1),
             quarantined: ArrayQueue::new(QUARANTINED_MAX),
             names: ArrayQueue::new(NAMES_MAX),
         })
+    }
+
+    /// Whether every decision has to be published.
+    pub(crate) fn records_decisions(&self) -> bool {
+        self.decision_use == Some(DecisionUse::Record)
     }
 
     /// Begins to pass orders to the loop. Before, orders are taken and dropped: another process obeys.

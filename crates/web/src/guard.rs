@@ -94,19 +94,19 @@ impl ForeignPages {
     }
 }
 
-/// Clients that may write to one path.
+/// Clients that may write to some paths.
 #[derive(Clone, Debug)]
 pub struct WriteAccess {
     /// Token that these clients show: in `Authorization: Bearer …`, or in a cookie after a login.
     pub token: String,
-    /// Path of `POST` requests.
-    pub path: &'static str,
+    /// Paths of `POST` requests, all below `/api/`.
+    pub paths: &'static [&'static str],
     /// Path at which a `POST` request with the token in `Authorization` gets the cookie.
     pub login: &'static str,
 }
 
 impl WriteAccess {
-    /// Returns the answer to a request to one of the two paths that is not to be passed on: a refusal, or the cookie.
+    /// Returns the answer to a request to one of the paths that is not to be passed on: a refusal, or the cookie.
     ///
     /// A browser attaches the cookie to requests of other sites too, unless `SameSite` is obeyed; a request with the
     /// cookie therefore needs the `Origin` of this host. A page of another site cannot set `Authorization`.
@@ -119,10 +119,7 @@ impl WriteAccess {
         }
         let is_shown = shown.is_some_and(|shown| is_equal(shown, &self.token));
         if request.uri().path() == self.login {
-            let cookie = format!(
-                "{WRITER_COOKIE}={}; Path={}; HttpOnly; SameSite=Strict",
-                self.token, self.path
-            );
+            let cookie = format!("{WRITER_COOKIE}={}; Path=/api; HttpOnly; SameSite=Strict", self.token);
             let answer = with(plain(StatusCode::NO_CONTENT, ""), header::SET_COOKIE, &cookie);
             return is_shown.then_some(Some(answer)).ok_or(RequestRefusal::Token);
         }
@@ -161,7 +158,8 @@ impl Guard {
                 );
             }
         }
-        let is_written = |writer: &&WriteAccess| [writer.path, writer.login].contains(&request.uri().path());
+        let path = request.uri().path();
+        let is_written = |writer: &&WriteAccess| writer.paths.contains(&path) || writer.login == path;
         if let Some(writer) = self.writer.as_ref().filter(is_written)
             && *request.method() == Method::POST
         {
@@ -338,7 +336,7 @@ mod tests {
             token: Some("viewer".to_owned()),
             writer: Some(WriteAccess {
                 token: "0perator".to_owned(),
-                path: "/api/order",
+                paths: &["/api/order", "/api/alarm"],
                 login: "/api/operator",
             }),
             ..Guard::default()
@@ -370,17 +368,14 @@ mod tests {
             &[("cookie", "koseki_token=viewer"), own],
             &[("cookie", "koseki_token=0perator"), own],
         ] {
-            assert_eq!(post(&guard, "/api/order", refused), forbidden, "{refused:?}");
+            for path in ["/api/order", "/api/alarm"] {
+                assert_eq!(post(&guard, path, refused), forbidden, "{path} {refused:?}");
+            }
         }
         let (status, set) = post(&guard, "/api/operator", &[bearer, own]).unwrap();
         let set = set.unwrap();
         assert_eq!(status, StatusCode::NO_CONTENT);
-        for part in [
-            "koseki_operator=0perator;",
-            "Path=/api/order;",
-            "HttpOnly",
-            "SameSite=Strict",
-        ] {
+        for part in ["koseki_operator=0perator;", "Path=/api;", "HttpOnly", "SameSite=Strict"] {
             assert!(set.to_str().unwrap().contains(part), "{set:?}");
         }
         assert_eq!(post(&guard, "/api/operator", &[cookie, own]), forbidden);

@@ -5,22 +5,32 @@
  * travels. What is on the screen follows: the map in the next frame, the panels about twice a second.
  */
 
+import { Alarms } from "./alarms.js";
 import { COLOURS, countColour, SCALE_TOP_M } from "./colours.js";
-import { Coverage } from "./coverage.js";
-import { byId, clock, dayAndClock, grouped, h, setText } from "./dom.js";
-import { NAUTICAL_MILE_M, placeOf, sexagesimal } from "./geodesy.js";
+import { Coverage, coverageChoice, PROBABILITY_LEGEND } from "./coverage.js";
+import { byId, grouped, h, morph, setText } from "./dom.js";
+import { readFilter } from "./filter.js";
+import { bearing, magneticText, NAUTICAL_MILE_M, pathBetween, placeOf, sexagesimal } from "./geodesy.js";
 import { paintGround } from "./ground.js";
-import { labelOf, levelOf, levelText, NO_MOTION } from "./labels.js";
-import { measured, Painter } from "./painter.js";
-import { alarmsPanel, latencyPanel, sourcesPanel, systemPanel, TrackPanel, viewPanel } from "./panels.js";
-import { blankTrack, forgetMains, HAND_OVER_AFTER_S, noteMain, Picture, sourcesOf, Trail } from "./picture.js";
-import { filterOf, read, write } from "./settings.js";
+import { showHeader } from "./header.js";
+import { KeptViews, keepHabits } from "./kept.js";
+import { LABEL_LINES, labelOf, levelOf, levelText, NO_MOTION } from "./labels.js";
+import { layersChoice, layersOf } from "./maps.js";
+import { bearingText, distanceText } from "./measuring.js";
+import { controlsOn } from "./nudge.js";
+import { Operator } from "./operator.js";
+import { controlOrders, showTrackOrders } from "./orders.js";
+import { Painter } from "./painter.js";
+import { latencyPanel, sourcesPanel, systemPanel, TrackPanel, viewPanel } from "./panels.js";
+import { blankTrack, forgetMains, HAND_OVER_AFTER_S, noteMain, Picture, Trail } from "./picture.js";
+import { read, write } from "./settings.js";
 import { TrackTable } from "./table.js";
+import { controlTabs } from "./tabs.js";
 import { View } from "./view.js";
+import { NO_REASONS } from "./why.js";
 
 /** @typedef {import("./picture.js").Track} Track */
 /** @typedef {import("./settings.js").Settings} Settings */
-/** @typedef {import("./painter.js").Share} Share */
 /** @typedef {import("./panels.js").Known} Known */
 /** @typedef {import("./panels.js").History} History */
 /** @typedef {import("./picture.js").Spot} Spot */
@@ -38,12 +48,10 @@ const TABS = /** @type {const} */ ([
   ["view", "View"],
 ]);
 
+/** Time for which a page that has just been opened follows the tracks that appear, seconds. */
+const FIT_AT_FIRST_S = 30;
 /** Points that the plots of a selected track keep. */
 const HISTORY_MAX = 3000;
-/** Offset of the data from the clock that is shown, seconds. */
-const DATA_OFF_S = 2;
-/** Seconds without a picture, or without news in it, after which the picture is called old. */
-const STALE_S = 4;
 
 export class App {
   /** @param {() => void} asked What is wanted of the server has changed. */
@@ -56,7 +64,7 @@ export class App {
     this.coverage = new Coverage();
     /** @type {Set<number>} */
     this.selected = new Set();
-    /** @type {Map<number, Share[]>} */
+    /** @type {Map<number, import("./panels.js").Share[]>} */
     this.shares = new Map();
     /** @type {Map<number, History>} */
     this.histories = new Map();
@@ -67,21 +75,33 @@ export class App {
       origin: { latitude_deg: 0, longitude_deg: 0, height_m: 0 },
       sources: [],
       alarms: [],
+      alarmEvents: 0,
+      hasOperators: false,
       orders: [],
       stages: [],
       processes: [],
       system: [],
+      declination: NaN,
       time: 0,
     };
     /** @type {Map<number, import("./panels.js").Source>} */
     this.sourceOf = new Map();
     /** @type {import("./ground.js").Ground} */
     this.ground = { land: [], borders: [] };
-    /** @type {import("./ground.js").Overlay[]} */
+    /** @type {import("./maps.js").Overlay[]} */
     this.overlays = [];
-    /** @type {{from: [number, number], to: [number, number]} | null} */
+    /** Measuring lines; none: null. @type {import("./measuring.js").Measuring | null} */
     this.measure = null;
+    /** What labels say and which come first, by the configuration. */
+    this.labelling = { lines: LABEL_LINES, prefer: "" };
+    this.prefers = /** @type {(track: Track) => boolean} */ (() => false);
+    /** Track under the pointer; -1: none. */
+    this.hovered = -1;
+    /** Where no label may lie: names on the map; controls upon it. @type {import("./placement.js").Box[][]} */
+    this.chrome = [[], []];
     this.matches = /** @type {(track: Track) => boolean} */ (() => true);
+    /** @type {import("./filter.js").Fault[]} Words of the filter that cannot be read. */
+    this.faults = [];
     /** State of the connection, and when the last picture came (milliseconds of the page's clock). */
     this.connected = false;
     this.pictureAt = 0;
@@ -99,9 +119,14 @@ export class App {
     this.pastEdition = 0;
     /** Called when the origin of the frame is known. */
     this.onOrigin = () => {};
+    /** Called when the picture has leapt to another time, seconds UTC. @type {(time: number) => void} */
+    this.onLeap = () => {};
     /** Figures that tests and curious people read. */
-    this.stats = { pictures: 0, frames: 0, frameMs: /** @type {number[]} */ ([]) };
+    this.stats = { pictures: 0, frames: 0, sounds: 0, frameMs: /** @type {number[]} */ ([]) };
     this.pendingFit = this.settings.scale === 0;
+    /** Whether the page has shown all tracks yet, and the time of its first picture with tracks, seconds. */
+    this.hasFitted = false;
+    this.firstTime = /** @type {number | undefined} */ (undefined);
     this.groundKey = "";
     this.dirty = true;
     this.panelDue = 0;
@@ -115,23 +140,38 @@ export class App {
     this.table = new TrackTable(byId("panel"), {
       sortBy: (column) => this.set({ sort: this.settings.sort === column ? `-${column}` : column }),
       select: (number, more) => this.select(number, more),
-      centre: (number) => this.centre(number),
+      goTo: (number) => this.goTo(number),
     });
     /** @type {TrackPanel | null} */
     this.trackPanel = null;
+    this.trackOrders = h("div");
+    /** Sources, and the choice of the coverage that is shown. */
+    this.sourceParts = [h("div"), h("div")];
     this.mounted = "";
+    this.operator = new Operator();
+    this.alarms = new Alarms(this);
+    this.kept = new KeptViews(this);
+    controlOrders(this);
     for (const [tab, title] of TABS)
       byId("tabs").append(
         h(
           "button",
-          { role: "tab", "data-tab": tab, click: () => this.set({ tab: this.settings.tab === tab ? "" : tab }) },
+          {
+            role: "tab",
+            id: `tab-${tab}`,
+            "data-tab": tab,
+            "aria-controls": "panel",
+            click: () => this.set({ tab: this.settings.tab === tab ? "" : tab }),
+          },
           title,
         ),
       );
+    controlTabs(this);
     this.readSettings();
     window.addEventListener("hashchange", () => {
       this.settings = read(location.hash);
       this.pendingFit = this.settings.scale === 0;
+      Object.assign(this, { hasFitted: false, firstTime: undefined });
       this.pastEdition++;
       this.readSettings();
       this.asked();
@@ -177,7 +217,9 @@ export class App {
   settled() {
     const { settings } = this;
     document.body.dataset.theme = settings.theme;
-    this.matches = filterOf(settings.filter, (source) => this.sourceName(source));
+    settings.size = Math.min(400, Math.max(50, settings.size));
+    document.body.style.setProperty("zoom", String(settings.size / 100));
+    this.readFilter();
     const field = /** @type {HTMLInputElement} */ (byId("filter"));
     if (document.activeElement !== field) field.value = settings.filter;
     this.showTab();
@@ -185,6 +227,28 @@ export class App {
     this.keepAddress();
     this.dirty = true;
     this.panelDue = 0;
+  }
+
+  readFilter() {
+    const names = this.known.sources.map((source) => source.name);
+    Object.assign(this, readFilter(this.settings.filter, (source) => this.sourceName(source), names));
+  }
+
+  /** Puts another word into the filter. @param {string} word @param {string} other */
+  replaceWord(word, other) {
+    const words = this.settings.filter.split(/\s+/).map((one) => (one === word ? other : one));
+    byId("filter").focus();
+    /** @type {HTMLInputElement} */ (byId("filter")).value = words.join(" ");
+    this.set({ filter: words.join(" ") });
+  }
+
+  /**
+   * Whether a track is shown. What is selected passes every filter, and so does what has an alert.
+   * @param {Track} track
+   */
+  shows(track) {
+    if (this.selected.has(track.number) || track.alerts !== 0) return true;
+    return !(this.settings.isolate && this.selected.size > 0) && this.matches(track);
   }
 
   /** Writes the address soon: not with every pixel that the map is moved. */
@@ -203,16 +267,20 @@ export class App {
     settings.sel = [...this.selected].join(",");
     const address = write(settings);
     if (address !== location.hash) history.replaceState(null, "", address);
+    keepHabits(settings);
   }
 
   // ---- Messages of the server
 
   /**
-   * @param {{instance: string, origin: import("./geodesy.js").Place | null,
-   *   recording?: {name: string, from_s: number, to_s: number, time_s: number, speed: number} | null}} what
+   * @param {{instance: string, origin: import("./geodesy.js").Place | null, declination_deg?: number | null,
+   *   recording?: {name: string, from_s: number, to_s: number, time_s: number, speed: number} | null,
+   *   labels?: {lines: readonly (readonly string[])[], prefer: string}}} what
    *   An origin that is not known yet is said later.
    */
-  hello({ instance, origin, recording }) {
+  hello({ instance, origin, recording, labels, declination_deg }) {
+    if (labels) this.labelBy(labels);
+    this.known.declination = declination_deg ?? NaN;
     setText(byId("instance"), recording ? `recording ${recording.name}` : instance);
     document.title = `Koseki ${recording?.name ?? instance}`;
     setText(byId("live"), recording ? "END" : "LIVE");
@@ -228,6 +296,14 @@ export class App {
       this.onOrigin();
     }
     this.dirty = true;
+  }
+
+  /** Labels tracks by a configuration. @param {{lines: readonly (readonly string[])[], prefer: string}} labelling */
+  labelBy(labelling) {
+    this.labelling = labelling;
+    const { matches } = readFilter(labelling.prefer, (source) => this.sourceName(source));
+    this.prefers = labelling.prefer === "" ? () => false : matches;
+    for (const track of this.picture.system.values()) this.relabel(track);
   }
 
   /**
@@ -260,22 +336,19 @@ export class App {
       noteMain(track, main, time);
       track.trail.add(track.time, track.east, track.north);
       this.relabel(track);
-      for (const source of sourcesOf(track)) {
-        const { east, north } = this.siteOf(source);
-        this.coverage.add(source, track.east - (east || 0), track.north - (north || 0));
-      }
     }
     for (const identity of identities ?? []) {
       const track = picture.system.get(identity.number);
       if (track) this.relabel(Object.assign(track, identity));
     }
+    if (leap) this.onLeap(time);
     picture.addLayers(time - layerAge, sensor ?? [], detections ?? [], bearings ?? [], areas ?? []);
     this.stats.pictures++;
     this.pictureAt = performance.now();
     if (tracks.length > 0 || time > before) this.newsAt = this.pictureAt;
     if (this.settings.at === 0) this.liveTime = time;
     else if (this.settings.speed > 0) this.played(time);
-    if (this.pendingFit && picture.system.size > 0) this.fit();
+    if (this.pendingFit) this.fitAtFirst(time);
     if (this.settings.follow) this.follow();
     this.dirty = true;
   }
@@ -295,13 +368,12 @@ export class App {
   /**
    * Details of a selected track.
    * @param {number} number @param {string} stateTime Time of the state that they belong to, nanoseconds UTC.
-   * @param {Share[]} shares @param {number} nis NaN: unknown.
-   * @param {[string, string][]} facts @param {{time_s: number, kind: string, text: string}[]} decisions
-   * @param {import("./labels.js").Motion} motion
+   * @param {import("./panels.js").Share[]} shares @param {number} nis NaN: unknown.
+   * @param {Omit<import("./panels.js").Facts, "stateTime">} facts
    */
-  details(number, stateTime, shares, nis, facts, decisions, motion) {
+  details(number, stateTime, shares, nis, facts) {
     this.shares.set(number, shares);
-    this.facts.set(number, { stateTime, facts, decisions, motion });
+    this.facts.set(number, { stateTime, ...facts });
     const track = this.picture.system.get(number);
     if (track) this.remember(number, track.time, track.height, Math.hypot(track.speedEast, track.speedNorth), shares, nis);
     // Map and panel show the same instant.
@@ -365,7 +437,10 @@ export class App {
     if (what.sources) {
       const fewer = this.sourceOf.size !== what.sources.length;
       this.sourceOf = new Map(what.sources.map((source) => [source.number, source]));
-      if (fewer) this.showLegend();
+      if (fewer) {
+        this.showLegend();
+        this.readFilter();
+      }
     }
     this.dirty = true;
   }
@@ -388,7 +463,7 @@ export class App {
 
   /** @param {Track} track */
   relabel(track) {
-    track.label = labelOf(track, this.settings.units, this.mainName(track));
+    track.label = labelOf(track, this.settings.units, this.mainName(track), this.labelling.lines);
   }
 
   // ---- Selection and view
@@ -400,6 +475,8 @@ export class App {
     for (const map of [this.shares, this.histories, this.facts])
       for (const known of map.keys()) if (!this.selected.has(known)) map.delete(known);
     this.settings.sel = [...this.selected].join(",");
+    // From then on, a map that moves by itself would disturb.
+    if (number >= 0 && this.hasFitted) this.pendingFit = false;
     if (this.selected.size === 0) this.settings.follow = false;
     if (number >= 0 && this.selected.has(number) && this.settings.tab === "tracks" && !more)
       this.settings.tab = "track";
@@ -413,9 +490,48 @@ export class App {
     if (track) this.moved(() => Object.assign(this.view, { east: track.east, north: track.north }));
   }
 
+  /** Selects a track and puts it into the middle. @param {number} number */
+  goTo(number) {
+    this.settings.follow = false;
+    this.select(number);
+    this.centre(number);
+    this.trackCanvas.focus();
+    const track = this.picture.system.get(number);
+    // For screen readers, which cannot read the map.
+    if (track) setText(byId("spoken"), `Selected: ${track.label.join(", ")}, ${track.state}`);
+  }
+
+  /** Shows a source in the list of sources, and gives it the focus. @param {number} number */
+  showSource(number) {
+    this.set({ tab: "sources" });
+    this.showPanel();
+    const row = /** @type {HTMLElement | null} */ (byId("panel").querySelector(`[data-source="${number}"]`));
+    row?.focus();
+  }
+
+  /** Says something that stays until something else is said. @param {string} text "": nothing any more. */
+  notice(text) {
+    byId("notice").hidden = text === "";
+    setText(byId("notice"), text);
+  }
+
   follow() {
     const track = this.picture.system.get([...this.selected].at(-1) ?? -1);
     if (track) Object.assign(this.view, { east: track.east, north: track.north });
+  }
+
+  /**
+   * Shows all tracks of a page that has just been opened, until somebody moves the map: tracks come one after another.
+   * @param {number} time Of the picture, seconds.
+   */
+  fitAtFirst(time) {
+    const tracks = [...this.picture.system.values()];
+    if (tracks.length === 0) return;
+    this.firstTime ??= time;
+    const isOut = tracks.filter((track) => !this.view.sees(track.east, track.north)).length > tracks.length * 0.04;
+    if (isOut || !this.hasFitted) this.fit();
+    this.hasFitted = true;
+    this.pendingFit = Math.abs(time - this.firstTime) < FIT_AT_FIRST_S;
   }
 
   /** Shows all tracks. */
@@ -440,7 +556,7 @@ export class App {
 
   resize() {
     const { clientWidth: width, clientHeight: height } = this.map;
-    const ratio = window.devicePixelRatio || 1;
+    const ratio = ((window.devicePixelRatio || 1) * this.settings.size) / 100;
     Object.assign(this.view, { width: Math.max(1, width), height: Math.max(1, height) });
     for (const [canvas, ctx] of /** @type {const} */ ([
       [this.groundCanvas, this.groundContext],
@@ -465,8 +581,12 @@ export class App {
     if (now >= this.panelDue) {
       this.panelDue = now + 500;
       this.showPanel();
-      this.showTop();
+      showHeader(this);
+      this.alarms.sound(now);
+      this.chrome[1] = controlsOn(this.map);
     }
+    if (this.settings.coverage || this.settings.pd !== "")
+      void this.coverage.refresh(now, () => (this.dirty = true)).catch((error) => console.error(error));
     if (!this.dirty) return;
     this.dirty = false;
     this.paint();
@@ -487,13 +607,22 @@ export class App {
       view.height,
       settings.theme,
       settings.rings,
+      settings.siterings,
       settings.dim,
+      settings.maps,
     ]
       .concat([this.ground.land.length, this.overlays.length])
       .join();
     if (key !== this.groundKey) {
       this.groundKey = key;
-      paintGround(this.groundContext, view, colours, this.ground, this.overlays, settings);
+      this.chrome[0] = paintGround(this.groundContext, view, colours, {
+        ground: this.ground,
+        overlays: this.overlays,
+        layers: layersOf(settings.maps, this.overlays),
+        sites: this.known.sources,
+        settings,
+        latitude: this.known.origin.latitude_deg,
+      });
       this.showScale();
     }
     this.painter.paint(this.trackContext, {
@@ -503,11 +632,16 @@ export class App {
       picture: this.picture,
       selected: this.selected,
       shares: this.shares,
-      matches: this.matches,
+      shows: (track) => this.shows(track),
+      prefers: this.prefers,
+      hovered: this.hovered,
+      chrome: this.chrome.flat(),
       kindOf: (source) => this.sourceOf.get(source)?.kind ?? "tracker",
       sites: this.known.sources,
       coverage: this.coverage,
       measure: this.measure,
+      origin: this.known.origin,
+      declination: this.known.declination,
     });
   }
 
@@ -566,6 +700,7 @@ export class App {
         ["□", colours.sensor["ads-b"], "ADS-B"],
         ["◇", colours.sensor.tracker, "other sensor"],
       );
+    if (settings.pd !== "") lines.push(...PROBABILITY_LEGEND);
     if (settings.detections) lines.push(["·", colours.sensor.detection, "detection"]);
     if (settings.at > 0 && !this.isRecording && (settings.detections || settings.bearings || settings.areas))
       lines.push(["–", colours.unknown, "detections, bearings, counts: not kept"]);
@@ -583,82 +718,15 @@ export class App {
   showCursor(x, y) {
     const [east, north] = this.view.toGround(x, y);
     const place = placeOf(this.known.origin, east, north);
-    const fromOrigin = measured([0, 0], [east, north], this.settings.units).replace(/ \/ \S+/, "");
+    const path = pathBetween(this.known.origin, { east: 0, north: 0 }, { east, north });
+    const fromOrigin = path ? `${bearingText(path.there)}  ${distanceText(path.range, this.settings.units)}` : "";
     const signed = (/** @type {number} */ v) => `${v < 0 ? "−" : "+"}${grouped(Math.abs(v))}`;
+    const variation = this.known.declination;
+    const magnetic = Number.isFinite(variation) ? ` ${magneticText(bearing(east, north), variation)}` : "";
     const where = place
       ? `${sexagesimal(place.latitude_deg, "N", "S")} ${sexagesimal(place.longitude_deg, "E", "W")}`
       : "beyond the horizon";
-    setText(byId("cursor"), `${where}\nE ${signed(east)} m  N ${signed(north)} m  ${fromOrigin}`);
-  }
-
-  showTop() {
-    const { picture, settings } = this;
-    const past = settings.at > 0;
-    setText(byId("clock"), picture.time > 0 ? clock(picture.time) : "--:--:--");
-    byId("clock").setAttribute("title", picture.time > 0 ? `${dayAndClock(picture.time)} UTC` : "");
-    setText(byId("mode"), past ? (settings.speed > 0 ? `PLAY ×${settings.speed}` : "PAUSED") : "LIVE");
-    byId("mode").classList.toggle("past", past);
-    this.map.classList.toggle("past", past);
-    const states = { confirmed: 0, tentative: 0, coasted: 0 };
-    for (const track of picture.system.values())
-      states[/** @type {keyof typeof states} */ (track.state)] =
-        (states[/** @type {keyof typeof states} */ (track.state)] ?? 0) + 1;
-    const counts = byId("counts");
-    const text = `${picture.system.size} tracks · ${states.tentative} tentative · ${states.coasted} coasted`;
-    if (counts.dataset.text !== text) {
-      counts.dataset.text = text;
-      counts.replaceChildren(
-        h("b", {}, grouped(picture.system.size)),
-        ` tracks · ${grouped(states.tentative)} tentative · ${grouped(states.coasted)} coasted`,
-      );
-    }
-    const old = (performance.now() - this.newsAt) / 1000;
-    let banner = "";
-    if (!this.connected) banner = "NO CONNECTION TO THE DISPLAY PROCESS: THE PICTURE STANDS STILL";
-    else if (!past && this.newsAt > 0 && old > STALE_S) banner = `NO NEW PICTURE FOR ${Math.round(old)} s`;
-    const silent = this.fusion !== "" && (this.fusion !== "running" || this.fusionSilent);
-    if (this.connected && !past && silent)
-      banner = `FUSION ${this.fusion === "absent" ? "ABSENT" : "SILENT"}: THE TRACKS ARE NOT BEING UPDATED`;
-    byId("banner").hidden = banner === "";
-    this.map.classList.toggle("stale", banner !== "");
-    setText(byId("banner"), banner);
-    const standing = this.known.alarms.filter((alarm) => !alarm.cleared);
-    const worst = standing.some((alarm) => alarm.severity !== "warning") ? "bad" : "warn";
-    const restarts = this.known.processes
-      .filter((process) => process.kind === "fusion")
-      .reduce((sum, process) => sum + process.restarts, 0);
-    const pills = [
-      /** @type {[string, string]} */ ([
-        this.connected ? "connected" : "not connected",
-        this.connected ? "good" : "bad",
-      ]),
-      ...(this.fusion === ""
-        ? []
-        : [
-            /** @type {[string, string]} */ ([
-              silent
-                ? `fusion ${this.fusion === "running" ? "silent" : this.fusion}`
-                : `fusion running${restarts > 0 ? `, ${restarts} restart${restarts > 1 ? "s" : ""}` : ""}`,
-              silent ? "bad" : "good",
-            ]),
-          ]),
-      ...(!past && Math.abs(this.dataOffset) > DATA_OFF_S
-        ? [/** @type {[string, string]} */ ([offsetText(this.dataOffset), "bad"])]
-        : []),
-      ...(standing.length > 0
-        ? [/** @type {[string, string]} */ ([`${standing.length} alarm${standing.length > 1 ? "s" : ""}`, worst])]
-        : []),
-    ];
-    const line = JSON.stringify(pills);
-    if (byId("pills").dataset.text !== line) {
-      byId("pills").dataset.text = line;
-      byId("pills").replaceChildren(...pills.map(([word, severity]) => h(`span.pill.${severity}`, {}, word)));
-    }
-    const alarmTab = document.querySelector('[data-tab="alarms"]');
-    if (alarmTab) {
-      alarmTab.className = standing.length > 0 ? worst : "";
-      setText(alarmTab, standing.length > 0 ? `Alarms ${standing.length}` : "Alarms");
-    }
+    setText(byId("cursor"), `${where}\nE ${signed(east)} m  N ${signed(north)} m  ${fromOrigin}${magnetic}`);
   }
 
   // ---- Panel
@@ -667,8 +735,12 @@ export class App {
     const { tab } = this.settings;
     byId("side").classList.toggle("closed", tab === "");
     byId("panel").hidden = tab === "";
-    for (const button of byId("tabs").children)
-      button.setAttribute("aria-selected", String(button.getAttribute("data-tab") === tab));
+    for (const button of byId("tabs").children) {
+      const isShown = button.getAttribute("data-tab") === tab;
+      button.setAttribute("aria-selected", String(isShown));
+      button.setAttribute("tabindex", isShown || (tab === "" && button === byId("tabs").firstElementChild) ? "0" : "-1");
+    }
+    if (tab !== "") byId("panel").setAttribute("aria-labelledby", `tab-${tab}`);
     if (this.mounted !== tab) {
       this.mounted = tab;
       this.trackPanel = null;
@@ -681,30 +753,43 @@ export class App {
   /** Tracks that the table lists. */
   listed() {
     const { view, settings } = this;
-    const tracks = [...this.picture.system.values()].filter((track) => this.matches(track));
+    const tracks = [...this.picture.system.values()].filter((track) => this.shows(track));
     if (!settings.inview) return tracks;
-    return tracks.filter((track) => {
-      const [x, y] = view.toScreen(track.east, track.north);
-      return x >= 0 && y >= 0 && x <= view.width && y <= view.height;
-    });
+    return tracks.filter((track) => view.sees(track.east, track.north));
   }
 
   showPanel() {
     const { settings, known } = this;
     const panel = byId("panel");
     // Figures that the user is marking or changing are left alone.
-    const busy = panel.contains(document.activeElement) && settings.tab === "view";
+    const busy = panel.contains(document.activeElement) && ["view", "sources"].includes(settings.tab);
     if (settings.tab === "" || busy || (settings.tab !== "tracks" && !getSelection()?.isCollapsed)) return;
     const scroll = panel.scrollTop;
     if (settings.tab === "tracks") {
       this.table.update(this.listed(), settings.sort, this.selected, settings.units, (track) => this.mainName(track));
     } else if (settings.tab === "track") this.showTrack(panel);
-    else if (settings.tab === "sources") panel.replaceChildren(sourcesPanel(known.sources, known.time));
-    else if (settings.tab === "alarms") panel.replaceChildren(alarmsPanel(known.alarms, known.time));
+    else if (settings.tab === "sources") this.showSources(panel);
+    else if (settings.tab === "alarms") this.alarms.show(panel);
     else if (settings.tab === "latency") panel.replaceChildren(latencyPanel(known.stages));
-    else if (settings.tab === "system") panel.replaceChildren(systemPanel(known.processes, known.orders, known.system, known.time));
-    else if (settings.tab === "view") panel.replaceChildren(viewPanel(settings, (patch) => this.set(patch)));
+    else if (settings.tab === "system")
+      morph(panel, systemPanel(known.processes, known.orders, known.system, known.time, known.hasOperators));
+    else if (settings.tab === "view")
+      panel.replaceChildren(
+        this.kept.panel(),
+        viewPanel(settings, (patch) => this.set(patch)),
+        layersChoice(settings.maps, this.overlays, (patch) => this.set(patch)),
+      );
     if (settings.tab !== "tracks") panel.scrollTop = scroll;
+  }
+
+  /** @param {HTMLElement} panel */
+  showSources(panel) {
+    const { known, settings, sourceParts } = this;
+    const [list, choice] = sourceParts;
+    if (!panel.contains(list)) panel.replaceChildren(...sourceParts);
+    morph(list, sourcesPanel(known.sources, known.time, known.hasOperators));
+    if (!choice.contains(document.activeElement))
+      choice.replaceChildren(coverageChoice(this.coverage, known.sources, settings.pd, (patch) => this.set(patch)));
   }
 
   /** @param {HTMLElement} panel */
@@ -718,23 +803,22 @@ export class App {
       panel.replaceChildren(h("div.pad.soft", {}, text));
       return;
     }
-    this.trackPanel ??= new TrackPanel(panel);
+    if (!this.trackPanel) {
+      this.trackPanel = new TrackPanel(panel);
+      panel.firstElementChild?.append(this.trackOrders);
+    }
+    showTrackOrders(this, this.trackOrders);
     this.trackPanel.update(
       track,
       this.shares.get(number) ?? [],
       this.historyOf(number),
-      this.facts.get(number) ?? { stateTime: "", facts: [], decisions: [], motion: NO_MOTION },
+      this.facts.get(number) ?? { stateTime: "", facts: [], rule: "", why: NO_REASONS, motion: NO_MOTION },
       this.known,
       this.settings.units,
       COLOURS[this.settings.theme].sources,
       this.settings.at > 0,
     );
   }
-}
-
-/** Offset of the data in words. @param {number} seconds Positive: they are ahead. */
-export function offsetText(seconds) {
-  return `data ${Math.abs(seconds).toFixed(1)} s ${seconds > 0 ? "ahead of" : "behind"} the clock`;
 }
 
 /** @param {HTMLCanvasElement} canvas @param {boolean} alpha */

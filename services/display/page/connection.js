@@ -6,11 +6,14 @@
  */
 
 import { IDENTITY, PICTURE, PICTURE_AREA_KIND, PICTURE_TRACK, readPicture, TRACK_KIND, TRACK_STATE } from "./wire.js";
+import { reasonOf, whyOf } from "./why.js";
 
 /** @typedef {import("./app.js").App} App */
 /** @typedef {import("./app.js").Change} Change */
 
 const NO_SOURCE = 65535;
+/** Kind of the addresses of ships. */
+const MMSI = 2;
 /** Longest pause between two attempts to connect, milliseconds. */
 const PAUSE_MAX_MS = 4000;
 
@@ -125,7 +128,8 @@ export class Connection {
       })),
       identities: identities.map((identity) => ({
         number: identity.number,
-        callsign: identity.callsign || identity.name,
+        isShip: identity.kind === MMSI,
+        callsign: (identity.kind === MMSI && identity.name) || identity.callsign || identity.name,
         address: identity.kind === 0 ? "" : addressText(identity.address, identity.kind),
         code: (identity.valid & IDENTITY.MODE_3A) !== 0 ? identity.mode_3a.toString(8).padStart(4, "0") : "",
         type: identity.type_name,
@@ -181,8 +185,8 @@ export class Connection {
     if (!app) return;
     if (message.type === "hello") {
       this.layerAge = message.layer_age_s;
-      app.hello({ instance: message.instance, origin: message.origin, recording: message.recording });
-      app.learn({ sources: message.sources.map(sourceOf) });
+      app.hello(message);
+      app.learn({ sources: message.sources.map(sourceOf), hasOperators: message.operators });
     } else if (message.type === "selected") {
       for (const track of message.tracks) this.selected(app, track);
     } else if (message.type === "history") {
@@ -220,6 +224,7 @@ export class Connection {
       centre: share.centre,
       east: share.position_m?.[0] ?? NaN,
       north: share.position_m?.[1] ?? NaN,
+      ...reasonOf(share),
     }));
     /** @type {[string, string][]} */
     const facts = [];
@@ -238,8 +243,8 @@ export class Connection {
       turnSigma: track.turn_sigma_dps ?? NaN,
       modes: track.modes ?? [],
     };
-    const decisions = track.decisions ?? [];
-    app.details(track.number, track.reference_time_ns, shares, track.nis ?? NaN, facts, decisions, motion);
+    const rule = track.rule ?? "";
+    app.details(track.number, track.reference_time_ns, shares, track.nis ?? NaN, { facts, rule, why: whyOf(track), motion });
   }
 
   /** @param {App} app @param {any} status */
@@ -254,7 +259,12 @@ export class Connection {
         ...sourceOf(source),
         ...app.siteOf(source.number),
       })),
+      alarmEvents: status.alarm_events,
       alarms: status.alarms.map((/** @type {any} */ alarm) => ({
+        id: alarm.id,
+        source: alarm.source ?? -1,
+        acknowledged: alarm.acknowledged && { operator: alarm.acknowledged.operator, time: alarm.acknowledged.time_s },
+        shelved: alarm.shelved && { operator: alarm.shelved.operator, until: alarm.shelved.until_s },
         code: alarm.code,
         severity: alarm.severity,
         text: alarm.text,
@@ -311,10 +321,12 @@ function sourceOf(source) {
     number: source.number,
     name: source.name,
     kind: source.kind,
+    adapter: source.adapter ?? "",
     rate: source.rate_hz ?? 0,
     lastHeard: source.heard_s ?? 0,
     lost: source.lost ?? 0,
     rejected: Object.entries(source.rejected ?? {}).filter(([, count]) => count > 0),
+    dependsOn: source.depends_on ?? [],
     errors: source.errors ?? "",
     clockOffset: source.clock_offset_s ?? NaN,
     east: source.site_m?.[0] ?? NaN,

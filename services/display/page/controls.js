@@ -1,11 +1,17 @@
 /** Mouse, fingers, keyboard, and the bar of time. */
 
 import { byId, clock, h, setText } from "./dom.js";
+import { Measuring, measureSelected } from "./measuring.js";
+import { giveBack, nudge } from "./nudge.js";
+import { isNameKey, SearchBox } from "./search.js";
 import { CHOICES, DEFAULTS } from "./settings.js";
 
 /** @typedef {import("./app.js").App} App */
 
-/** Keys as tar1090 has them, as far as it has them. @type {[string, string, (app: App) => void][]} */
+/**
+ * Keys as tar1090 has them, as far as it has them. A letter is pressed with Alt; alone, if the setting `letters` is
+ * `keys`.
+ * @type {[string, string, (app: App) => void][]} */
 const KEYS = [
   ["l", "labels on and off", (app) => app.set({ labels: app.settings.labels > 0 ? 0 : DEFAULTS.labels })],
   ["o", "labels longer, in turn", (app) => app.set({ labels: (app.settings.labels + 1) % 4 })],
@@ -14,8 +20,8 @@ const KEYS = [
   ["y", "trails: 60 s, 300 s, all, none", (app) => app.set({ trail: next([60, 300, -1, 0], app.settings.trail) })],
   [
     "u",
-    "speed vectors: 60 s, 120 s, 180 s, none",
-    (app) => app.set({ vector: next([60, 120, 180, 0], app.settings.vector) }),
+    "speed vectors: 60 s, 120 s, 180 s, 6 min, 15 min, none",
+    (app) => app.set({ vector: next([60, 120, 180, 360, 900, 0], app.settings.vector) }),
   ],
   ["g", "accuracy ellipses: 1, 2, 3 sigmas, none", (app) => app.set({ sigma: next([1, 2, 3, 0], app.settings.sigma) })],
   ["n", "sensor tracks", (app) => app.set({ sensors: !app.settings.sensors })],
@@ -41,6 +47,9 @@ const KEYS = [
   ["r", "follow a track at random", followAny],
   ["h", "show all tracks", (app) => app.fit()],
   ["c", "select nothing (also Escape)", clear],
+  ["+", "", (app) => zoomMiddle(app, 1.25)],
+  ["=", "", (app) => zoomMiddle(app, 1.25)],
+  ["-", "", (app) => zoomMiddle(app, 1 / 1.25)],
   ["w", "", (app) => app.moved(() => app.view.pan(0, 80))],
   ["s", "", (app) => app.moved(() => app.view.pan(0, -80))],
   ["a", "", (app) => app.moved(() => app.view.pan(80, 0))],
@@ -50,6 +59,7 @@ const KEYS = [
   ["[", "", (app) => app.moved(() => app.view.turn(-Math.PI / 36))],
   ["]", "", (app) => app.moved(() => app.view.turn(Math.PI / 36))],
   ["\\", "north up", (app) => app.moved(() => Object.assign(app.view, { up: 0 }))],
+  [".", "measure between the selected tracks", measureSelected],
   ["/", "to the filter", () => byId("filter").focus()],
   ["?", "this help", () => toggleHelp()],
 ];
@@ -61,14 +71,20 @@ const HELP = `${ENTRIES.slice(0, HALF)
   .map((entry, k) => `${entry.padEnd(48)}${ENTRIES[HALF + k] ?? ""}`)
   .join("\n")}
 
-w a s d   move          q e  smaller, larger
-[ ]       turn          Esc  select nothing
-space     pause, play   ← →  a second back, ahead   Home  back to live, or to the end
+Letters need Alt: a letter alone begins a search. View, "A letter alone" = keys turns that round.
 
-drag      move the map            shift+drag   turn it
-wheel     smaller, larger         right drag   bearing and distance
-click     select                  ctrl+click   select one more
+BAW12     find and centre: type callsign, code or address (also Ctrl+F), then Enter
+← ↑ → ↓   move the map (w a s d)    + −       smaller, larger (q e)
+[ ]       turn                      Esc       close, select nothing, end the filter
+space     pause, play; presses the button that has the focus
+shift ← → a second back, ahead      Home      back to live, or to the end
+Tab       to the next control       ↑ ↓       in the table; Enter there selects and centres
+
+drag      move the map              shift+drag   turn it
+wheel     smaller, larger           right drag   measure; right click on a line: away with it
+click     select                    ctrl+click   select one more
 double click: put a track into the middle and follow it
+drag a label  put it elsewhere (Ctrl+arrows, selected tracks); double click on it, or Ctrl+Backspace: give it back
 
 filter    BAW  fl>100  kt<200  sources>2  state=coasted  kind=group
           main=NAME  source=NAME  type=A320  /^EC/  -word: not so`;
@@ -93,9 +109,15 @@ function followAny(app) {
   app.set({ follow: true });
 }
 
+/** Ends one thing: the help, then selection and measuring, then the filter. @param {App} app */
+function escape(app) {
+  if (!byId("help").hidden) return toggleHelp();
+  if (app.selected.size > 0 || app.measure || app.settings.isolate) return clear(app);
+  if (app.settings.filter !== "") app.set({ filter: "" });
+}
+
 /** @param {App} app */
 function clear(app) {
-  byId("help").hidden = true;
   app.measure = null;
   app.settings.isolate = false;
   app.select(-1);
@@ -105,19 +127,17 @@ function toggleHelp() {
   const help = byId("help");
   help.textContent = HELP;
   help.hidden = !help.hidden;
+  if (help.hidden) byId("tracks").focus();
+  else help.focus();
 }
 
 /** Makes the page answer. @param {App} app */
 export function control(app) {
-  controlKeys(app);
+  const search = new SearchBox(app, app.map);
+  controlKeys(app, search);
   controlPointer(app);
   controlTime(app);
-  const filter = /** @type {HTMLInputElement} */ (byId("filter"));
-  filter.addEventListener("input", () => app.set({ filter: filter.value.trim() }));
-  filter.addEventListener("keydown", (event) => {
-    if (event.key === "Escape" || event.key === "Enter") filter.blur();
-    event.stopPropagation();
-  });
+  controlFilter(app);
   const tools = /** @type {[string, string][]} */ ([
     ["e", "+"],
     ["q", "−"],
@@ -132,30 +152,90 @@ export function control(app) {
   for (const [key, sign] of tools) {
     const entry = KEYS.find(([own]) => own === key);
     if (!entry) continue;
-    const title = `${entry[1] || (key === "e" ? "larger" : "smaller")} (${key})`;
+    const pressed = /[a-z]/.test(key) ? `Alt+${key.toUpperCase()}` : key;
+    const title = `${entry[1] || (key === "e" ? "larger" : "smaller")} (${pressed})`;
     byId("tools").append(h("button", { title, "aria-label": title, click: () => entry[2](app) }, sign));
   }
+  const title = "find a track: type its callsign, code or address (Ctrl+F)";
+  const find = h("button", { title, "aria-label": title }, "⌕");
+  find.addEventListener("click", () => search.open(""));
+  byId("tools").prepend(find);
 }
 
 /** @param {App} app */
-function controlKeys(app) {
-  document.addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
-    const target = event.target;
-    if (target instanceof HTMLInputElement && target.type !== "range" && target.type !== "checkbox") return;
-    if (target instanceof HTMLSelectElement) return;
-    if (event.key === "Escape") clear(app);
-    else if (event.key === " ") togglePlay(app);
-    else if (event.key === "Home") app.goToEnd();
-    else if (event.key === "ArrowLeft") step(app, -1);
-    else if (event.key === "ArrowRight") step(app, 1);
-    else {
-      const entry = KEYS.find(([key]) => key === event.key.toLowerCase());
-      if (!entry) return;
-      entry[2](app);
+function controlFilter(app) {
+  const filter = /** @type {HTMLInputElement} */ (byId("filter"));
+  const end = () => {
+    filter.value = "";
+    app.set({ filter: "", isolate: false });
+    app.trackCanvas.focus();
+  };
+  filter.addEventListener("input", () => app.set({ filter: filter.value.trim() }));
+  filter.addEventListener("keydown", (event) => {
+    event.stopPropagation();
+    if (event.key === "Escape") end();
+    if (event.key === "Enter") {
+      const passing = app.settings.filter === "" ? [] : [...app.picture.system.values()].filter(app.matches);
+      if (passing.length === 1) app.goTo(passing[0].number);
+      else app.trackCanvas.focus();
     }
+  });
+  byId("hidden").addEventListener("click", end);
+}
+
+/** What keys do that the map alone takes. @type {Record<string, (app: App) => void>} */
+const MAP_KEYS = {
+  " ": togglePlay,
+  Home: (app) => app.goToEnd(),
+  ArrowLeft: (app) => pan(app, 80, 0),
+  ArrowRight: (app) => pan(app, -80, 0),
+  ArrowUp: (app) => pan(app, 0, 80),
+  ArrowDown: (app) => pan(app, 0, -80),
+};
+
+/** @param {App} app @param {number} dx @param {number} dy */
+function pan(app, dx, dy) {
+  app.settings.follow = false;
+  app.moved(() => app.view.pan(dx, dy));
+}
+
+/** @param {App} app @param {SearchBox} search */
+function controlKeys(app, search) {
+  document.addEventListener("keydown", (event) => {
+    const act = event.defaultPrevented ? undefined : actOf(app, search, event);
+    if (!act) return;
+    act(app);
     event.preventDefault();
   });
+}
+
+/**
+ * What a pressed key does; nothing where it belongs to what has the focus.
+ * @param {App} app @param {SearchBox} search @param {KeyboardEvent} event
+ * @returns {((app: App) => void) | undefined}
+ */
+function actOf(app, search, event) {
+  const { key, target } = event;
+  if (!(target instanceof Element) || target.closest("dialog")) return undefined;
+  const isText = target instanceof HTMLInputElement && target.type !== "range" && target.type !== "checkbox";
+  if (isText || target instanceof HTMLSelectElement || target instanceof HTMLTextAreaElement) return undefined;
+  const isAltGraph = event.getModifierState("AltGraph");
+  if (!isAltGraph && (event.ctrlKey || event.metaKey))
+    return event.ctrlKey && key.toLowerCase() === "f" ? () => search.open("") : undefined;
+  const letter = /^Key[A-Z]$/.test(event.code) ? event.code.at(-1)?.toLowerCase() : "";
+  if (event.altKey && !isAltGraph) return actOfKey(/^[a-z]$/i.test(key) ? key.toLowerCase() : letter);
+  if (key === "Escape") return escape;
+  if (event.shiftKey && key === "ArrowLeft") return () => step(app, -1);
+  if (event.shiftKey && key === "ArrowRight") return () => step(app, 1);
+  const isMap = target === app.trackCanvas || target === document.body;
+  if (key in MAP_KEYS) return isMap ? MAP_KEYS[key] : undefined;
+  const isKey = /^[a-z]$/.test(key) && app.settings.letters === "keys";
+  return isNameKey(key) && !isKey ? () => search.open(key) : actOfKey(key);
+}
+
+/** @param {string | undefined} key */
+function actOfKey(key) {
+  return KEYS.find(([own]) => own === key)?.[2];
 }
 
 /** @param {App} app */
@@ -165,26 +245,30 @@ function controlPointer(app) {
   const fingers = new Map();
   let action = "";
   let moved = 0;
+  /** Label that is dragged. @type {import("./lettering.js").Label | null} */
+  let label = null;
   const where = (/** @type {MouseEvent} */ event) => {
     const box = canvas.getBoundingClientRect();
-    return /** @type {[number, number]} */ ([event.clientX - box.left, event.clientY - box.top]);
+    const size = app.settings.size / 100;
+    return /** @type {[number, number]} */ ([(event.clientX - box.left) / size, (event.clientY - box.top) / size]);
   };
-  /** Point under the cursor, or the track there. @param {number} x @param {number} y @returns {[number, number]} */
+  /** Point under the cursor, or the track there. @param {number} x @param {number} y */
   const target = (x, y) => {
     const track = app.painter.at(x, y);
-    return track ? [track.east, track.north] : app.view.toGround(x, y);
+    const [east, north] = track ? [track.east, track.north] : app.view.toGround(x, y);
+    return { east, north, track: track?.number ?? -1 };
   };
   canvas.addEventListener("contextmenu", (event) => event.preventDefault());
   canvas.addEventListener("pointerdown", (event) => {
-    canvas.focus({ preventScroll: true });
     canvas.setPointerCapture(event.pointerId);
     const [x, y] = where(event);
     fingers.set(event.pointerId, [x, y]);
     moved = 0;
-    action = event.button === 2 ? "measure" : event.shiftKey ? "turn" : "pan";
+    label = app.painter.symbolAt(x, y) ? null : app.painter.lettering.at(x, y);
+    action = event.button === 2 ? "measure" : event.shiftKey ? "turn" : label ? "label" : "pan";
     if (action === "measure") {
-      const at = target(x, y);
-      app.measure = { from: at, to: at };
+      app.measure ??= new Measuring();
+      app.measure.begin(target(x, y));
     }
   });
   canvas.addEventListener("pointermove", (event) => {
@@ -192,7 +276,10 @@ function controlPointer(app) {
     app.showCursor(x, y);
     const last = fingers.get(event.pointerId);
     if (!last) {
-      canvas.style.cursor = app.painter.at(x, y) ? "pointer" : "crosshair";
+      const track = app.painter.at(x, y);
+      canvas.style.cursor = track ? "pointer" : "crosshair";
+      if (app.hovered !== (track?.number ?? -1)) app.dirty = true;
+      app.hovered = track?.number ?? -1;
       return;
     }
     const [dx, dy] = [x - last[0], y - last[1]];
@@ -203,12 +290,14 @@ function controlPointer(app) {
       const after = Math.hypot(x - other[0], y - other[1]);
       if (before > 0) app.moved(() => app.view.zoom(after / before, (x + other[0]) / 2, (y + other[1]) / 2));
     } else if (action === "measure" && app.measure) {
-      app.measure = { from: app.measure.from, to: target(x, y) };
+      app.measure.lead(target(x, y));
       app.dirty = true;
     } else if (action === "turn") {
       const [middleX, middleY] = [app.view.width / 2, app.view.height / 2];
       const angle = Math.atan2(y - middleY, x - middleX) - Math.atan2(last[1] - middleY, last[0] - middleX);
       app.moved(() => app.view.turn(angle));
+    } else if (action === "label" && label) {
+      if (moved > 3) nudge(app, [label], dx, dy);
     } else if (moved > 3) {
       app.settings.follow = false;
       app.moved(() => app.view.pan(dx, dy));
@@ -219,18 +308,26 @@ function controlPointer(app) {
     fingers.delete(event.pointerId);
     const [x, y] = where(event);
     if (action === "measure" && moved <= 3) {
-      app.measure = null;
+      app.measure?.drop();
+      app.measure?.dropAt(x, y);
+      if (app.measure?.lines.length === 0) app.measure = null;
       app.dirty = true;
     }
-    if (action !== "pan" || moved > 3 || event.type === "pointercancel") return;
+    if ((action !== "pan" && action !== "label") || moved > 3 || event.type === "pointercancel") return;
     const track = app.painter.at(x, y);
     app.select(track ? track.number : -1, event.ctrlKey || event.metaKey);
   };
+  canvas.addEventListener("pointerleave", () => {
+    if (app.hovered >= 0) app.dirty = true;
+    app.hovered = -1;
+  });
   canvas.addEventListener("pointerup", ended);
   canvas.addEventListener("pointercancel", ended);
   canvas.addEventListener("dblclick", (event) => {
     const track = app.painter.at(...where(event));
     if (!track) return;
+    const own = app.painter.lettering.at(...where(event));
+    if (own?.wish.spot.pinned && !app.painter.symbolAt(...where(event))) return giveBack(app, [own]);
     app.centre(track.number);
     app.set({ follow: true });
   });

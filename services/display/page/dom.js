@@ -29,10 +29,45 @@ export function byId(id) {
 
 /**
  * Sets a text only where it differs, so that an unchanged page costs nothing.
- * @param {Element} element @param {string} text
+ * @param {Element | Text} element @param {string} text
  */
 export function setText(element, text) {
   if (element.textContent !== text) element.textContent = text;
+}
+
+/**
+ * Shows `fresh` as the only child of `parent`, and changes no more than what differs: what has the focus keeps it, and a
+ * button that is being pressed stays. Listeners of `fresh` are lost where an element stays; its buttons say in attributes
+ * what they do.
+ * @param {Element} parent @param {Element} fresh
+ */
+export function morph(parent, fresh) {
+  const old = parent.firstElementChild;
+  if (old && parent.childNodes.length === 1 && old.nodeName === fresh.nodeName) patch(old, fresh);
+  else parent.replaceChildren(fresh);
+}
+
+/** @param {Element} old @param {Element} fresh */
+function patch(old, fresh) {
+  for (const name of old.getAttributeNames()) if (!fresh.hasAttribute(name)) old.removeAttribute(name);
+  for (const name of fresh.getAttributeNames()) {
+    const value = fresh.getAttribute(name) ?? "";
+    if (old.getAttribute(name) !== value) old.setAttribute(name, value);
+  }
+  const [had, wanted] = [[...old.childNodes], [...fresh.childNodes]];
+  wanted.forEach((child, k) => {
+    const own = had[k];
+    if (!own) old.append(child);
+    else if (own instanceof Element && child instanceof Element && isSame(own, child)) patch(own, child);
+    else if (own instanceof Text && child instanceof Text) setText(own, child.data);
+    else own.replaceWith(child);
+  });
+  for (const rest of had.slice(wanted.length)) rest.remove();
+}
+
+/** @param {Element} one @param {Element} other */
+function isSame(one, other) {
+  return one.nodeName === other.nodeName && one.getAttribute("data-key") === other.getAttribute("data-key");
 }
 
 const two = (/** @type {number} */ value) => String(value).padStart(2, "0");

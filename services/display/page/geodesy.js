@@ -19,9 +19,10 @@ export const KNOT_MPS = NAUTICAL_MILE_M / 3600;
 /**
  * Place on the ellipsoid above or below a point of the system frame; `null` beyond the horizon of the map.
  * @param {Place} origin @param {number} east metres @param {number} north metres
+ * @param {number} [height] Of the point above the ellipsoid, metres.
  * @returns {{latitude_deg: number, longitude_deg: number} | null}
  */
-export function placeOf(origin, east, north) {
+export function placeOf(origin, east, north, height = 0) {
   const latitude = (origin.latitude_deg * Math.PI) / 180;
   const longitude = (origin.longitude_deg * Math.PI) / 180;
   const [sinLat, cosLat] = [Math.sin(latitude), Math.cos(latitude)];
@@ -33,7 +34,8 @@ export function placeOf(origin, east, north) {
     (prime + origin.height_m) * up[1] + cosLon * east - sinLat * sinLon * north,
     (prime * (1 - ECCENTRICITY_2) + origin.height_m) * up[2] + cosLat * north,
   ];
-  const axes = [SEMI_MAJOR_M, SEMI_MAJOR_M, SEMI_MINOR_M];
+  // What is at a height lies on an ellipsoid that is so much larger.
+  const axes = [SEMI_MAJOR_M + height, SEMI_MAJOR_M + height, SEMI_MINOR_M + height];
   let square = 0;
   let half = 0;
   let rest = -1;
@@ -48,9 +50,57 @@ export function placeOf(origin, east, north) {
   const lift = (-half + Math.sqrt(root)) / square;
   const [x, y, z] = point.map((value, k) => value + lift * up[k]);
   return {
-    latitude_deg: (Math.atan2(z, (1 - ECCENTRICITY_2) * Math.hypot(x, y)) * 180) / Math.PI,
+    latitude_deg: (Math.atan2(z * (axes[0] / axes[2]) ** 2, Math.hypot(x, y)) * 180) / Math.PI,
     longitude_deg: (Math.atan2(y, x) * 180) / Math.PI,
   };
+}
+
+/**
+ * Path on the ellipsoid between two points of the system frame: its length, and the true bearings of each from the other
+ * (normal sections, within 0.001° and a metre of the geodesic over 500 km); `null` beyond the horizon of the map.
+ * @param {Place} origin @param {{east: number, north: number}} from @param {{east: number, north: number}} to
+ * @param {number} [fromHeight] metres @param {number} [toHeight] metres
+ * @returns {{range: number, there: number, back: number} | null} Metres, degrees.
+ */
+export function pathBetween(origin, from, to, fromHeight = 0, toHeight = 0) {
+  const a = placeOf(origin, from.east, from.north, fromHeight);
+  const b = placeOf(origin, to.east, to.north, toHeight);
+  if (!a || !b) return null;
+  const there = sectionOf(a, b);
+  // Radius of curvature in the middle, in the direction of the path (Euler).
+  const latitude = (((a.latitude_deg + b.latitude_deg) / 2) * Math.PI) / 180;
+  const flat = 1 - ECCENTRICITY_2 * Math.sin(latitude) ** 2;
+  const across = SEMI_MAJOR_M / Math.sqrt(flat);
+  const along = (across * (1 - ECCENTRICITY_2)) / flat;
+  const back = sectionOf(b, a).bearing;
+  const middle = (((there.bearing + back + 180) / 2) * Math.PI) / 180;
+  const radius = 1 / (Math.cos(middle) ** 2 / along + Math.sin(middle) ** 2 / across);
+  return { range: 2 * radius * Math.asin(there.chord / (2 * radius)), there: there.bearing, back };
+}
+
+/**
+ * Chord from one place on the ellipsoid to another, metres, and its bearing, degrees.
+ * @param {{latitude_deg: number, longitude_deg: number}} from @param {{latitude_deg: number, longitude_deg: number}} to
+ */
+function sectionOf(from, to) {
+  const [x, y, z] = earthCentred(to).map((value, k) => value - earthCentred(from)[k]);
+  const latitude = (from.latitude_deg * Math.PI) / 180;
+  const longitude = (from.longitude_deg * Math.PI) / 180;
+  const outward = Math.cos(longitude) * x + Math.sin(longitude) * y;
+  const east = -Math.sin(longitude) * x + Math.cos(longitude) * y;
+  const north = -Math.sin(latitude) * outward + Math.cos(latitude) * z;
+  return { chord: Math.hypot(x, y, z), bearing: bearing(east, north) };
+}
+
+/** @param {{latitude_deg: number, longitude_deg: number}} place @returns {number[]} metres */
+function earthCentred({ latitude_deg, longitude_deg }) {
+  const [latitude, longitude] = [(latitude_deg * Math.PI) / 180, (longitude_deg * Math.PI) / 180];
+  const prime = SEMI_MAJOR_M / Math.sqrt(1 - ECCENTRICITY_2 * Math.sin(latitude) ** 2);
+  return [
+    prime * Math.cos(latitude) * Math.cos(longitude),
+    prime * Math.cos(latitude) * Math.sin(longitude),
+    prime * (1 - ECCENTRICITY_2) * Math.sin(latitude),
+  ];
 }
 
 /**
@@ -59,6 +109,25 @@ export function placeOf(origin, east, north) {
  */
 export function bearing(east, north) {
   return ((Math.atan2(east, north) * 180) / Math.PI + 360) % 360;
+}
+
+const degreesText = (/** @type {number} */ degrees) => `${String(Math.round(degrees) % 360).padStart(3, "0")}°`;
+
+/**
+ * Magnetic bearing: 018°M.
+ * @param {number} degrees True bearing. @param {number} declination Degrees, east positive.
+ */
+export function magneticText(degrees, declination) {
+  return `${degreesText((degrees - declination + 720) % 360)}M`;
+}
+
+/**
+ * True bearing, and the magnetic one where the declination is known: 020° / 018°M.
+ * @param {number} degrees @param {number} declination NaN: unknown.
+ */
+export function courseText(degrees, declination) {
+  const magnetic = Number.isFinite(declination) ? ` / ${magneticText(degrees, declination)}` : "";
+  return degreesText(degrees) + magnetic;
 }
 
 /**

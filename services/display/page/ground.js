@@ -4,10 +4,11 @@
  */
 
 import { NAUTICAL_MILE_M } from "./geodesy.js";
+import { lineOf, trace } from "./lines.js";
+import { paintOverlays, zoomOf } from "./maps.js";
 
-/** @typedef {{west: number, south: number, east: number, north: number, points: Float32Array}} Line */
+/** @typedef {import("./lines.js").Line} Line */
 /** @typedef {{land: Line[], borders: Line[]}} Ground */
-/** @typedef {{name: string, kind: string, lines: Line[], closed: boolean}} Overlay */
 
 /**
  * Lines from the server's octets: pairs of east and north in metres, f32 little-endian. NaN ends a line, a pair of
@@ -32,48 +33,6 @@ export function groundOf(octets) {
   return ground;
 }
 
-/** @param {Float32Array} points @returns {Line} */
-export function lineOf(points) {
-  const line = { west: Infinity, south: Infinity, east: -Infinity, north: -Infinity, points };
-  for (let k = 0; k < points.length; k += 2) {
-    line.west = Math.min(line.west, points[k]);
-    line.east = Math.max(line.east, points[k]);
-    line.south = Math.min(line.south, points[k + 1]);
-    line.north = Math.max(line.north, points[k + 1]);
-  }
-  return line;
-}
-
-/**
- * Lines of a GeoJSON collection whose coordinates are metres; a point is a line of one point.
- * @param {any} collection @returns {Overlay[]}
- */
-export function overlaysOf(collection) {
-  const features = Array.isArray(collection?.features) ? collection.features : [];
-  return features
-    .filter((/** @type {any} */ f) => f?.geometry)
-    .map((/** @type {any} */ feature) => {
-      const { type, coordinates } = feature.geometry;
-      const lines =
-        {
-          Point: () => [[coordinates]],
-          MultiPoint: () => coordinates.map((/** @type {number[]} */ point) => [point]),
-          LineString: () => [coordinates],
-          MultiLineString: () => coordinates,
-          Polygon: () => coordinates,
-          MultiPolygon: () => coordinates.flat(),
-        }[/** @type {"Point"} */ (type)]?.() ?? [];
-      return {
-        name: String(feature.properties?.name ?? feature.properties?.ref ?? ""),
-        kind: String(feature.properties?.aeroway ?? ""),
-        lines: lines.map((/** @type {number[][]} */ line) =>
-          lineOf(new Float32Array(line.flatMap((p) => [p[0], p[1]]))),
-        ),
-        closed: String(type).endsWith("Polygon"),
-      };
-    });
-}
-
 /**
  * Distance between two range rings, nautical miles, so that they stand some 120 pixels apart.
  * @param {number} scale metres a pixel
@@ -86,96 +45,105 @@ export function ringStep(scale) {
 }
 
 /**
+ * @typedef {object} GroundScene
+ * @property {Ground} ground @property {import("./maps.js").Overlay[]} overlays
+ * @property {{name: string, isOn: boolean}[]} layers From the lowest up.
+ * @property {{east: number, north: number, name: string}[]} sites Sensors.
+ * @property {{rings: boolean, siterings: boolean, dim: boolean}} settings
+ * @property {number} latitude Of the origin, degrees.
+ */
+
+/**
  * @param {CanvasRenderingContext2D} ctx
  * @param {import("./view.js").View} view
  * @param {import("./colours.js").Colours} colours
- * @param {Ground} ground
- * @param {Overlay[]} overlays
- * @param {{rings: boolean, dim: boolean}} settings
+ * @param {GroundScene} scene
+ * @returns {import("./placement.js").Box[]} Names that it has written.
  */
-export function paintGround(ctx, view, colours, ground, overlays, settings) {
+export function paintGround(ctx, view, colours, { ground, overlays, layers, sites, settings, latitude }) {
   ctx.fillStyle = colours.water;
   ctx.fillRect(0, 0, view.width, view.height);
   const matrix = view.matrix();
   const bounds = view.bounds();
-  ctx.globalAlpha = settings.dim ? 0.45 : 1;
+  const dim = settings.dim ? 0.45 : 1;
+  const zoom = zoomOf(view.scale, latitude);
+  const lines = (/** @type {Line[]} */ lines, /** @type {boolean} */ closed) => trace(ctx, matrix, bounds, lines, closed);
+  /** @type {[number, number, number, number][]} */
+  const names = [];
   ctx.lineJoin = "round";
-
-  ctx.beginPath();
-  trace(ctx, matrix, bounds, ground.land, true);
-  ctx.fillStyle = colours.land;
-  ctx.fill("evenodd");
-  ctx.strokeStyle = colours.coast;
-  ctx.lineWidth = 1;
-  ctx.stroke();
-  ctx.beginPath();
-  trace(ctx, matrix, bounds, ground.borders, false);
-  ctx.strokeStyle = colours.border;
-  ctx.stroke();
-
-  ctx.strokeStyle = colours.overlay;
-  ctx.fillStyle = colours.overlay;
-  ctx.font = "11px system-ui, 'DejaVu Sans', sans-serif";
-  for (const overlay of overlays) {
-    ctx.beginPath();
-    trace(ctx, matrix, bounds, overlay.lines, overlay.closed);
-    if (overlay.closed) {
-      ctx.globalAlpha *= 0.25;
+  for (const { name, isOn } of layers) {
+    if (!isOn) continue;
+    ctx.globalAlpha = dim;
+    ctx.lineWidth = 1;
+    if (name === "land") {
+      ctx.beginPath();
+      lines(ground.land, true);
+      ctx.fillStyle = colours.land;
       ctx.fill("evenodd");
-      ctx.globalAlpha = settings.dim ? 0.45 : 1;
-    }
-    for (const { points } of overlay.lines) {
-      if (points.length > 2) continue;
-      const [x, y] = view.toScreen(points[0], points[1]);
-      ctx.rect(x - 2, y - 2, 4, 4);
-    }
-    ctx.stroke();
-    if (overlay.name !== "" && overlay.lines.length > 0 && view.scale < 60) {
-      const [east, north] = overlay.lines[0].points;
-      const [x, y] = view.toScreen(east, north);
-      ctx.fillText(overlay.name, x + 4, y - 4);
+      ctx.strokeStyle = colours.coast;
+      ctx.stroke();
+    } else if (name === "borders") {
+      ctx.beginPath();
+      lines(ground.borders, false);
+      ctx.strokeStyle = colours.border;
+      ctx.stroke();
+    } else if (name === "range rings") {
+      const centres = settings.siterings ? centresOf(sites) : [];
+      if (settings.rings) centres.unshift({ east: 0, north: 0, name: "" });
+      for (const centre of centres) names.push(...paintRings(ctx, view, colours, bounds, centre));
+    } else {
+      const own = overlays.filter(({ layer }) => layer === name);
+      paintOverlays(ctx, view, colours, own, zoom, dim, lines, names);
     }
   }
-  if (settings.rings) paintRings(ctx, view, colours, bounds);
   ctx.globalAlpha = 1;
+  return names.map(([left, top, width, height]) => ({ left, top, width, height }));
 }
 
 /**
- * @param {CanvasRenderingContext2D} ctx
- * @param {{a: number, b: number, c: number, d: number, x0: number, y0: number}} m
- * @param {number[]} bounds @param {Line[]} lines @param {boolean} closed
+ * Writes a name, and returns its box: left, top, width, height.
+ * @param {CanvasRenderingContext2D} ctx @param {string} text @param {number} x @param {number} y Its base line.
+ * @returns {[number, number, number, number]}
  */
-function trace(ctx, m, [west, south, east, north], lines, closed) {
-  for (const line of lines) {
-    if (line.east < west || line.west > east || line.north < south || line.south > north) continue;
-    const points = line.points;
-    let lastX = NaN;
-    let lastY = NaN;
-    for (let k = 0; k < points.length; k += 2) {
-      const x = m.a * points[k] + m.c * points[k + 1] + m.x0;
-      const y = m.b * points[k] + m.d * points[k + 1] + m.y0;
-      if (k === 0) ctx.moveTo(x, y);
-      else if (k + 2 < points.length && Math.abs(x - lastX) + Math.abs(y - lastY) < 1.5) continue;
-      else ctx.lineTo(x, y);
-      lastX = x;
-      lastY = y;
-    }
-    if (closed) ctx.closePath();
-  }
+function written(ctx, text, x, y) {
+  ctx.fillText(text, x, y);
+  return [x, y - 9, ctx.measureText(text).width, 11];
 }
 
 /**
- * Rings about the origin, with their radii, and a cross at the origin.
+ * Places of sensors; sensors within a hundred metres share one.
+ * @param {{east: number, north: number, name: string}[]} sites
+ */
+export function centresOf(sites) {
+  /** @type {{east: number, north: number, name: string}[]} */
+  const centres = [];
+  for (const { east, north, name } of sites) {
+    if (!Number.isFinite(east)) continue;
+    const near = centres.find((other) => Math.hypot(other.east - east, other.north - north) < 100);
+    if (near) near.name += `, ${name}`;
+    else centres.push({ east, north, name });
+  }
+  return centres;
+}
+
+/**
+ * Rings about the origin or a sensor, with their radii, and a cross in the middle.
  * @param {CanvasRenderingContext2D} ctx
  * @param {import("./view.js").View} view
  * @param {import("./colours.js").Colours} colours
  * @param {number[]} bounds
+ * @param {{east: number, north: number, name: string}} centre
+ * @returns {[number, number, number, number][]} Boxes of the names that it has written.
  */
-function paintRings(ctx, view, colours, [west, south, east, north]) {
+function paintRings(ctx, view, colours, [west, south, east, north], centre) {
+  /** @type {[number, number, number, number][]} */
+  const names = [];
   const step = ringStep(view.scale);
-  const nearest = Math.hypot(Math.max(west, -east, 0), Math.max(south, -north, 0)) / NAUTICAL_MILE_M;
-  const farthest = Math.hypot(Math.max(-west, east), Math.max(-south, north)) / NAUTICAL_MILE_M;
-  const [x, y] = view.toScreen(0, 0);
+  const [left, right] = [west - centre.east, east - centre.east];
+  const [low, high] = [south - centre.north, north - centre.north];
+  const nearest = Math.hypot(Math.max(left, -right, 0), Math.max(low, -high, 0)) / NAUTICAL_MILE_M;
+  const farthest = Math.hypot(Math.max(-left, right), Math.max(-low, high)) / NAUTICAL_MILE_M;
+  const [x, y] = view.toScreen(centre.east, centre.north);
   ctx.strokeStyle = colours.grid;
   ctx.lineWidth = 1;
   ctx.setLineDash([2, 4]);
@@ -195,8 +163,10 @@ function paintRings(ctx, view, colours, [west, south, east, north]) {
   ctx.stroke();
   ctx.fillStyle = colours.overlay;
   ctx.font = "10px system-ui, 'DejaVu Sans', sans-serif";
+  if (centre.name !== "") names.push(written(ctx, centre.name, x + 6, y + 12));
   for (let ring = Math.max(1, Math.floor(nearest / step)); ring * step <= farthest; ring++) {
     const radius = (ring * step * NAUTICAL_MILE_M) / view.scale;
-    ctx.fillText(`${Number((ring * step).toPrecision(3))} NM`, x + 3, y - radius - 3);
+    names.push(written(ctx, `${Number((ring * step).toPrecision(3))} NM`, x + 3, y - radius - 3));
   }
+  return names;
 }

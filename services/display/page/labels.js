@@ -1,54 +1,68 @@
-/**
- * Labels: what they say, and where they go.
- *
- * A label has up to three lines. Where labels would cover one another, each tries eight places round its symbol, its
- * last one first so that nothing jumps, then a shorter form, and is left out where not even its name has room. A grid
- * of cells of the screen remembers what is taken: the cost is that of the labels, not of their pairs.
- */
+/** What labels say: up to three lines of fields, and the texts of heights, speeds and rates. */
 
-import { KNOT_MPS } from "./geodesy.js";
+import { bearing, KNOT_MPS } from "./geodesy.js";
 import { ALERTS, nameOf } from "./picture.js";
 
-const CELL = 6;
 const HUNDRED_FEET_M = 30.48;
-/** Pixels between symbol and label. */
-const GAP = 12;
-/** Places round the symbol: direction of the label's middle, in the order in which they are tried. */
-const PLACES = [
-  [1, -1],
-  [1, 1],
-  [-1, -1],
-  [-1, 1],
-  [1, 0],
-  [-1, 0],
-  [0, -1],
-  [0, 1],
-];
-
 export const LINE_HEIGHT = 13;
 export const FONT = '11.5px "DejaVu Sans Mono", ui-monospace, Menlo, Consolas, monospace';
 
 /**
- * Lines of a track's label, the most important first.
+ * Lines of a label where the configuration has no others (`[display.labels]`).
+ * @type {readonly (readonly string[])[]}
+ */
+export const LABEL_LINES = [["name"], ["level", "speed"], ["sources", "main", "type"]];
+
+/** @type {Record<string, (track: import("./picture.js").Track, units: string, mainName: string) => string>} */
+const FIELDS = {
+  name: nameOf,
+  callsign: (track) => track.callsign,
+  address: (track) => track.address,
+  code: (track) => track.code,
+  number: (track) => `#${track.number}`,
+  type: (track) => track.type,
+  level: heightText,
+  speed: speedText,
+  climb: (track, units) => rateText(track, units),
+  angle: (track) => angleText(track),
+  sources: (track) => String(track.sourceCount),
+  main: (_track, _units, mainName) => mainName,
+};
+
+/**
+ * Lines of a track's label, the most important first. The first line has the size of a group and the alerts.
  * @param {import("./picture.js").Track} track @param {string} units @param {string} mainName
+ * @param {readonly (readonly string[])[]} lines Fields of each line.
  * @returns {string[]}
  */
-export function labelOf(track, units, mainName) {
-  const first = [nameOf(track)];
-  if (track.kind === "group") first.push(`×${track.members}`);
-  for (const [bit, word] of ALERTS) if ((track.alerts & bit) !== 0) first.push(word);
-  const second = `${heightText(track, units)} ${speedText(track, units)}`;
-  const third = [`${track.sourceCount}`, mainName];
-  if (track.type) third.push(track.type);
-  return [first.join(" "), second, third.join(" ")];
+export function labelOf(track, units, mainName, lines = LABEL_LINES) {
+  const texts = lines.map((fields) => fields.map((field) => FIELDS[field]?.(track, units, mainName) ?? ""));
+  if (track.kind === "group") texts[0].push(`×${track.members}`);
+  for (const [bit, word] of ALERTS) if ((track.alerts & bit) !== 0) texts[0].push(word);
+  return texts.map((words) => words.filter((word) => word !== "").join(" "));
+}
+
+/** Rate of the height: hundreds of feet a minute, or metres a second. @param {import("./picture.js").Track} track @param {string} units */
+function rateText(track, units) {
+  if (!Number.isFinite(track.height)) return "";
+  if (units === "metric") return `${signed(track.climb)}`;
+  const rate = Math.round((track.climb * 60) / HUNDRED_FEET_M);
+  return `${rate < 0 ? "−" : "+"}${String(Math.abs(rate)).padStart(2, "0")}`;
+}
+
+/** Direction of the motion, degrees. @param {import("./picture.js").Track} track */
+function angleText(track) {
+  if (Math.hypot(track.speedEast, track.speedNorth) < 0.5) return "---°";
+  return `${String(Math.round(bearing(track.speedEast, track.speedNorth)) % 360).padStart(3, "0")}°`;
 }
 
 /**
  * Height with the direction of its change. An altitude by the pressure of the region is marked `A`; a height that no
- * transponder has stated is marked `~`: it is calculated.
+ * transponder has stated is marked `~`: it is calculated. A ship has none.
  * @param {import("./picture.js").Track} track @param {string} units
  */
 export function heightText(track, units) {
+  if (track.isShip || units === "maritime") return "";
   if (track.onGround) return "GND";
   if (!Number.isFinite(track.height)) return "---";
   const change = track.climbs ? "↑" : track.sinks ? "↓" : " ";
@@ -110,79 +124,6 @@ function signed(value) {
 /** Ground speed. @param {import("./picture.js").Track} track @param {string} units */
 export function speedText(track, units) {
   const speed = Math.hypot(track.speedEast, track.speedNorth);
-  return units === "metric" ? `${Math.round(speed)}m/s` : `${Math.round(speed / KNOT_MPS)}`;
-}
-
-export class LabelGrid {
-  /** @param {number} width @param {number} height */
-  constructor(width, height) {
-    this.columns = Math.ceil(width / CELL) + 1;
-    this.rows = Math.ceil(height / CELL) + 1;
-    this.taken = new Uint8Array(this.columns * this.rows);
-  }
-
-  clear() {
-    this.taken.fill(0);
-  }
-
-  /**
-   * Whether a box is free; takes it if so.
-   * @param {number} x @param {number} y @param {number} width @param {number} height
-   */
-  take(x, y, width, height) {
-    const left = Math.max(0, Math.floor(x / CELL));
-    const right = Math.min(this.columns - 1, Math.floor((x + width) / CELL));
-    const top = Math.max(0, Math.floor(y / CELL));
-    const bottom = Math.min(this.rows - 1, Math.floor((y + height) / CELL));
-    for (let row = top; row <= bottom; row++)
-      for (let column = left; column <= right; column++) if (this.taken[row * this.columns + column]) return false;
-    this.mark(x, y, width, height);
-    return true;
-  }
-
-  /** @param {number} x @param {number} y @param {number} width @param {number} height */
-  mark(x, y, width, height) {
-    const left = Math.max(0, Math.floor(x / CELL));
-    const right = Math.min(this.columns - 1, Math.floor((x + width) / CELL));
-    const top = Math.max(0, Math.floor(y / CELL));
-    const bottom = Math.min(this.rows - 1, Math.floor((y + height) / CELL));
-    for (let row = top; row <= bottom; row++)
-      this.taken.fill(1, row * this.columns + left, row * this.columns + Math.max(left, right + 1));
-  }
-}
-
-/**
- * @typedef {object} Placed
- * @property {import("./picture.js").Track} track
- * @property {number} x @property {number} y Its symbol.
- * @property {number} left @property {number} top @property {number} width @property {number} height
- * @property {number} lines How many of its lines are shown.
- */
-
-/**
- * Finds a label's place; `null` where there is none.
- * @param {LabelGrid | null} grid No grid: labels may cover each other.
- * @param {import("./picture.js").Track} track @param {number} x @param {number} y
- * @param {number} lines @param {number} glyph Width of a character, pixels.
- * @returns {Placed | null}
- */
-export function place(grid, track, x, y, lines, glyph) {
-  for (let shown = Math.min(lines, track.label.length); shown > 0; shown--) {
-    let longest = 0;
-    for (let k = 0; k < shown; k++) longest = Math.max(longest, track.label[k].length);
-    const width = longest * glyph + 4;
-    const height = shown * LINE_HEIGHT + 1;
-    for (let turn = 0; turn < PLACES.length; turn++) {
-      const number = (track.place + turn) % PLACES.length;
-      const [right, down] = PLACES[number];
-      const left = right > 0 ? x + GAP : right < 0 ? x - GAP - width : x - width / 2;
-      const top = down > 0 ? y + GAP - 6 : down < 0 ? y - GAP + 6 - height : y - height / 2;
-      if (!grid || grid.take(left, top, width, height)) {
-        track.place = number;
-        return { track, x, y, left, top, width, height, lines: shown };
-      }
-      if (!grid) break;
-    }
-  }
-  return null;
+  if (units === "metric") return `${Math.round(speed)}m/s`;
+  return (speed / KNOT_MPS).toFixed(track.isShip || units === "maritime" ? 1 : 0);
 }

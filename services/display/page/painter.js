@@ -7,8 +7,10 @@
  */
 
 import { countColour, heightColour } from "./colours.js";
+import { paintCoverage } from "./coverage.js";
 import { bearing, NAUTICAL_MILE_M } from "./geodesy.js";
-import { FONT, LabelGrid, LINE_HEIGHT, place } from "./labels.js";
+import { FONT } from "./labels.js";
+import { Lettering, VECTOR_MIN } from "./lettering.js";
 import { isGrave } from "./picture.js";
 
 /** Seconds for which a change of the main source is shown. */
@@ -16,13 +18,10 @@ const HAND_OVER_S = 3;
 /** How many times longer than they are learned offsets are drawn. */
 const OFFSETS_ENLARGED = 100;
 
-/** Length of a bar that stands for a weight of 1, pixels. */
-const SHARE_BAR = 60;
 /** Width and height of a symbol's image, pixels. */
 const SYMBOL_SIZE = 20;
 
 /** @typedef {import("./picture.js").Track} Track */
-/** @typedef {import("./labels.js").Placed} Placed */
 
 /**
  * One source's part in the selected track.
@@ -43,11 +42,16 @@ const SYMBOL_SIZE = 20;
  * @property {import("./picture.js").Picture} picture
  * @property {Set<number>} selected Numbers of system tracks.
  * @property {Map<number, Share[]>} shares Contributors of the selected tracks.
- * @property {(track: Track) => boolean} matches
+ * @property {(track: Track) => boolean} shows Whether the filter lets a track pass.
+ * @property {(track: Track) => boolean} prefers Whether its label comes before others.
+ * @property {number} hovered Track under the pointer; -1: none.
+ * @property {import("./placement.js").Box[]} chrome Where no label may lie: controls, and names on the map.
  * @property {(source: number) => string} kindOf
  * @property {import("./panels.js").Source[]} sites Sensors.
  * @property {import("./coverage.js").Coverage} coverage
- * @property {{from: [number, number], to: [number, number]} | null} measure Measured line, metres.
+ * @property {import("./measuring.js").Measuring | null} measure Measuring lines.
+ * @property {import("./geodesy.js").Place} origin
+ * @property {number} declination Of magnetic north, degrees east; NaN: unknown.
  */
 
 /** Collects, by colour, what is stroked together. */
@@ -75,14 +79,11 @@ class Batch {
 
 export class Painter {
   constructor() {
-    this.glyph = 0;
-    this.grid = new LabelGrid(1, 1);
+    this.lettering = new Lettering();
     /** @type {Map<string, ImageBitmap>} */
     this.symbols = new Map();
     /** @type {{track: Track, x: number, y: number}[]} What was drawn last, for finding what was clicked. */
     this.drawn = [];
-    /** @type {Placed[]} */
-    this.labels = [];
   }
 
   /**
@@ -112,7 +113,10 @@ export class Painter {
     if (settings.sensors) this.paintSensorTracks(ctx, scene);
     if (settings.areas) this.paintAreas(ctx, scene);
     if (settings.bearings) this.paintBearings(ctx, scene);
-    if (settings.coverage) this.paintCoverage(ctx, scene);
+    if (settings.coverage || settings.pd !== "") {
+      ctx.font = FONT;
+      paintCoverage(ctx, view, scene.colours.sources, scene.coverage, settings.pd);
+    }
     if (settings.biases) this.paintSites(ctx, scene);
 
     this.drawn = [];
@@ -120,8 +124,7 @@ export class Painter {
     const margin = 40;
     for (const track of picture.system.values()) {
       const isSelected = selected.has(track.number);
-      if (!isSelected && (settings.isolate ? selected.size > 0 : false)) continue;
-      if (!isSelected && !scene.matches(track)) continue;
+      if (!scene.shows(track)) continue;
       const x = m.a * track.east + m.c * track.north + m.x0;
       const y = m.b * track.east + m.d * track.north + m.y0;
       if (settings.trails || isSelected) this.drawn.push({ track, x, y });
@@ -136,8 +139,9 @@ export class Painter {
     if (settings.vector > 0) this.paintVectors(ctx, scene);
     this.paintShares(ctx, scene);
     this.paintSymbols(ctx, scene);
-    this.paintLabels(ctx, scene);
-    if (scene.measure) this.paintMeasure(ctx, scene, scene.measure);
+    scene.measure?.layOut(ctx, scene);
+    this.lettering.paint(ctx, scene, this.drawn, (track) => this.colourOf(scene, track));
+    scene.measure?.paint(ctx, scene.colours);
   }
 
   /** @param {CanvasRenderingContext2D} ctx @param {Scene} scene */
@@ -219,31 +223,6 @@ export class Painter {
       ctx.stroke();
       ctx.setLineDash([]);
       ctx.fillText(area.cue ? `cue ${area.targets}` : String(area.targets), x - 4, y + 4);
-    }
-  }
-
-  /**
-   * Outlines of what each source has seen.
-   * @param {CanvasRenderingContext2D} ctx @param {Scene} scene
-   */
-  paintCoverage(ctx, { view, colours, sites, coverage }) {
-    ctx.font = FONT;
-    ctx.lineWidth = 1.2;
-    for (const site of sites) {
-      const outline = coverage.outline(site.number);
-      if (outline.length < 3) continue;
-      ctx.strokeStyle = ctx.fillStyle = colours.sources[site.number % colours.sources.length];
-      ctx.beginPath();
-      const corners = outline.map(([east, north]) => view.toScreen((site.east || 0) + east, (site.north || 0) + north));
-      for (const [x, y] of corners) ctx.lineTo(x, y);
-      ctx.closePath();
-      ctx.globalAlpha = 0.06;
-      ctx.fill();
-      ctx.globalAlpha = 0.6;
-      ctx.stroke();
-      const [x, y] = corners.reduce((a, b) => (b[1] < a[1] ? b : a));
-      ctx.fillText(site.name, x + 4, y - 4);
-      ctx.globalAlpha = 1;
     }
   }
 
@@ -332,7 +311,7 @@ export class Painter {
     for (const { track, x, y } of this.drawn) {
       const dx = (m.a * track.speedEast + m.c * track.speedNorth) * settings.vector;
       const dy = (m.b * track.speedEast + m.d * track.speedNorth) * settings.vector;
-      if (Math.abs(dx) + Math.abs(dy) < 6) continue;
+      if (Math.abs(dx) + Math.abs(dy) < VECTOR_MIN) continue;
       const path = batch.of(this.colourOf(scene, track));
       path.moveTo(x, y);
       path.lineTo(x + dx, y + dy);
@@ -380,7 +359,7 @@ export class Painter {
    * @param {CanvasRenderingContext2D} ctx @param {Scene} scene
    */
   paintSymbols(ctx, scene) {
-    const { colours, picture, selected } = scene;
+    const { colours, picture, selected, settings } = scene;
     const ratio = ctx.getTransform().a;
     const marks = new Batch();
     for (const { track, x, y } of this.drawn) {
@@ -393,7 +372,7 @@ export class Painter {
         SYMBOL_SIZE,
         SYMBOL_SIZE,
       );
-      if (track.handOver > 0 && picture.time - track.handOver < HAND_OVER_S) {
+      if (settings.handovers && track.handOver > 0 && picture.time - track.handOver < HAND_OVER_S) {
         const path = marks.of(colours.measure);
         path.moveTo(x + 11, y);
         path.arc(x, y, 11, 0, 2 * Math.PI);
@@ -429,159 +408,24 @@ export class Painter {
     return image;
   }
 
-  /** @param {CanvasRenderingContext2D} ctx @param {Scene} scene */
-  paintLabels(ctx, scene) {
-    const { view, settings, colours, selected, shares } = scene;
-    this.labels = [];
-    if (settings.labels === 0 && selected.size === 0) return;
-    ctx.font = FONT;
-    if (this.glyph === 0) this.glyph = ctx.measureText("M").width;
-    const columns = Math.ceil(view.width / 6) + 1;
-    if (this.grid.columns !== columns || this.grid.rows !== Math.ceil(view.height / 6) + 1)
-      this.grid = new LabelGrid(view.width, view.height);
-    this.grid.clear();
-    const grid = settings.declutter ? this.grid : null;
-    if (grid) for (const { x, y } of this.drawn) grid.mark(x - 5, y - 5, 10, 10);
-
-    const rank = (/** @type {Track} */ track) =>
-      (selected.has(track.number) ? 4 : 0) + (isGrave(track) ? 2 : 0) + (track.state === "tentative" ? 0 : 1);
-    const order = grid ? [...this.drawn].sort((a, b) => rank(b.track) - rank(a.track)) : this.drawn;
-    for (const { track, x, y } of order) {
-      const full = selected.has(track.number);
-      const lines = full ? 3 : settings.labels;
-      // Selected tracks and tracks in distress always have a label; distress needs only the first line.
-      const always = full || isGrave(track);
-      const least = full ? lines : Math.min(lines, 1);
-      const placed =
-        place(grid, track, x, y, lines, this.glyph) ?? (always ? place(null, track, x, y, least, this.glyph) : null);
-      if (!placed) continue;
-      if (always && grid) grid.mark(placed.left, placed.top, placed.width, placed.height);
-      this.labels.push(placed);
-      const list = full && grid ? shares.get(track.number) : undefined;
-      if (list)
-        grid?.mark(placed.left, placed.top + placed.height, this.barsWidth(list), list.length * LINE_HEIGHT + 6);
-    }
-    const leaders = new Batch();
-    if (grid) {
-      ctx.fillStyle = colours.halo;
-      for (const { left, top, width, height } of this.labels) ctx.fillRect(left, top, width, height);
-      for (const { track, x, y, left, top, width, height } of this.labels) {
-        const toX = left > x ? left : left + width < x ? left + width : x;
-        const toY = Math.min(top + height, Math.max(top, top > y ? top : top + height < y ? top + height : y));
-        const reach = Math.hypot(toX - x, toY - y);
-        if (reach < 8) continue;
-        const path = leaders.of(this.colourOf(scene, track));
-        path.moveTo(x + ((toX - x) * 6) / reach, y + ((toY - y) * 6) / reach);
-        path.lineTo(toX, toY);
-      }
-      ctx.globalAlpha = 0.5;
-      ctx.lineWidth = 1;
-      leaders.stroke(ctx);
-      ctx.globalAlpha = 1;
-    }
-    let colour = "";
-    // Whole pixels keep letters sharp and allow drawing each only once.
-    for (const { track, left, top, lines } of this.labels) {
-      const own = this.colourOf(scene, track);
-      if (own !== colour) ctx.fillStyle = colour = own;
-      for (let k = 0; k < lines; k++) ctx.fillText(track.label[k], Math.round(left) + 2, Math.round(top) + (k + 1) * LINE_HEIGHT - 3);
-    }
-    for (const label of this.labels) {
-      const list = shares.get(label.track.number);
-      if (selected.has(label.track.number) && list) this.paintShareBars(ctx, scene, label, list);
-    }
-  }
-
-  /** Left edge of the bars: they grow away from the symbol. @param {Placed} label @param {Share[]} list */
-  barsLeft(label, list) {
-    return label.left < label.x ? label.left + label.width - this.barsWidth(list) : label.left;
-  }
-
-  /** Width of the bars with their names. @param {Share[]} list */
-  barsWidth(list) {
-    return (Math.max(10, ...list.map((share) => share.name.length)) + 5) * this.glyph + SHARE_BAR + 10;
-  }
-
-  /**
-   * Weights of a selected track's contributors, as bars below its label.
-   * @param {CanvasRenderingContext2D} ctx @param {Scene} scene @param {Placed} label @param {Share[]} list
-   */
-  paintShareBars(ctx, { colours }, label, list) {
-    const wide = this.barsWidth(list) - SHARE_BAR - 5 * this.glyph - 10;
-    const bar = SHARE_BAR;
-    const left = this.barsLeft(label, list);
-    const top = label.top + label.height + 2;
-    ctx.fillStyle = colours.halo;
-    ctx.fillRect(left, top, this.barsWidth(list), list.length * LINE_HEIGHT + 4);
-    list.forEach((share, k) => {
-      const base = top + (k + 1) * LINE_HEIGHT - 2;
-      ctx.fillStyle = colours.confirmed;
-      ctx.fillText(share.name, left + 2, base);
-      ctx.fillStyle = colours.measure;
-      ctx.fillRect(left + wide + 6, base - 8, Math.max(1, bar * share.weight), 8);
-      ctx.fillStyle = colours.confirmed;
-      ctx.fillText(share.weight.toFixed(2), left + wide + bar + 10, base);
-    });
-  }
-
-  /**
-   * Line that is being measured: bearing there and back, and its length.
-   * @param {CanvasRenderingContext2D} ctx @param {Scene} scene
-   * @param {{from: [number, number], to: [number, number]}} line
-   */
-  paintMeasure(ctx, { view, colours, settings }, { from, to }) {
-    const [x, y] = view.toScreen(...from);
-    const [toX, toY] = view.toScreen(...to);
-    ctx.strokeStyle = colours.measure;
-    ctx.lineWidth = 1.5;
-    ctx.setLineDash([6, 3]);
-    ctx.beginPath();
-    ctx.moveTo(x, y);
-    ctx.lineTo(toX, toY);
-    ctx.stroke();
-    ctx.setLineDash([]);
-    ctx.font = FONT;
-    const text = measured(from, to, settings.units);
-    const width = ctx.measureText(text).width;
-    const middleX = (x + toX) / 2 + 8;
-    const middleY = (y + toY) / 2 - 8;
-    ctx.fillStyle = colours.halo;
-    ctx.fillRect(middleX - 3, middleY - 11, width + 6, 15);
-    ctx.fillStyle = colours.measure;
-    ctx.fillText(text, middleX, middleY);
-  }
-
   /**
    * System track nearest to a pixel, its symbol or label; `null` if none is near.
    * @param {number} x @param {number} y
    */
   at(x, y) {
+    return this.symbolAt(x, y) ?? this.lettering.at(x, y)?.track ?? null;
+  }
+
+  /** System track whose symbol is nearest to a pixel. @param {number} x @param {number} y @returns {Track | null} */
+  symbolAt(x, y) {
     let best = null;
     let least = 14;
     for (const { track, x: ownX, y: ownY } of this.drawn) {
       const distance = Math.hypot(ownX - x, ownY - y);
       if (distance < least) [best, least] = [track, distance];
     }
-    if (best) return best;
-    const label = this.labels.find(
-      ({ left, top, width, height }) => x >= left && y >= top && x <= left + width && y <= top + height,
-    );
-    return label ? label.track : null;
+    return best;
   }
-}
-
-/**
- * Bearing and length of a line, and what they are from its other end.
- * @param {[number, number]} from @param {[number, number]} to @param {string} units
- */
-export function measured(from, to, units) {
-  const [east, north] = [to[0] - from[0], to[1] - from[1]];
-  const length = Math.hypot(east, north);
-  const degrees = (/** @type {number} */ b) => `${b.toFixed(1).padStart(5, "0")}°`;
-  const distance =
-    units === "metric" ? `${(length / 1000).toFixed(2)} km` : `${(length / NAUTICAL_MILE_M).toFixed(2)} NM`;
-  const near = length < 2000 ? `${length.toFixed(0)} m` : distance;
-  return `${degrees(bearing(east, north))} / ${degrees(bearing(-east, -north))}  ${near}`;
 }
 
 /**

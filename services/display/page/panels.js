@@ -1,34 +1,34 @@
 /**
- * Panels beside the map: the selected track, sources, alarms, latency, the processes, and the settings of the view.
+ * Panels beside the map: the selected track, sources, latency, the processes, and the settings of the view.
  */
 
 import { clock, grouped, h, latency, span } from "./dom.js";
-import { bearing, placeOf, sexagesimal } from "./geodesy.js";
+import { bearing, courseText, placeOf, sexagesimal } from "./geodesy.js";
 import { climbText, heightText, levelOf, modesText, speedText, turnText } from "./labels.js";
 import { ALERTS, nameOf } from "./picture.js";
+import { orderButton } from "./orders.js";
 import { histogram, plot } from "./plots.js";
 import { CHOICES } from "./settings.js";
+import { contributorsTable, decisionsPart, rulesPart } from "./why.js";
+
+/** @typedef {import("./painter.js").Share & import("./why.js").Reasoned} Share */
 
 /**
  * @typedef {object} Source
  * @property {number} number @property {string} name @property {string} kind
+ * @property {string} adapter Process that receives its reports; "": unknown.
  * @property {number} rate Reports a second. @property {number} lastHeard Seconds UTC; 0: never.
  * @property {number} lost @property {[string, number][]} rejected Count by reason, those that are not 0.
+ * @property {[string, number][]} dependsOn Sources with errors that depend on its errors, with the correlation.
  * @property {string} errors Sentence on the learned errors. @property {number} clockOffset Seconds; NaN: unknown.
  * @property {number} east @property {number} north Its site, metres; NaN: unknown.
  * @property {[number, number]} offset Learned offset, east and north, metres.
  */
 
 /**
- * @typedef {object} Alarm
- * @property {number} code @property {string} severity @property {string} text @property {number} raised seconds UTC
- * @property {string} process @property {number} times @property {boolean} cleared @property {string} remedy
- */
-
-/**
  * What else is known of the selected track; `stateTime`: time of the state that it belongs to, nanoseconds UTC.
- * @typedef {{stateTime: string, facts: [string, string][],
- *   decisions: {time_s: number, kind: string, text: string}[], motion: import("./labels.js").Motion}} Facts
+ * @typedef {{stateTime: string, facts: [string, string][], rule: string, why: import("./why.js").Why,
+ *   motion: import("./labels.js").Motion}} Facts
  */
 
 /**
@@ -63,13 +63,15 @@ import { CHOICES } from "./settings.js";
  * What the panels show.
  * @typedef {object} Known
  * @property {import("./geodesy.js").Place} origin
- * @property {Source[]} sources @property {Alarm[]} alarms @property {Order[]} orders @property {Stage[]} stages
+ * @property {Source[]} sources @property {import("./alarms.js").Alarm[]} alarms
+ * @property {number} alarmEvents How many events of alarms there have been.
+ * @property {boolean} hasOperators Whether the display admits operators.
+ * @property {Order[]} orders @property {Stage[]} stages
  * @property {Process[]} processes
  * @property {[string, string][]} system Figures of the instance as a whole.
+ * @property {number} declination Magnetic declination, degrees, east positive; NaN: not given.
  * @property {number} time When this was said, seconds UTC.
  */
-
-const ALARM_CLASS = /** @type {Record<string, string>} */ ({ critical: "bad", major: "bad", warning: "warn" });
 
 /** @param {string} label @param {string} value */
 function figure(label, value) {
@@ -81,7 +83,11 @@ function tableOf(titles, rows) {
   const head = h(
     "tr",
     {},
-    ...titles.map((title) => h(title.startsWith(">") ? "th.num" : "th", {}, title.replace(">", ""))),
+    // A column without a title is no heading.
+    ...titles.map((title) => {
+      const text = title.replace(">", "");
+      return h(`${text === "" ? "td" : "th"}${title.startsWith(">") ? ".num" : ""}`, {}, text);
+    }),
   );
   return h("table", {}, h("thead", {}, head), h("tbody", {}, ...rows));
 }
@@ -101,13 +107,14 @@ export class TrackPanel {
       canvas: /** @type {HTMLCanvasElement} */ (h("canvas.plot")),
     }));
     this.facts = h("div");
+    this.details = /** @type {HTMLDetailsElement} */ (h("details"));
     const parts = this.plots.flatMap(({ title, canvas }) => [title, canvas]);
-    parent.replaceChildren(h("div.pad", {}, this.head, this.shares, ...parts, this.facts));
+    parent.replaceChildren(h("div.pad", {}, this.head, this.shares, this.facts, ...parts, this.details));
   }
 
   /**
    * @param {import("./picture.js").Track} track
-   * @param {import("./painter.js").Share[]} shares @param {History} history @param {Facts} facts
+   * @param {Share[]} shares @param {History} history @param {Facts} facts
    * @param {Known} known @param {string} units @param {string[]} palette
    * @param {boolean} isPast Whether it is a moment of the past that is shown.
    */
@@ -118,7 +125,7 @@ export class TrackPanel {
     const unit = units === "metric" ? "" : " kt";
     this.head.replaceChildren(
       h("h1", {}, nameOf(track), track.kind === "group" ? ` ×${track.members}` : ""),
-      h("div.soft.under", {}, `system track ${track.number} · ${track.state}${track.onGround ? " · on ground" : ""} `),
+      h("div.soft.under", {}, `${track.state}${track.onGround ? " · on ground" : ""} `),
       h("div.bad", {}, alerts.join(" ")),
       h(
         "div.grid",
@@ -127,11 +134,11 @@ export class TrackPanel {
         figure("address", track.address || "–"),
         figure("code", track.code || "–"),
         figure("type", track.type || "–"),
-        figure(units === "metric" ? "height" : "level", heightText(track, units)),
+        figure(units === "metric" ? "height" : "level", heightText(track, units) || "–"),
         figure("speed", `${speedText(track, units)}${unit}`),
         figure(
           "track angle",
-          speed > 0.5 ? `${bearing(track.speedEast, track.speedNorth).toFixed(0).padStart(3, "0")}°` : "–",
+          speed > 0.5 ? courseText(bearing(track.speedEast, track.speedNorth), known.declination) : "–",
         ),
         figure("climb ± σ", climbText(track, facts.motion)),
         figure("turn rate", turnText(facts.motion)),
@@ -147,32 +154,8 @@ export class TrackPanel {
     );
     this.shares.replaceChildren(
       h("h2", {}, "Contributors"),
-      tableOf(
-        ["Source", ">Track", "Weight", ">", ">λ"],
-        shares.map((share) => {
-          const bar = h("i");
-          bar.style.width = `${100 * share.weight}%`;
-          return h(
-            "tr",
-            {
-              "data-source": share.source,
-              "data-weight": share.weight,
-              "data-track": share.track,
-              "data-accuracy": share.accuracy,
-            },
-            h(
-              "td",
-              {},
-              share.name,
-              share.centre ? h("span.soft", {}, share.fresh ? " centre" : " centre, silent") : "",
-            ),
-            h("td.num", {}, share.track),
-            h("td", {}, h("span.bar", {}, bar)),
-            h("td.num", {}, share.weight.toFixed(3)),
-            h("td.num", {}, Number.isFinite(share.accuracy) ? share.accuracy.toPrecision(3) : "–"),
-          );
-        }),
-      ),
+      contributorsTable(shares),
+      ...(isPast ? [h("p.soft", {}, "Reasons, decisions and rules are those of the present: press Home.")] : []),
     );
     const until = history.times.at(-1) ?? track.time;
     const since = Math.max(until - 300, Math.min(history.times[0] ?? until, until - 30));
@@ -204,71 +187,61 @@ export class TrackPanel {
     this.plots[3].title.hidden = canvases[3].hidden = !known95;
     if (known95) plot(canvases[3], one(history.nis), { ...axes, unit: "χ²", low: 0, bands: [[5.99, "95 %"]] });
     this.shares.dataset.stateTime = facts.stateTime;
-    const decisions = facts.decisions.map(({ time_s, kind, text }) =>
-      h("tr", {}, h("td.num.soft", {}, clock(time_s)), h("td", {}, text || kind)),
-    );
+    const open = this.details.open;
     this.facts.replaceChildren(
-      ...(decisions.length > 0 ? [h("h2", {}, "Decisions"), tableOf(["UTC", ""], decisions.reverse())] : []),
-      h("h2", {}, "More"),
-      h("div.grid", {}, ...facts.facts.map(([label, value]) => figure(label, value))),
+      ...(isPast ? [] : [...decisionsPart(facts.why), ...rulesPart(facts.why, facts.rule)]),
     );
+    this.details.replaceChildren(
+      h("summary", {}, "Details"),
+      h(
+        "div.grid",
+        {},
+        figure("system track", String(track.number)),
+        ...facts.facts.map(([label, value]) => figure(label, value)),
+        ...shares.map((share) => figure(`${share.name}, its track`, String(share.track))),
+      ),
+    );
+    this.details.open = open;
   }
 }
 
-/** @param {Source[]} sources @param {number} now seconds UTC */
-export function sourcesPanel(sources, now) {
+/**
+ * @param {Source[]} sources @param {number} now seconds UTC
+ * @param {boolean} hasOperators Whether orders can be given.
+ */
+export function sourcesPanel(sources, now, hasOperators) {
   const rows = sources.flatMap((source) => {
     const silent = source.lastHeard > 0 ? now - source.lastHeard : Infinity;
     const late = silent > 10 ? "bad" : silent > 5 ? "warn" : "";
     const rejected = source.rejected.map(([reason, count]) => `${reason} ${grouped(count)}`).join(", ");
     const told = [
-      source.errors,
+      source.errors.replace(/, depends on source.*/, ""),
+      ...source.dependsOn.map(([name, correlation]) => `errors follow those of ${name} (${correlation.toFixed(1)})`),
       Number.isFinite(source.clockOffset) ? `clock ${(source.clockOffset * 1000).toFixed(0)} ms` : "",
       rejected ? `rejected: ${rejected}` : "",
     ].filter((text) => text !== "");
     return [
       h(
         "tr",
-        { "data-source": source.number },
+        { "data-source": source.number, tabindex: -1 },
         h("td", {}, h("b", {}, source.name), ` `, h("span.soft", {}, source.kind)),
         h("td.num", {}, source.rate.toFixed(1)),
         h(`td.num.${late}`, {}, silent === Infinity ? "never" : span(silent)),
         h(source.lost > 0 ? "td.num.warn" : "td.num", {}, grouped(source.lost)),
       ),
-      h("tr", {}, h("td.soft", { colspan: 4 }, told.join(" · "))),
+      h(
+        "tr",
+        {},
+        h(
+          "td.soft",
+          { colspan: 4 },
+          told.join(" · "),
+          ...(hasOperators ? [h("p.buttons", {}, orderButton(`order on ${source.name} …`, { source: source.name }))] : []),
+        ),
+      ),
     ];
   });
   return h("div.pad", {}, h("h2", {}, "Sources"), tableOf(["Source", ">reports/s", ">heard", ">lost"], rows));
-}
-
-/** @param {Alarm[]} alarms @param {number} now seconds UTC */
-export function alarmsPanel(alarms, now) {
-  if (alarms.length === 0) return h("div.pad", {}, h("h2", {}, "Alarms"), h("p.good", {}, "No alarm stands."));
-  const rows = alarms.map((alarm) =>
-    h(
-      "tr",
-      {},
-      h(
-        `td.${alarm.cleared ? "soft" : (ALARM_CLASS[alarm.severity] ?? "warn")}`,
-        {},
-        alarm.cleared ? "cleared" : alarm.severity,
-      ),
-      h(
-        "td",
-        {},
-        alarm.text,
-        ...(alarm.remedy ? [h("div", {}, "→ ", alarm.remedy)] : []),
-        h(
-          "div.soft",
-          {},
-          [`alarm ${alarm.code}`, alarm.process, `since ${clock(alarm.raised)} (${span(now - alarm.raised)})`]
-            .filter((word) => word !== "")
-            .join(" · "),
-        ),
-      ),
-    ),
-  );
-  return h("div.pad", {}, h("h2", {}, "Alarms"), tableOf(["", ""], rows));
 }
 
 /** @param {Stage[]} stages */
@@ -300,9 +273,10 @@ export function latencyPanel(stages) {
   return panel;
 }
 
-/** @param {Order[]} orders */
-function ordersOf(orders) {
-  if (orders.length === 0) return [];
+/** @param {Order[]} orders @param {boolean} hasOperators */
+function ordersOf(orders, hasOperators) {
+  const give = hasOperators ? [h("p.buttons", {}, orderButton("order …", {}))] : [];
+  if (orders.length === 0) return give.length > 0 ? [h("h2", {}, "Orders"), ...give] : [];
   const rows = orders.map((order) =>
     h(
       "tr",
@@ -325,17 +299,20 @@ function ordersOf(orders) {
             .filter((word) => word !== "")
             .join(" · "),
         ),
+        ...(hasOperators && order.state === "in-force"
+          ? [h("p.buttons", {}, orderButton(`cancel ${order.number} …`, { number: order.number }))]
+          : []),
       ),
     ),
   );
-  return [h("h2", {}, "Orders"), tableOf([">number", "state", "order"], rows)];
+  return [h("h2", {}, "Orders"), ...give, tableOf([">number", "state", "order"], rows)];
 }
 
 /**
  * @param {Process[]} processes @param {Order[]} orders @param {[string, string][]} system
- * @param {number} now seconds UTC
+ * @param {number} now seconds UTC @param {boolean} hasOperators
  */
-export function systemPanel(processes, orders, system, now) {
+export function systemPanel(processes, orders, system, now, hasOperators) {
   const rows = processes.flatMap((process) => {
     const bad = !/^(running|ok|alive|healthy|ready)$/i.test(process.state);
     return [
@@ -375,7 +352,7 @@ export function systemPanel(processes, orders, system, now) {
     {},
     h("h2", {}, "Processes"),
     tableOf(["Process", "State", ">restarts", ">heard"], rows),
-    ...ordersOf(orders),
+    ...ordersOf(orders, hasOperators),
     h("h2", {}, "System"),
     h("div.grid", {}, ...system.map(([label, value]) => figure(label, value))),
   );
@@ -384,6 +361,9 @@ export function systemPanel(processes, orders, system, now) {
 /** @type {[keyof import("./settings.js").Settings, string][]} */
 const VIEW_SETTINGS = [
   ["theme", "Colours"],
+  ["size", "Size of text and symbols, %"],
+  ["letters", "A letter alone"],
+  ["sound", "Alarms sound from"],
   ["colour", "Tracks coloured by"],
   ["units", "Units"],
   ["labels", "Label lines (0–3)"],
@@ -397,8 +377,10 @@ const VIEW_SETTINGS = [
   ["bearings", "Bearings"],
   ["areas", "Wide-area counts and cues"],
   ["biases", "Sites and learned offsets × 100"],
-  ["coverage", "Coverage of each source, as seen"],
+  ["coverage", "Coverage of each source"],
   ["rings", "Range rings"],
+  ["handovers", "Rings at a change of the main source"],
+  ["siterings", "Range rings of each sensor"],
   ["dim", "Map dimmed"],
   ["up", "Bearing that points up, degrees"],
   ["isolate", "Selected tracks only"],

@@ -24,7 +24,7 @@ import { ALERT } from "./wire.js";
  * @property {number} alerts Bits, as the messages have them.
  * @property {boolean} onGround
  * @property {string} callsign @property {string} address @property {string} code
- * @property {string} type
+ * @property {string} type @property {boolean} isShip
  * @property {number} sigmaMajor @property {number} sigmaMinor Axes of the 1-sigma ellipse, metres; 0: unknown.
  * @property {number} sigmaBearing Direction of the larger axis, radians clockwise from north.
  * @property {number} handOver When another source became the main one last, seconds; 0: never.
@@ -32,7 +32,7 @@ import { ALERT } from "./wire.js";
  * @property {number} mainsSince Since when that has been noted, seconds.
  * @property {Trail} trail
  * @property {string[]} label Lines of its label, longest form.
- * @property {number} place Where its label was put last.
+ * @property {import("./placement.js").Spot} spot Where its label is.
  */
 
 /**
@@ -55,8 +55,8 @@ import { ALERT } from "./wire.js";
  *   minor: number, bearing: number}} Area
  */
 
-/** Points that a trail keeps, and seconds between two: eight minutes. */
-const TRAIL_MAX = 240;
+/** Points that a trail keeps, and seconds between two: ten minutes. */
+const TRAIL_MAX = 300;
 const TRAIL_STEP_S = 2;
 
 /** Past positions of one track: a ring, whole from the start, so that memory stays what it is. */
@@ -148,6 +148,7 @@ export function blankTrack() {
     address: "",
     code: "",
     type: "",
+    isShip: false,
     sigmaMajor: 0,
     sigmaMinor: 0,
     sigmaBearing: 0,
@@ -156,7 +157,7 @@ export function blankTrack() {
     mainsSince: 0,
     trail: new Trail(),
     label: [],
-    place: 0,
+    spot: { place: -1, lines: 0, isForced: false, pinned: null },
   };
 }
 

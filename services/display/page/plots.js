@@ -115,7 +115,8 @@ export function histogram(canvas, buckets, colours) {
 
 /** @param {HTMLCanvasElement} canvas */
 function prepared(canvas) {
-  const ratio = window.devicePixelRatio || 1;
+  const size = Number(document.body.style.getPropertyValue("zoom")) || 1;
+  const ratio = (window.devicePixelRatio || 1) * size;
   const [width, height] = [Math.round(canvas.clientWidth * ratio), Math.round(canvas.clientHeight * ratio)];
   if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
   const ctx = canvas.getContext("2d");

@@ -3,9 +3,6 @@
  * the same. A setting that has its default is left out.
  */
 
-import { levelOf } from "./labels.js";
-import { sourcesOf } from "./picture.js";
-
 /**
  * @typedef {object} Settings
  * @property {number} e @property {number} n Middle of the map, metres.
@@ -19,16 +16,24 @@ import { sourcesOf } from "./picture.js";
  * @property {boolean} trails Trails of all tracks, not of the selected alone.
  * @property {number} sigma Size of the accuracy ellipses in standard deviations; 0: none.
  * @property {string} colour state, height, source (how many contribute) or main (main source)
- * @property {string} units aviation or metric
+ * @property {string} units aviation, metric, or maritime (as aviation, and without levels)
  * @property {boolean} sensors Sensor tracks. @property {boolean} detections
  * @property {boolean} bearings Of direction finders. @property {boolean} areas Wide-area counts and cues.
- * @property {boolean} coverage Of each source, as far as the page has seen it.
- * @property {boolean} rings Range rings. @property {boolean} biases Sites with learned offsets.
+ * @property {boolean} coverage Outline of each source's coverage.
+ * @property {string} pd Name of the source whose probability of detection is shown; "": none.
+ * @property {boolean} handovers Rings round tracks with another main source.
+ * @property {boolean} rings Range rings about the origin. @property {boolean} siterings The same about each sensor.
+ * @property {string} maps Layers of the map from the lowest up, separated by "|"; a minus switches one off.
+ * @property {boolean} biases Sites with learned offsets.
  * @property {boolean} dim Map dimmed.
  * @property {boolean} inview Table shows only what is on the map.
  * @property {boolean} isolate Only selected tracks are shown.
  * @property {boolean} follow Map follows the selected track.
  * @property {string} filter What tracks must match.
+ * @property {string} letters What a letter does that is pressed on the map: it begins a search (search), or is a key of
+ *   its own (keys).
+ * @property {number} size Size of text and symbols, per cent.
+ * @property {string} sound Severity from which alarms sound; off: none.
  * @property {string} sort Column of the table, with "-" before it for falling order.
  * @property {string} tab Panel beside the map; "": none.
  * @property {string} sel Selected system tracks, separated by commas.
@@ -56,13 +61,20 @@ export const DEFAULTS = Object.freeze({
   bearings: false,
   areas: false,
   rings: true,
+  siterings: false,
+  maps: "",
   biases: false,
   coverage: false,
+  handovers: false,
+  pd: "",
   dim: false,
   inview: false,
   isolate: false,
   follow: false,
   filter: "",
+  letters: "search",
+  size: 100,
+  sound: "off",
   sort: "name",
   tab: "tracks",
   sel: "",
@@ -74,7 +86,9 @@ export const DEFAULTS = Object.freeze({
 export const CHOICES = Object.freeze({
   theme: ["night", "day", "print"],
   colour: ["state", "height", "source", "main"],
-  units: ["aviation", "metric"],
+  units: ["aviation", "metric", "maritime"],
+  letters: ["search", "keys"],
+  sound: ["off", "critical", "major", "warning"],
   tab: ["", "tracks", "track", "sources", "alarms", "latency", "system", "view"],
 });
 
@@ -111,82 +125,4 @@ export function write(settings) {
     parameters.set(key, typeof value === "boolean" ? (value ? "1" : "0") : String(value));
   }
   return `#${parameters}`;
-}
-
-/**
- * Test that a filter's text makes. Words are parted by blanks and must all hold: a text that callsign, address, code or
- * number begin with or contain; `/expression/` on the same; `fl>100`, `kt<200`, `sources>2`; `state=coasted`,
- * `kind=group`, `main=NAME`, `source=NAME` (it contributes); a minus before a word turns it round. A word that cannot be
- * read matches nothing.
- * @param {string} text
- * @param {(source: number) => string} sourceName
- * @returns {(track: import("./picture.js").Track) => boolean}
- */
-export function filterOf(text, sourceName) {
-  const tests = text
-    .trim()
-    .split(/\s+/)
-    .filter((word) => word !== "")
-    .map((word) =>
-      word.startsWith("-") && word.length > 1 ? not(wordTest(word.slice(1), sourceName)) : wordTest(word, sourceName),
-    );
-  return (track) => tests.every((test) => test(track));
-}
-
-/** @typedef {(track: import("./picture.js").Track) => boolean} Test */
-
-/** @param {Test} test @returns {Test} */
-function not(test) {
-  return (track) => !test(track);
-}
-
-/**
- * @param {string} word
- * @param {(source: number) => string} sourceName
- * @returns {Test}
- */
-function wordTest(word, sourceName) {
-  const compared = /^(fl|kt|sources|members)(<|>|=)(-?[\d.]+)$/i.exec(word);
-  if (compared) {
-    const bound = Number(compared[3]);
-    const value = figureOf(compared[1].toLowerCase());
-    if (compared[2] === "<") return (track) => value(track) < bound;
-    if (compared[2] === ">") return (track) => value(track) > bound;
-    return (track) => Math.round(value(track)) === bound;
-  }
-  const named = /^(state|kind|main|source|type)=(.+)$/i.exec(word);
-  if (named) {
-    const wanted = named[2].toLowerCase();
-    const key = named[1].toLowerCase();
-    const called = (/** @type {number} */ source) => sourceName(source).toLowerCase() === wanted;
-    if (key === "main") return (track) => called(track.source);
-    if (key === "source") return (track) => sourcesOf(track).some(called);
-    if (key === "state") return (track) => track.state === wanted;
-    if (key === "kind") return (track) => track.kind === wanted;
-    return (track) => track.type.toLowerCase() === wanted;
-  }
-  const names = (/** @type {import("./picture.js").Track} */ track) =>
-    `${track.callsign} ${track.address} ${track.code} #${track.number}`;
-  const pattern = /^\/(.+)\/$/.exec(word);
-  if (pattern) {
-    try {
-      const expression = new RegExp(pattern[1], "i");
-      return (track) =>
-        names(track)
-          .split(" ")
-          .some((name) => expression.test(name));
-    } catch {
-      return () => false;
-    }
-  }
-  const part = word.toLowerCase();
-  return (track) => names(track).toLowerCase().includes(part);
-}
-
-/** @param {string} name @returns {(track: import("./picture.js").Track) => number} */
-function figureOf(name) {
-  if (name === "fl") return levelOf;
-  if (name === "kt") return (track) => Math.hypot(track.speedEast, track.speedNorth) * (3600 / 1852);
-  if (name === "sources") return (track) => track.sourceCount;
-  return (track) => track.members;
 }

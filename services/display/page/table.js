@@ -1,6 +1,6 @@
 /**
  * Table of tracks: sorted, filtered, and only as many rows in the page as there is room for, so that five thousand
- * tracks cost no more than fifty.
+ * tracks cost no more than fifty. One row takes the focus; arrows move it.
  */
 
 import { h, setText } from "./dom.js";
@@ -26,19 +26,35 @@ export class TrackTable {
   /**
    * @param {HTMLElement} parent Element that scrolls.
    * @param {{sortBy: (column: string) => void, select: (number: number, more: boolean) => void,
-   *   centre: (number: number) => void}} on
+   *   goTo: (number: number) => void}} on
    */
   constructor(parent, on) {
     this.parent = parent;
     this.on = on;
-    this.head = h("div.table-head", { role: "row" });
-    for (const [column, title, about] of COLUMNS)
-      this.head.append(h("button", { title: about, "data-column": column, click: () => on.sortBy(column) }, title));
-    this.body = h("div.table-body");
+    this.head = h("div.table-head", { role: "row", "aria-rowindex": 1 });
+    COLUMNS.forEach(([column, title, about], k) =>
+      this.head.append(
+        h(
+          "div",
+          { role: "columnheader", "aria-colindex": k + 1 },
+          h("button", { title: about, "data-column": column, click: () => on.sortBy(column) }, title),
+        ),
+      ),
+    );
+    this.body = h("div.table-body", { role: "rowgroup" });
+    this.table = h(
+      "div",
+      { role: "grid", "aria-label": "Tracks", "aria-colcount": COLUMNS.length, "aria-multiselectable": "true" },
+      h("div.table-top", { role: "rowgroup" }, this.head),
+      this.body,
+    );
+    this.body.addEventListener("keydown", (event) => this.key(event));
     /** @type {HTMLElement[]} */
     this.rows = [];
     /** @type {Track[]} */
     this.order = [];
+    /** Number of the track whose row takes the focus; -1: the first row. */
+    this.current = -1;
     parent.addEventListener("scroll", () => this.showRows());
     this.selected = /** @type {Set<number>} */ (new Set());
     this.units = "aviation";
@@ -47,7 +63,7 @@ export class TrackTable {
 
   /** Puts the table into its parent. */
   mount() {
-    this.parent.replaceChildren(this.head, this.body);
+    this.parent.replaceChildren(this.table);
   }
 
   /**
@@ -68,25 +84,34 @@ export class TrackTable {
       return (falling ? -less : less) || x.number - y.number;
     });
     this.order = keyed.map(([, track]) => track);
-    for (const button of this.head.children) {
-      const own = button.getAttribute("data-column") === column;
-      if (own) button.setAttribute("aria-sort", falling ? "descending" : "ascending");
-      else button.removeAttribute("aria-sort");
-    }
+    COLUMNS.forEach(([own], k) => {
+      const header = this.head.children[k];
+      if (own === column) header.setAttribute("aria-sort", falling ? "descending" : "ascending");
+      else header.removeAttribute("aria-sort");
+    });
+    this.table.setAttribute("aria-rowcount", String(this.order.length + 1));
     this.body.style.height = `${this.order.length * ROW}px`;
     this.showRows();
   }
 
   showRows() {
+    const isFocused = this.body.contains(document.activeElement);
     const first = Math.max(0, Math.floor(this.parent.scrollTop / ROW) - 2);
     const count = Math.min(this.order.length - first, Math.ceil(this.parent.clientHeight / ROW) + 4);
     while (this.rows.length < count) this.rows.push(this.newRow());
+    const last = first + count - 1;
+    const place = this.order.findIndex((track) => track.number === this.current);
+    // A row that is not in the page cannot be reached with Tab: the nearest takes its turn.
+    const stop = Math.min(last, Math.max(first, place));
     this.rows.forEach((row, k) => {
       const track = this.order[first + k];
       row.hidden = k >= count || !track;
       if (row.hidden) return;
       row.style.top = `${(first + k) * ROW}px`;
       row.dataset.track = String(track.number);
+      row.setAttribute("aria-rowindex", String(first + k + 2));
+      row.setAttribute("aria-selected", String(this.selected.has(track.number)));
+      row.tabIndex = first + k === stop ? 0 : -1;
       const alert = isGrave(track) ? " alert" : "";
       const selected = this.selected.has(track.number) ? " selected" : "";
       const classes = `table-row ${track.state}${alert}${selected}`;
@@ -101,15 +126,45 @@ export class TrackTable {
         this.mainName(track),
       ];
       cells.forEach((text, n) => setText(row.children[n], text));
+      // The focus stays with its track when the order changes.
+      if (isFocused && first + k === place && row !== document.activeElement) row.focus({ preventScroll: true });
     });
   }
 
   newRow() {
-    const row = h("div.table-row", { role: "row" }, ...COLUMNS.map(() => h("span")));
+    const cells = COLUMNS.map((_, k) => h("span", { role: "gridcell", "aria-colindex": k + 1 }));
+    const row = h("div.table-row", { role: "row" }, ...cells);
     row.addEventListener("click", (event) => this.on.select(Number(row.dataset.track), event.ctrlKey || event.metaKey));
-    row.addEventListener("dblclick", () => this.on.centre(Number(row.dataset.track)));
+    row.addEventListener("dblclick", () => this.on.goTo(Number(row.dataset.track)));
+    row.addEventListener("focus", () => (this.current = Number(row.dataset.track)));
     this.body.append(row);
     return row;
+  }
+
+  /** @param {KeyboardEvent} event */
+  key(event) {
+    if (event.altKey || event.shiftKey) return;
+    const at = this.order.findIndex((track) => track.number === this.current);
+    const page = Math.max(1, Math.floor(this.parent.clientHeight / ROW) - 2);
+    const steps = { ArrowDown: 1, ArrowUp: -1, PageDown: page, PageUp: -page, Home: -Infinity, End: Infinity };
+    const step = /** @type {Record<string, number>} */ (steps)[event.key];
+    if (step !== undefined) this.focus(at + step);
+    else if (event.key === " ") this.on.select(this.current, true);
+    else if (event.key === "Enter") this.on.goTo(this.current);
+    else return;
+    event.preventDefault();
+  }
+
+  /** Gives the focus to a row, which is brought into sight. @param {number} place */
+  focus(place) {
+    const at = Math.min(this.order.length - 1, Math.max(0, place));
+    if (at < 0) return;
+    this.current = this.order[at].number;
+    const room = this.parent.clientHeight - ROW;
+    const top = Math.min(at * ROW, Math.max(this.parent.scrollTop, (at + 1) * ROW - room));
+    this.parent.scrollTop = top;
+    this.showRows();
+    this.rows.find((row) => row.dataset.track === String(this.current) && !row.hidden)?.focus({ preventScroll: true });
   }
 }
 

@@ -48,6 +48,12 @@ export class View {
     return [m.a * east + m.c * north + m.x0, m.b * east + m.d * north + m.y0];
   }
 
+  /** Whether a point lies on the screen. @param {number} east @param {number} north */
+  sees(east, north) {
+    const [x, y] = this.toScreen(east, north);
+    return x >= 0 && y >= 0 && x <= this.width && y <= this.height;
+  }
+
   /**
    * Point that lies at a pixel, metres.
    * @param {number} x @param {number} y

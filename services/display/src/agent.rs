@@ -52,12 +52,28 @@ impl<S: Transport> DisplayAgent<S> {
         has_operators: bool,
         bus: &Bus<S>,
         incarnation: u64,
+        sight: (Arc<SharedState>, Arc<RequestCounts>),
+    ) -> anyhow::Result<Self> {
+        let mut agent = Self::of_system_tracks(bus, incarnation, sight)?;
+        agent.operators = has_operators.then(|| OrderAgent::open(bus, incarnation)).transpose()?;
+        let streams = config.streams();
+        agent.subscribe(streams.map(|(id, name)| (id.stream, name)), bus, incarnation)?;
+        Ok(agent)
+    }
+
+    /// Creates the display agent of an instance without its configuration: it has the system tracks alone.
+    ///
+    /// # Errors
+    /// If a topic cannot be opened.
+    pub(crate) fn of_system_tracks(
+        bus: &Bus<S>,
+        incarnation: u64,
         (shared, refused): (Arc<SharedState>, Arc<RequestCounts>),
     ) -> anyhow::Result<Self> {
         let now_ns = || incarnation;
         let states = bus.subscriber(&messages::system_tracks(), now_ns)?;
         let states = FedSubscriber::new(states, &shared.feed);
-        let mut agent = Self {
+        Ok(Self {
             shared,
             refused,
             health: bus.subscriber(&messages::health(), now_ns)?,
@@ -65,20 +81,31 @@ impl<S: Transport> DisplayAgent<S> {
             layers: Vec::new(),
             states,
             pause: LookPause::between(LOOK_EVERY, LOOK_EVERY_IDLE),
-            operators: has_operators.then(|| OrderAgent::open(bus, incarnation)).transpose()?,
-        };
-        let streams = config.streams().filter(|(id, _)| id.stream != Stream::SystemTracks);
-        for (id, name) in streams {
-            let feed = &agent.shared.feed;
+            operators: None,
+        })
+    }
+
+    /// Subscribes to further streams, each with the name of its source or sensor.
+    ///
+    /// # Errors
+    /// If a topic cannot be opened.
+    pub(crate) fn subscribe<'a>(
+        &mut self,
+        streams: impl Iterator<Item = (Stream, &'a str)>,
+        bus: &Bus<S>,
+        incarnation: u64,
+    ) -> anyhow::Result<()> {
+        for (stream, name) in streams.filter(|(stream, _)| *stream != Stream::SystemTracks) {
+            let feed = &self.shared.feed;
             let subscription = Subscription {
                 bus,
                 name,
                 incarnation,
                 feed,
             };
-            agent.layers.extend(for_displayed(id.stream, subscription).transpose()?);
+            self.layers.extend(for_displayed(stream, subscription).transpose()?);
         }
-        Ok(agent)
+        Ok(())
     }
 }
 

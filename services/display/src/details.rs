@@ -9,12 +9,20 @@
 //! `probability`), `level` (of the transponder, hundreds of feet), `level_age_s`, `height_valid`,
 //! `on_ground`, `merged_into`, `owner_track_number` (0: this centre owns the track), `nis`, `covariance` (the 21
 //! elements of the upper triangle), `identity` {`address`, `mmsi`, `mode_3a`, `callsign`, `name`, `type`,
-//! `type_confidence`}, `decisions` [{`time_s`, `kind`, `text`}] and `contributions`. Each contribution has
+//! `type_confidence`} and `contributions`. Each contribution has
 //! `source`, `name`, `track_number`, `weight`, `accuracy`, `fresh`, `scored`, `centre` (a system track of another
 //! centre), `origin` (the other centre; `null`: unknown), `time_s`, `time_of_measurement_ns`, and the last position
 //! of the sensor track: `position_m` [2] and `height_m`. In the past, position and velocity have no up component,
-//! and `modes`, `level`, `covariance`, `sequence`, `epoch`, `rule`, `owner_track_number`, `decisions` and all rates but
+//! and `modes`, `level`, `covariance`, `sequence`, `epoch`, `rule`, `owner_track_number` and all rates but
 //! `climb_mps` are absent.
+//!
+//! **Reasons** of a selected track of the present: each contribution also has `age_s` (at the state's time),
+//! `period_s`, `sigma_m` [2] (half axes of the stated ellipse, scaled), `learned_sigma_m` [2] (of its measurements),
+//! `residual_m` [2] (moved report minus state), `residual_sigmas`, `inflation` (covariance scaling), `bias_m` [3]
+//! (taken off the report), `depends_on` [[name, correlation]], and `reason` (sentences). The track has `decisions`
+//! [{`time_s`, `kind`, `text`}], the latest first, `decisions_missing`, and `rules` [{`rule`, `summary`, `in_force`,
+//! `shares` [[source, name, share]], `apart_m` (from the state), `sigma_m` [2]}], `rules_missing`; see
+//! [`crate::reasons`] and [`crate::decision_text`].
 //!
 //! **A row of a history** is `[time_s, east, north, height, speed, state, nis, [[source, weight], …]]`, the oldest
 //! first. `nis` is the normalised innovation squared of the report that caused the state; without such a report it
@@ -22,20 +30,20 @@
 
 use messages::picture::{PictureIdentity, PictureSensorTrack, PictureTrack, picture_track_bits};
 use messages::{
-    Contribution, Decision, DecisionKind, FusionRule, Identity, MotionMode, NO_SOURCE, SystemTrack, TargetType,
-    TrackKind, TrackState, contribution_bits,
+    Contribution, FusionRule, Identity, MotionMode, NO_SOURCE, SystemTrack, TargetType, TrackKind, TrackState,
+    contribution_bits,
 };
 use runtime::Now;
 use serde_json::{Value, json};
 
+use crate::decision_text;
+use crate::reasons;
 use crate::vertical;
 use crate::viewer::Viewer;
 use crate::world::World;
 
 /// Maximum number of rows of a history.
 const ROWS_MAX: usize = 3_000;
-/// Maximum number of decisions listed for a track.
-const DECISIONS_MAX: usize = 20;
 const FEET_PER_M: f64 = 1.0 / 0.3048;
 const KNOTS_PER_MPS: f64 = 3_600.0 / 1_852.0;
 
@@ -47,10 +55,33 @@ pub(crate) fn seconds(ns: i64) -> f64 {
 /// Returns the details of the tracks selected by `viewer`, for the picture at `time_ns`.
 pub(crate) fn selected(world: &World, viewer: &Viewer, time_ns: i64) -> Value {
     let tracks = viewer.selected.iter().filter_map(|number| match viewer.then() {
-        None => live(world, *number),
+        None => reasoned(world, *number),
         Some(then) => past(world, viewer, *number, *then.states.get(number)?),
     });
     json!({"type": "selected", "time_s": seconds(time_ns), "tracks": tracks.collect::<Vec<_>>()})
+}
+
+/// Returns a track of the present with reasons; `None` if there is no track of this number.
+pub(crate) fn reasoned(world: &World, number: u32) -> Option<Value> {
+    let track = &world.tracks.get(&number)?.track;
+    let mut details = live(world, number)?;
+    let facts = reasons::facts(world, track);
+    let rule = FusionRule::from_code(track.rule);
+    let parts = details.get_mut("contributions").and_then(Value::as_array_mut);
+    for (part, fact) in parts.into_iter().flatten().zip(&facts) {
+        fact.add_to(world, &facts, rule, part);
+    }
+    let (rules, rules_missing) = reasons::rules(world, track);
+    let why = json!({
+        "decisions": decision_text::list(world, number),
+        "decisions_missing": decision_text::missing(world),
+        "rules": rules,
+        "rules_missing": rules_missing,
+    });
+    if let (Some(details), Value::Object(why)) = (details.as_object_mut(), why) {
+        details.extend(why);
+    }
+    Some(details)
 }
 
 fn live(world: &World, number: u32) -> Option<Value> {
@@ -65,9 +96,6 @@ fn live(world: &World, number: u32) -> Option<Value> {
         .iter()
         .map(|part| contribution(world, part, report(part)))
         .collect();
-    let about = |decision: &&Decision| decision.system_track == number || decision.other_system_track == number;
-    let decisions = world.decisions.iter().rev().filter(about).take(DECISIONS_MAX);
-    let decisions: Vec<Value> = decisions.filter_map(|decision| decided(world, decision)).collect();
     Some(json!({
         "number": number,
         "state": word(TrackState::from_code(track.state), TrackState::word),
@@ -99,7 +127,6 @@ fn live(world: &World, number: u32) -> Option<Value> {
         "covariance": track.covariance.upper,
         "identity": identity(&track.identity, &track.target_type),
         "contributions": parts,
-        "decisions": decisions,
     }))
 }
 
@@ -129,7 +156,6 @@ fn past(world: &World, viewer: &Viewer, number: u32, state: u64) -> Option<Value
         "nis": nis(moment.nis),
         "identity": identity(&known, &target_type),
         "contributions": parts,
-        "decisions": [],
     }))
 }
 
@@ -190,31 +216,6 @@ fn contribution(world: &World, part: &Contribution, report: Option<PictureSensor
         "position_m": position,
         "height_m": height_m,
     })
-}
-
-fn decided(world: &World, decision: &Decision) -> Option<Value> {
-    let kind = decision.kind()?;
-    let mut text = kind.word().replace('_', " ");
-    if let Some(number) = source(decision.source) {
-        text += &format!(", {}", world.observed.source_name(number));
-    }
-    if decision.sensor_track != 0 {
-        text += &format!(" track {}", decision.sensor_track);
-    }
-    if let Some(from) = source(decision.other_source) {
-        text += &format!(", from {}", world.observed.source_name(from));
-    }
-    if decision.other_system_track != 0 {
-        let joint = if kind == DecisionKind::Merged { "into" } else { "and" };
-        text += &format!(", {joint} system track {}", decision.other_system_track);
-    }
-    if decision.value.is_finite() {
-        text += &format!(": {:.3}", decision.value);
-    }
-    if decision.limit.is_finite() {
-        text += &format!(" (limit {:.3})", decision.limit);
-    }
-    Some(json!({"time_s": seconds(decision.time_ns), "kind": kind.word(), "text": text}))
 }
 
 fn identity(identity: &Identity, target_type: &TargetType) -> Value {

@@ -17,7 +17,8 @@ use crate::foxglove::FOXGLOVE;
 use crate::pages::router;
 use crate::pages::tests::{LONG, Socket, now, track, until};
 use crate::settings::Keys;
-use crate::shared::SharedState;
+use crate::settings::MapFiles;
+use crate::shared::{Desk, SharedState};
 use crate::world::World;
 
 const SITE: &str = include_str!("../../../config/barcelona.toml");
@@ -27,7 +28,7 @@ const SDK: &str = "Sec-WebSocket-Protocol: foxglove.sdk.v1\r\n";
 fn served() -> (Arc<SharedState>, Server, usize) {
     let config = ConfigWith::<Keys>::parse(Path::new("test.toml"), SITE, &[]).unwrap();
     let world = World::new("test", Vec::new(), 600, 1_000_000);
-    let shared = SharedState::fed(world, Vec::new(), now, Feed::of(&config));
+    let shared = SharedState::fed(world, MapFiles::default(), now, Feed::of(&config), Desk::default());
     let guard = Guard {
         foreign: Some(ForeignPages {
             path: FOXGLOVE,

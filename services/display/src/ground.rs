@@ -135,12 +135,55 @@ pub(crate) fn overlay(name: &str, text: &str, frame: &SystemFrame) -> Result<Val
     let projection = Projection::new(*frame);
     let features = collection.get_mut("features").and_then(Value::as_array_mut);
     let features = features.ok_or("it is no FeatureCollection of GeoJSON")?;
-    for feature in &mut *features {
+    for (number, feature) in features.iter_mut().enumerate() {
         if let Some(coordinates) = feature.pointer_mut("/geometry/coordinates") {
-            to_metres(coordinates, &projection)?;
+            to_metres(coordinates, &projection).map_err(|error| format!("feature {}: {error}", number + 1))?;
         }
     }
     Ok(json!({"name": name, "features": features}))
+}
+
+/// Converts polygons of GeoJSON to land in the form of [`coast`], without borders.
+///
+/// # Errors
+/// A sentence, if the text is no collection of features, or has no polygon.
+pub(crate) fn land(text: &str, frame: &SystemFrame) -> Result<Vec<u8>, String> {
+    let collection = overlay("", text, frame)?;
+    let mut octets = Vec::new();
+    for feature in collection["features"].as_array().into_iter().flatten() {
+        let coordinates = &feature["geometry"]["coordinates"];
+        match feature["geometry"]["type"].as_str() {
+            Some("Polygon") => add_rings(&mut octets, coordinates),
+            Some("MultiPolygon") => coordinates.as_array().into_iter().flatten().for_each(|polygon| {
+                add_rings(&mut octets, polygon);
+            }),
+            _ => {}
+        }
+    }
+    match octets.is_empty() {
+        true => Err("it has no polygon of land".to_owned()),
+        false => Ok(octets),
+    }
+}
+
+fn add_rings(octets: &mut Vec<u8>, polygon: &Value) {
+    for ring in polygon.as_array().into_iter().flatten() {
+        let points = ring.as_array().into_iter().flatten();
+        let pairs = points.filter_map(|point| Some([point[0].as_f64()? as f32, point[1].as_f64()? as f32]));
+        for value in pairs.chain([[f32::NAN; 2]]).flatten() {
+            octets.extend(value.to_le_bytes());
+        }
+    }
+}
+
+/// Returns `land` with the borders of `world`, both in the form of [`coast`].
+pub(crate) fn with_land(mut land: Vec<u8>, world: &[u8]) -> Vec<u8> {
+    let end = f32::INFINITY.to_le_bytes();
+    let borders = world.chunks_exact(8).position(|pair| pair[..4] == end);
+    if let Some(pair) = borders {
+        land.extend(&world[8 * pair..]);
+    }
+    land
 }
 
 fn to_metres(coordinates: &mut Value, projection: &Projection) -> Result<(), String> {
@@ -253,6 +296,24 @@ mod tests {
             let turn = (direction - azimuth + 540.0).rem_euclid(360.0) - 180.0;
             assert!(turn.abs() < 45.0, "{longitude} {latitude}: {direction}");
         }
+    }
+
+    #[test]
+    fn a_file_of_land_replaces_the_land_and_keeps_the_borders() {
+        let text = r#"{"features": [
+            {"geometry": {"type": "Polygon", "coordinates": [[[2.1, 41.3], [2.2, 41.3], [2.2, 41.4], [2.1, 41.3]]]}},
+            {"geometry": {"type": "Point", "coordinates": [2.1, 41.3]}}]}"#;
+        let own = land(text, &frame()).unwrap();
+        assert_eq!(own.len(), 5 * 8);
+        let mut world = [1.0_f32, 2.0, f32::NAN, f32::NAN].map(f32::to_le_bytes).concat();
+        world.extend([f32::INFINITY, f32::INFINITY, 7.0, 8.0].map(f32::to_le_bytes).concat());
+        let joined = pairs(&with_land(own, &world));
+        assert_eq!((joined.len(), joined[5][0], joined[6]), (7, f32::INFINITY, [7.0, 8.0]));
+        assert!(
+            land(r#"{"features": []}"#, &frame())
+                .unwrap_err()
+                .contains("no polygon")
+        );
     }
 
     #[test]

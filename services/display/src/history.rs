@@ -205,19 +205,28 @@ impl History {
 
     /// Returns the states of a track up to `until_ns`, the latest first, with their numbers.
     pub(crate) fn of_track(&self, track: u32, until_ns: i64) -> impl Iterator<Item = (u64, &Moment)> {
-        let mut number = match self.latest.get(&track) {
+        let number = match self.latest.get(&track) {
             Some(number) => *number,
             None => {
                 let ended = self.moments.iter().rposition(|moment| moment.track.number == track);
                 ended.map_or(NONE, |place| self.first + place as u64)
             }
         };
-        let states = std::iter::from_fn(move || {
+        let states = self.numbered_back_from(number);
+        states.skip_while(move |(_, moment)| moment.at_ns > until_ns)
+    }
+
+    /// Returns the state of this number and the earlier states of the same track, the latest first.
+    pub(crate) fn back_from(&self, number: u64) -> impl Iterator<Item = &Moment> {
+        self.numbered_back_from(number).map(|(_, moment)| moment)
+    }
+
+    fn numbered_back_from(&self, mut number: u64) -> impl Iterator<Item = (u64, &Moment)> {
+        std::iter::from_fn(move || {
             let found = (number, self.moment(number)?);
             number = found.1.previous;
             Some(found)
-        });
-        states.skip_while(move |(_, moment)| moment.at_ns > until_ns)
+        })
     }
 
     /// Moves `then` to the time `at_ns`.

@@ -5,7 +5,7 @@
 use bus::Payload;
 use messages::{
     Alarm, BatchHeader, Cue, Decision, OrderState, SensorBearing, SensorDetection, SensorTrack, Stream, Streamed,
-    SystemTrack, WideArea,
+    SystemTrack, TopicName, WideArea,
 };
 use runtime::Now;
 
@@ -45,6 +45,25 @@ macro_rules! displayed {
     };
 }
 
+/// Name of the topic of the source or sensor with this name.
+pub(crate) struct TopicOf<'a>(pub(crate) &'a str);
+
+impl ForDisplayed for TopicOf<'_> {
+    type Done = TopicName;
+
+    fn of<T: DisplayedSample>(self) -> TopicName {
+        T::topic(self.0).name
+    }
+}
+
+/// Returns the stream of the topic `name` and the name of its source or sensor; `None` if the display does not show it.
+pub(crate) fn stream_of(name: &str) -> Option<(Stream, &str)> {
+    let source = name.split('/').nth(1).unwrap_or_default();
+    let is_named =
+        |stream: &&Stream| for_displayed(**stream, TopicOf(source)).is_some_and(|topic| topic.as_str() == name);
+    Stream::ALL.iter().find(is_named).map(|stream| (*stream, source))
+}
+
 displayed! {
     SensorTracks: SensorTrack, |world, (_, reports), now| world.hear_sensor_tracks(reports, now);
     Detections: SensorDetection, |world, (_, detections), _| world.hear_detections(detections);
@@ -52,8 +71,26 @@ displayed! {
     WideArea: WideArea, |world, (_, counts), _| world.hear_counts(counts);
     Cues: Cue, |world, (_, cues), _| world.hear_cues(cues);
     SystemTracks: SystemTrack, |world, (header, tracks), now| world.receive(header, tracks, now);
-    Alarms: Alarm, |world, (header, alarms), _| world.observed.take_alarms(header, alarms);
+    Alarms: Alarm, |world, (header, alarms), _| world.hear_alarms(header, alarms);
     Decisions: Decision, |world, (_, decisions), _| world.hear_decisions(decisions);
     Orders: OrderState, |world, (_, orders), _| world.observed.take_orders(orders);
     ; hidden: PlatformStates
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn topics_have_their_stream_and_their_source() {
+        for stream in Stream::ALL {
+            if let Some(topic) = for_displayed(stream, TopicOf("radar-1")) {
+                let (found, source) = stream_of(topic.as_str()).unwrap();
+                assert_eq!(found, stream);
+                assert!(source == "radar-1" || topic.as_str().starts_with("system/"), "{topic}");
+            }
+        }
+        assert_eq!(stream_of("system/health"), None);
+        assert_eq!(stream_of(""), None);
+    }
 }

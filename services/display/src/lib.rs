@@ -9,13 +9,20 @@
 //! | `wire` | protocol between server and page |
 //! | `layers` | registry of the displayed streams |
 //! | `agent` | reads the topics |
+//! | `guest` | shows an instance without its configuration |
 //! | `tape` | replays a recording |
 //! | `world` | current state of the deployment |
 //! | `records` | converts samples to records of a picture |
 //! | `history` | past of the picture |
+//! | `trails` | past positions of all tracks, for a page that was just opened |
+//! | `coverage`, `coverage_json` | coverage and probability of detection of each source |
 //! | `viewer` | state of one page, and the next picture for it |
+//! | `reasons`, `decisions`, `decision_text`, `recent` | reasons of a track's weights, and the reports behind |
 //! | `details`, `status` | details of single tracks, and status of the deployment, as JSON |
 //! | `ground` | projects coasts and overlays into the system frame |
+//! | `operator`, `orders` | acts of operators, and their way to fusion |
+//! | `alarm_book` | acknowledged and shelved alarms, and the past of alarms |
+//! | `views` | named views that all pages share |
 //! | `feed` | samples as they are published |
 //! | `events`, `foxglove` | these samples as server-sent events, and for Foxglove |
 //! | `seat` | limit of the number of clients |
@@ -24,8 +31,13 @@
 #![forbid(unsafe_code)]
 
 mod agent;
+mod alarm_book;
 mod assets;
 mod clock;
+mod coverage;
+mod coverage_json;
+mod decision_text;
+mod decisions;
 mod details;
 mod events;
 mod feed;
@@ -33,11 +45,17 @@ mod feed;
 mod feed_tests;
 mod foxglove;
 mod ground;
+mod guest;
 mod history;
+mod label_settings;
 mod layers;
 mod operator;
+#[cfg(test)]
+mod operator_tests;
 mod orders;
 mod pages;
+mod reasons;
+mod recent;
 mod records;
 mod reports;
 mod seat;
@@ -47,13 +65,16 @@ mod settings_tests;
 mod shared;
 mod status;
 mod tape;
+mod trails;
 mod vertical;
 mod viewer;
+mod views;
 mod wire;
 mod world;
 
-use std::net::{Ipv4Addr, SocketAddr, TcpListener};
+use std::net::{SocketAddr, TcpListener};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Duration;
 
 use anyhow::Context as _;
@@ -67,8 +88,10 @@ use web::{ForeignPages, Guard, HostName, Server, WriteAccess};
 
 use crate::clock::PictureClock;
 use crate::feed::Feed;
+pub use crate::guest::show_instance;
+use crate::settings::MapFiles;
 pub use crate::settings::{Keys, Settings};
-use crate::shared::SharedState;
+use crate::shared::{Desk, SharedState};
 use crate::tape::Tape;
 use crate::wire::Past;
 use crate::world::{ReplayedRecording, SourceFact, World};
@@ -76,15 +99,15 @@ use crate::world::{ReplayedRecording, SourceFact, World};
 /// Time between two updates of a recording's position.
 const LOOK_EVERY: Duration = Duration::from_millis(20);
 
-/// Runs the display until the process is asked to stop.
+/// Runs the display until the process is asked to stop. `engine`: settings of fusion, for the comparison of rules.
 ///
 /// # Errors
 /// If the configuration has no display, no port is free, or shared memory fails.
-pub fn run(process: &Process, settings: &Settings) -> anyhow::Result<()> {
+pub fn run(process: &Process, settings: &Settings, engine: &fusion::Settings) -> anyhow::Result<()> {
     let path = process.config.path.display();
     let first = settings.address();
     first.with_context(|| format!("{path}: display.listen is not given"))?;
-    let overlays = settings.overlays_in(&process.options.data);
+    let maps = settings.maps_in(&process.options.data);
     let mut world = World::new(
         &process.options.instance,
         sources(&process.config),
@@ -92,8 +115,16 @@ pub fn run(process: &Process, settings: &Settings) -> anyhow::Result<()> {
         settings.history_bytes(),
     );
     world.place(&origin(&process.config));
+    world.labels = settings.labels.clone();
     world.set_clock(PictureClock::of(process.config.is_recorded()));
-    let shared = SharedState::fed(world, overlays, Now::read, Feed::of(&process.config));
+    world.engine = Some(Arc::new(engine.clone()));
+    world.has_decisions = process.config.decision_use().is_some();
+    world.declination_deg = settings.declination_deg;
+    let desk = Desk {
+        has_operators: settings.operator_token.is_some(),
+        views: settings.views.open(&process.options.data)?,
+    };
+    let shared = SharedState::fed(world, maps, Now::read, Feed::of(&process.config), desk);
     let server = serve(settings, &shared)?;
     say(&server, settings);
     let sight = (shared, server.counts().clone());
@@ -102,33 +133,50 @@ pub fn run(process: &Process, settings: &Settings) -> anyhow::Result<()> {
     runtime::service::run(process, &mut agent)
 }
 
-/// Checks that every overlay of the display can be drawn in the system frame `frame`.
+/// Checks that every file of the display's map can be drawn in the system frame `frame`.
 ///
 /// # Errors
 /// A sentence about the first file that is missing or not valid GeoJSON.
-pub fn check_overlays(settings: &Settings, frame: &SystemFrame, data: &Path) -> Result<(), String> {
-    let files = settings.address().map(|_| settings.overlays_in(data));
-    for (number, path) in files.unwrap_or_default().iter().enumerate() {
-        pages::read_overlay(path, frame).map_err(|error| {
-            let (path, at) = (path.display(), format!("display.overlays[{number}]"));
-            format!("{path}: {error}; it is an overlay: name its folder with --data, or correct {at}")
-        })?;
+pub fn check_maps(settings: &Settings, frame: &SystemFrame, data: &Path) -> Result<(), String> {
+    let Some(_) = settings.address() else { return Ok(()) };
+    let maps = settings.maps_in(data);
+    let refusal = |path: &Path, key: &str, error: String| {
+        let path = path.display();
+        format!("{path}: {error}; it is a file of the map: name its folder with --data, or correct {key}")
+    };
+    for (number, path) in maps.overlays.iter().enumerate() {
+        pages::read_overlay(path, frame)
+            .map_err(|error| refusal(path, &format!("display.overlays[{number}]"), error))?;
+    }
+    if let Some(path) = &maps.coast {
+        pages::read_coast(path, frame).map_err(|error| refusal(path, "display.coast", error))?;
     }
     Ok(())
 }
 
-/// Shows the recording `path` on this machine until the process is asked to stop. The recording consists of `files`
-/// and was made by the deployment of `config`. No running deployment is needed.
+/// Checks that the kept views of the display can be read.
+///
+/// # Errors
+/// A sentence about the file of the views.
+pub fn check_views(settings: &Settings, data: &Path) -> Result<(), String> {
+    let views = settings.address().map(|_| settings.views.open(data));
+    views
+        .transpose()
+        .map_or_else(|error| Err(format!("{error:#}")), |_| Ok(()))
+}
+
+/// Shows the recording `path`, which consists of `files`, with `settings` until the process is asked to stop. The
+/// deployment of `config` with the fusion of `engine` made the recording. No running deployment is needed.
 ///
 /// # Errors
 /// If the recording cannot be read or no port is free.
-pub fn show_recording(config: &Deployment, path: &Path, files: &[PathBuf]) -> anyhow::Result<()> {
+pub fn show_recording(
+    config: &Deployment,
+    engine: &fusion::Settings,
+    (path, files): (&Path, &[PathBuf]),
+    settings: &Settings,
+) -> anyhow::Result<()> {
     let stop = Stop::on_signals().context("catching signals")?;
-    let settings = Settings {
-        listen: Some(SocketAddr::new(Ipv4Addr::LOCALHOST.into(), 8900).to_string()),
-        more_ports: 100,
-        ..Settings::default()
-    };
     let mut tape = Tape::open(config, files)?;
     let damage = tape.damage();
     if damage.parts > 0 {
@@ -146,6 +194,8 @@ pub fn show_recording(config: &Deployment, path: &Path, files: &[PathBuf]) -> an
         settings.history_bytes(),
     );
     world.place(&origin(config));
+    world.engine = Some(Arc::new(engine.clone()));
+    world.has_decisions = config.fusion.decisions;
     let span_ns = tape.span_ns();
     world.recording = Some(ReplayedRecording {
         name: name.file_name().unwrap_or_default().to_string_lossy().into_owned(),
@@ -158,9 +208,9 @@ pub fn show_recording(config: &Deployment, path: &Path, files: &[PathBuf]) -> an
         },
         since_ns: Now::read().mono_ns,
     });
-    let shared = SharedState::new(world, Vec::new(), Now::read);
-    let server = serve(&settings, &shared)?;
-    say(&server, &settings);
+    let shared = SharedState::new(world, MapFiles::default(), Now::read);
+    let server = serve(settings, &shared)?;
+    say(&server, settings);
     while !stop.requested() {
         {
             let mut world = shared.world();
@@ -176,13 +226,13 @@ pub fn show_recording(config: &Deployment, path: &Path, files: &[PathBuf]) -> an
 }
 
 /// Serves `shared` on the first free port.
-fn serve(settings: &Settings, shared: &std::sync::Arc<SharedState>) -> anyhow::Result<Server> {
+fn serve(settings: &Settings, shared: &Arc<SharedState>) -> anyhow::Result<Server> {
     let guard = Guard {
         hosts: settings.hosts.iter().map(HostName::in_small_letters).collect(),
         token: settings.token.clone(),
         writer: settings.operator_token.clone().map(|token| WriteAccess {
             token,
-            path: operator::ORDER,
+            paths: operator::PATHS,
             login: operator::LOGIN,
         }),
         foreign: Some(ForeignPages {

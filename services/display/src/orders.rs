@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use bus::{Bus, BusError, OrderPort, Transport};
-use messages::{Order, OrderState, OrderStatus, Refusal};
+use messages::{Order, OrderKind, OrderState, OrderStatus, Parameter, Refusal};
 use runtime::Now;
 use serde_json::{Value, json};
 use web::tokio::sync::oneshot;
@@ -99,6 +99,23 @@ impl<S: Transport> OrderAgent<S> {
 pub(crate) fn list(world: &World) -> Vec<Value> {
     let orders = world.observed.orders().iter();
     orders.map(|state| shown(state, world)).collect()
+}
+
+/// Returns the kinds of orders for pages: `kind`, `summary`, `needs`, `may` (parameters), `range` [2] of the value, and
+/// whether the effect `lasts`.
+pub(crate) fn kinds() -> Vec<Value> {
+    let words = |parameters: &[Parameter]| parameters.iter().map(|one| one.word()).collect::<Vec<_>>();
+    let kinds = OrderKind::ALL.iter().map(|kind| {
+        json!({
+            "kind": kind.word(),
+            "summary": kind.summary(),
+            "needs": words(kind.needs()),
+            "may": words(kind.may()),
+            "range": kind.range(),
+            "lasts": kind.lasts(),
+        })
+    });
+    kinds.collect()
 }
 
 pub(crate) fn shown(state: &OrderState, world: &World) -> Value {

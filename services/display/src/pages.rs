@@ -9,13 +9,14 @@ use runtime::Now;
 use serde_json::{Value, json};
 use web::axum::Router;
 use web::axum::extract::ws::{CloseFrame, Message, WebSocket, WebSocketUpgrade, close_code};
-use web::axum::extract::{Path, State};
+use web::axum::extract::{Path, RawQuery, State};
 use web::axum::http::{StatusCode, header};
 use web::axum::response::{IntoResponse, Response};
 use web::axum::routing::{get, post};
 use web::tokio::time::{MissedTickBehavior, interval, timeout};
 
 use crate::assets::asset;
+use crate::coverage_json;
 use crate::details;
 use crate::events;
 use crate::foxglove;
@@ -25,6 +26,7 @@ use crate::orders;
 use crate::seat::{PATIENCE, Parting, Seat, WAITING_MAX};
 use crate::shared::SharedState;
 use crate::status;
+use crate::trails;
 use crate::viewer::Viewer;
 use crate::wire::{LAYER_AGE_S, MESSAGE_MAX, RATE_HZ, SELECT_MAX, Wish};
 use crate::world::World;
@@ -52,10 +54,26 @@ pub(crate) fn router(shared: Arc<SharedState>) -> Router {
         .route("/api/sources.json", get(text(status::sources)))
         .route(
             "/api/orders.json",
-            get(text(|world, _| json!({"orders": orders::list(world)}))),
+            get(text(
+                |world, _| json!({"orders": orders::list(world), "kinds": orders::kinds()}),
+            )),
         )
+        .route("/api/alarms.json", get(text(status::alarms_and_past)))
+        .route("/api/views.json", get(views))
         .route(operator::ORDER, post(operator::order))
+        .route(operator::ALARM, post(operator::alarm))
+        .route(operator::VIEWS, post(operator::view))
         .route("/api/history/{file}", get(history))
+        .route("/api/track/{file}", get(track))
+        .route("/api/trails", get(trails))
+        .route(
+            "/api/coverage.json",
+            get(text(|world, _| coverage_json::coverage(world))),
+        )
+        .route(
+            "/api/coverage.geojson",
+            get(text(|world, _| coverage_json::geojson(world))),
+        )
         .route("/data/aircraft.json", get(text(details::aircraft)))
         .route("/data/receiver.json", get(text(|world, _| details::receiver(world))))
         .fallback(|| async { not_found() })
@@ -86,22 +104,62 @@ fn answer(value: &Value) -> Response {
     octets_of("application/json", value.to_string())
 }
 
+async fn track(State(shared): State<Arc<SharedState>>, Path(file): Path<String>) -> Response {
+    let number = file.strip_suffix(".json").and_then(|number| number.parse().ok());
+    let found = number.and_then(|number| details::reasoned(&shared.world(), number));
+    found.as_ref().map_or_else(not_found, answer)
+}
+
 async fn history(State(shared): State<Arc<SharedState>>, Path(file): Path<String>) -> Response {
     let number = file.strip_suffix(".json").and_then(|number| number.parse().ok());
     let found = number.and_then(|number| details::history(&shared.world(), number, i64::MAX));
     found.as_ref().map_or_else(not_found, answer)
 }
 
+async fn views(State(shared): State<Arc<SharedState>>) -> Response {
+    answer(&shared.desk.views.list())
+}
+
+async fn trails(State(shared): State<Arc<SharedState>>, RawQuery(query): RawQuery) -> Response {
+    let query = query.unwrap_or_default();
+    let given = query.split('&').find_map(|pair| pair.strip_prefix("until_s="));
+    let until_s: Option<f64> = given
+        .and_then(|text| text.parse().ok())
+        .filter(|until_s: &f64| until_s.abs() < 9e9);
+    let world = shared.world();
+    let until_ns = until_s.map_or_else(|| world.time_ns(world.now((shared.clock)())), frames::time::ns);
+    octets_of("application/octet-stream", trails::trails(&world, until_ns))
+}
+
 async fn coast(State(shared): State<Arc<SharedState>>) -> Response {
     let frame = shared.world().observed.frame().copied();
-    let made = frame.and_then(|frame| ground::coast(asset("coast.bin")?.2, &frame));
+    let made = frame.and_then(|frame| {
+        let world = ground::coast(asset("coast.bin")?.2, &frame)?;
+        // A file that was removed meanwhile leaves the world's coast.
+        let own = shared
+            .maps
+            .coast
+            .as_ref()
+            .and_then(|path| read_coast(path, &frame).ok());
+        Some(own.map_or(world.clone(), |land| ground::with_land(land, &world)))
+    });
     made.map_or_else(not_found, |octets| octets_of("application/octet-stream", octets))
+}
+
+/// Reads polygons of land from the GeoJSON file `path`, in the form drawn by the page.
+///
+/// # Errors
+/// A sentence, if the file cannot be read or has no polygons.
+pub(crate) fn read_coast(path: &std::path::Path, frame: &SystemFrame) -> Result<Vec<u8>, String> {
+    let text = std::fs::read_to_string(path).map_err(|error| error.to_string())?;
+    ground::land(&text, frame)
 }
 
 async fn overlays(State(shared): State<Arc<SharedState>>) -> Response {
     let frame = shared.world().observed.frame().copied();
     let made = frame.map(|frame| {
         shared
+            .maps
             .overlays
             .iter()
             .map(|path| overlay(path, &frame))
@@ -199,8 +257,8 @@ struct PageConnection<'a> {
     remembered: Vec<u32>,
     /// Generation of the world at that time.
     generation: u64,
-    /// Whether the sent greeting had the frame's origin; `None`: no greeting sent yet.
-    greeted: Option<bool>,
+    /// Whether the sent greeting had the frame's origin, and its number of sources; `None`: no greeting sent yet.
+    greeted: Option<(bool, usize)>,
     /// Time of the next status, monotonic, nanoseconds.
     status_due_ns: i64,
     /// Deadline for the acknowledgement of the picture in transit.
@@ -268,9 +326,10 @@ impl<'a> PageConnection<'a> {
             self.generation = world.generation;
             self.remembered.clear();
         }
-        if self.greeted != Some(world.observed.frame().is_some()) {
-            self.greeted = Some(world.observed.frame().is_some());
-            messages.push(hello(&world));
+        let greeting = Some((world.observed.frame().is_some(), world.sources.len()));
+        if self.greeted != greeting {
+            self.greeted = greeting;
+            messages.push(hello(&world, shared.desk.has_operators));
         }
         messages.push(Message::binary(self.viewer.picture(&world, then)));
         self.ack_until_ns = now.mono_ns + PATIENCE.as_nanos() as i64;
@@ -296,7 +355,7 @@ impl<'a> PageConnection<'a> {
     }
 }
 
-fn hello(world: &World) -> Message {
+fn hello(world: &World, has_operators: bool) -> Message {
     let sources = world.sources.iter().map(|fact| {
         let source = &fact.source;
         json!({"number": source.number, "name": source.name, "kind": fact.kind, "site_m": fact.site_m})
@@ -324,9 +383,12 @@ fn hello(world: &World) -> Message {
         "instance": world.instance,
         "origin": origin,
         "sources": sources.collect::<Vec<_>>(),
+        "declination_deg": world.declination_deg,
         "history_s": world.history_s,
         "layer_age_s": LAYER_AGE_S,
         "recording": recording,
+        "operators": has_operators,
+        "labels": world.labels.message(),
         "limits": {"rate_hz": RATE_HZ, "select": SELECT_MAX},
     });
     Message::text(hello.to_string())

@@ -16,6 +16,7 @@ use web::{Guard, Server};
 
 use super::*;
 use crate::seat::PAGES_MAX;
+use crate::settings::MapFiles;
 use crate::world::SourceFact;
 
 /// Time limit of a test for an expected event.
@@ -55,7 +56,7 @@ fn served_at(clock: fn() -> Now) -> (Arc<SharedState>, Server) {
         height_m: 0.0,
     });
     world.receive(&header(1), &[track(7, 1_000.0), track(9, -1_000.0)], now());
-    let shared = SharedState::new(world, Vec::new(), clock);
+    let shared = SharedState::new(world, MapFiles::default(), clock);
     let router = router(Arc::clone(&shared));
     let server = Server::start("pages", "127.0.0.1:0".parse().unwrap(), Guard::default(), router).unwrap();
     (shared, server)
@@ -335,6 +336,7 @@ fn a_page_gets_all_tracks_then_what_has_changed_once_it_has_acknowledged() {
         (&hello["instance"], &hello["origin"]["latitude_deg"]),
         (&json!("test"), &json!(41.0))
     );
+    assert_eq!(hello["labels"]["lines"][1], json!(["level", "speed"]));
     let (header, records) = page.picture();
     assert_eq!(
         (header.flags & picture_bits::FULL, header.tracks, header.identities),
@@ -502,6 +504,26 @@ fn scripts_get_json_and_nothing_but_what_is_there() {
     assert_eq!(tracks["tracks"].as_array().unwrap().len(), 2);
     assert_eq!(get_json(&server, "/api/sources.json")["sources"][0]["name"], "radar");
     assert_eq!(get_json(&server, "/api/history/7.json")["number"], 7);
+    let reasoned = get_json(&server, "/api/track/7.json");
+    assert_eq!(
+        reasoned["contributions"][0]["reason"],
+        "The only source with a fresh report."
+    );
+    assert!(reasoned["decisions_missing"].as_str().unwrap().contains("[display]"));
+    assert!(reasoned["rules_missing"].as_str().unwrap().contains("--config"));
+    let coverage = get_json(&server, "/api/coverage.json");
+    assert_eq!(
+        (&coverage["sectors"], &coverage["sources"][0]["site_m"]),
+        (&json!(72), &json!([100.0, 200.0]))
+    );
+    assert_eq!(get_json(&server, "/api/coverage.geojson")["type"], "FeatureCollection");
+    let (head, octets) = ask(&server, "GET /api/trails HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    // Two tracks with a point each.
+    assert!(head.starts_with("http/1.1 200"), "{head}");
+    assert!(octets.len() >= 8 + 2 * (8 + 12), "{}", octets.len());
+    let path = "/api/trails?until_s=1.0";
+    let (_, octets) = ask(&server, &format!("GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n"));
+    assert_eq!(octets.len(), 8, "nothing was there");
     let aircraft = get_json(&server, "/data/aircraft.json");
     let one = &aircraft["aircraft"][0];
     assert_eq!((&one["hex"], &one["flight"]), (&json!("4ca7b3"), &json!("KOSEKI1 ")));
@@ -514,6 +536,7 @@ fn scripts_get_json_and_nothing_but_what_is_there() {
         "/%2e%2e/src/lib.rs",
         "//etc/passwd",
         "/api/history/0.json",
+        "/api/track/0.json",
         "/api/history/..%2f7.json",
         "/nothing",
     ] {

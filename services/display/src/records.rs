@@ -62,7 +62,7 @@ pub(crate) fn measured_ns(track: &SystemTrack) -> i64 {
 
 /// Returns the ellipse of one standard deviation: longer and shorter half axis, metres, and direction of the longer
 /// axis, radians clockwise from north; zeros for an invalid covariance.
-fn ellipse(covariance: &Covariance) -> [f32; 3] {
+pub(crate) fn ellipse(covariance: &Covariance) -> [f32; 3] {
     let [east, both, north] = [(0, 0), (0, 1), (1, 1)].map(|(row, column)| covariance.get(row, column));
     let (mean, half) = ((east + north) / 2.0, ((east - north) / 2.0).hypot(both));
     let axes = [mean + half, mean - half];

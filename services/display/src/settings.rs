@@ -7,6 +7,9 @@ use deployment::{Deployment, Parts, Secret};
 use settings::{KeyTable, SettingsError};
 use web::HostName;
 
+use crate::label_settings::LabelSettings;
+use crate::views::Views;
+
 /// Fewest characters of a token: nobody may guess it.
 const TOKEN_MIN: usize = 16;
 
@@ -44,7 +47,44 @@ settings::settings! {
         history_mb: u32 = 256, in [1, 65_536];
         /// GeoJSON files drawn under the tracks, relative to the data folder unless absolute.
         overlays: Vec<String> = Vec::new(), usually "none";
+        /// GeoJSON file with polygons of land instead of the world's coast at 1:50 million, relative to the data folder
+        /// unless absolute.
+        coast: Option<String> = None, usually "the world's coast";
+        /// Magnetic declination at the system origin, positive to the east: bearings are then shown magnetic, too.
+        declination_deg: Option<f64> = None, in [-180, 180], usually "true bearings only";
+        /// Labels of the tracks.
+        labels: LabelSettings = LabelSettings::default();
+        /// Views that all pages share.
+        views: ViewSettings = ViewSettings::default();
     }
+
+    /// Views of the page that all pages share.
+    pub struct ViewSettings {
+        /// View of a page that is opened without one: what follows `#` in the address of a page that shows it, as in
+        /// "theme=day&vector=360".
+        start: String = String::new(), usually "all tracks, at night";
+        /// File in which operators keep named views for all pages, relative to the data folder unless absolute.
+        file: Option<String> = None, usually "none: views are kept in each browser alone";
+    }
+}
+
+impl ViewSettings {
+    /// Reads the kept views; relative paths begin in the folder `data`.
+    ///
+    /// # Errors
+    /// If the file cannot be read.
+    pub(crate) fn open(&self, data: &Path) -> anyhow::Result<Views> {
+        Views::open(&self.start, self.file.as_ref().map(|file| data.join(file)))
+    }
+}
+
+/// Files of the map under the tracks.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct MapFiles {
+    /// GeoJSON overlays.
+    pub(crate) overlays: Vec<PathBuf>,
+    /// Polygons of land; `None`: the world's coast.
+    pub(crate) coast: Option<PathBuf>,
 }
 
 impl Settings {
@@ -113,6 +153,21 @@ impl Settings {
         Ok(())
     }
 
+    /// Returns the settings of a display that no configuration describes, at the address `listen` with a port; `None`:
+    /// this machine alone, the first free port from 8900.
+    ///
+    /// # Errors
+    /// If `listen` is no address with a port, or not one of this machine alone.
+    pub fn unconfigured(listen: Option<&str>) -> Result<Self, SettingsError> {
+        let settings = Self {
+            listen: Some(listen.unwrap_or("127.0.0.1:8900").to_owned()),
+            more_ports: if listen.is_some() { 0 } else { 100 },
+            ..Self::default()
+        };
+        settings.check()?;
+        Ok(settings)
+    }
+
     /// Returns the address and first port of the display; `None`: there is no display.
     pub fn address(&self) -> Option<SocketAddr> {
         self.listen.as_ref()?.parse().ok()
@@ -123,9 +178,12 @@ impl Settings {
         self.history_mb as usize * 1_000_000
     }
 
-    /// Returns the paths of the overlays in the folder `data`.
-    pub(crate) fn overlays_in(&self, data: &Path) -> Vec<PathBuf> {
-        self.overlays.iter().map(|file| data.join(file)).collect()
+    /// Returns the paths of the files of the map in the folder `data`.
+    pub(crate) fn maps_in(&self, data: &Path) -> MapFiles {
+        MapFiles {
+            overlays: self.overlays.iter().map(|file| data.join(file)).collect(),
+            coast: self.coast.as_ref().map(|file| data.join(file)),
+        }
     }
 }
 

@@ -1,6 +1,5 @@
 //! State shared by the agent and the server.
 
-use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -8,21 +7,34 @@ use runtime::Now;
 
 use crate::feed::Feed;
 use crate::orders::OrderQueue;
+use crate::settings::MapFiles;
 use crate::status::Audience;
+use crate::views::Views;
 use crate::world::World;
 
 /// State shared by the agent and the server.
 #[derive(Debug)]
 pub(crate) struct SharedState {
     world: Mutex<World>,
-    pub(crate) overlays: Vec<PathBuf>,
+    /// Files of the map.
+    pub(crate) maps: MapFiles,
     /// Orders of operators.
     pub(crate) orders: OrderQueue,
+    /// What operators and their guests share besides orders.
+    pub(crate) desk: Desk,
     /// Reads the clocks.
     pub(crate) clock: fn() -> Now,
     pub(crate) traffic: TrafficCounts,
     /// Samples as they are published.
     pub(crate) feed: Arc<Feed>,
+}
+
+/// What operators and their guests share besides orders.
+#[derive(Debug, Default)]
+pub(crate) struct Desk {
+    /// Whether the configuration admits operators.
+    pub(crate) has_operators: bool,
+    pub(crate) views: Views,
 }
 
 /// Counts of pages and pictures.
@@ -36,17 +48,18 @@ pub(crate) struct TrafficCounts {
 }
 
 impl SharedState {
-    /// Creates the shared state of a world and the files of its overlays, without published samples.
-    pub(crate) fn new(world: World, overlays: Vec<PathBuf>, clock: fn() -> Now) -> Arc<Self> {
-        Self::fed(world, overlays, clock, Feed::default())
+    /// Creates the shared state of a world and the files of its map, without published samples.
+    pub(crate) fn new(world: World, maps: MapFiles, clock: fn() -> Now) -> Arc<Self> {
+        Self::fed(world, maps, clock, Feed::default(), Desk::default())
     }
 
-    /// Creates the shared state of a world, the files of its overlays, and the samples as they are published.
-    pub(crate) fn fed(world: World, overlays: Vec<PathBuf>, clock: fn() -> Now, feed: Feed) -> Arc<Self> {
+    /// Creates the shared state of a world, the files of its map, the samples as they are published, and a desk.
+    pub(crate) fn fed(world: World, maps: MapFiles, clock: fn() -> Now, feed: Feed, desk: Desk) -> Arc<Self> {
         Arc::new(Self {
             world: Mutex::new(world),
-            overlays,
+            maps,
             orders: OrderQueue::default(),
+            desk,
             clock,
             traffic: TrafficCounts::default(),
             feed: Arc::new(feed),

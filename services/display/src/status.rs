@@ -2,10 +2,11 @@
 //!
 //! - `sources`: `number`, `name`, `kind`, `adapter`, `rate_hz`, `heard_s`, `reports`, `lost`, `rejected` {reason:
 //!   count}, `registration` {`comparisons`, `offset_m` [2], `offset_sigma_m` [2], `time_offset_s`, `range_bias_m`,
-//!   `azimuth_bias_deg`, `removed`}, `errors` (all that fusion has learned of the source's errors, as a sentence),
-//!   `inflation`, `clock_offset_s`
-//! - `alarms`: `code`, `name`, `severity`, `event`, `text`, `remedy`, `raised_s`, `changed_s`, `times`, `process`,
-//!   `source`
+//!   `azimuth_bias_deg`, `removed`}, `depends_on` [[name, correlation]], `errors` (all that fusion has learned of the
+//!   source's errors, as a sentence), `inflation`, `clock_offset_s`
+//! - `alarms`: `id`, `code`, `name`, `severity`, `event`, `text`, `remedy`, `raised_s`, `changed_s`, `times`,
+//!   `process`, `source`, `acknowledged` {`operator`, `time_s`} or `null`, `shelved` {`operator`, `until_s`} or `null`
+//! - `alarm_events`: number of all events of alarms so far; `/api/alarms.json` lists the stored ones
 //! - `orders`: see [`orders::list`]
 //! - `latency`: `stage`, `count`, `p50_us`, `p99_us`, `p999_us`, `max_us`, `buckets` [[upper bound in µs, count]]:
 //!   since the start of the display
@@ -19,8 +20,10 @@ use runtime::Now;
 use serde_json::{Value, json};
 use telemetry::{BUCKET_BOUNDS_NS, Buckets, Span, Stage};
 
+use crate::alarm_book::AlarmId;
 use crate::details::seconds;
 use crate::orders;
+use crate::reasons;
 use crate::world::{SourceFact, World};
 
 /// Connected pages.
@@ -53,6 +56,7 @@ pub(crate) fn status(world: &World, audience: Audience, now: Now) -> Value {
         "skipped": audience.skipped,
         "sources": sources,
         "alarms": alarms(world, now),
+        "alarm_events": world.alarm_book.count(),
         "orders": orders::list(world),
         "latency": latency(world),
         "processes": processes(world, now),
@@ -111,6 +115,9 @@ fn source(world: &World, fact: &SourceFact) -> Value {
         "rejected": rejected,
         "registration": registration,
         "errors": known.to_string(),
+        "depends_on": reasons::dependent(known)
+            .map(|(number, correlation)| (world.observed.source_name(number), correlation))
+            .collect::<Vec<_>>(),
         "inflation": known.covariance_inflation,
         "clock_offset_s": (known.clock_offset_sigma_s > 0.0).then_some(known.clock_offset_s),
     })
@@ -120,7 +127,14 @@ fn alarms(world: &World, now: Now) -> Vec<Value> {
     let standing = world.observed.alarms(now.mono_ns).iter();
     let rows = standing.filter_map(|alarm| {
         let row = StandingAlarm::from(alarm);
+        let treatment = world.alarm_book.treatment(alarm, now.utc_ns);
+        let by = |act: Option<(String, i64)>, key: &str| {
+            act.map(|(operator, time_ns)| json!({"operator": operator, key: seconds(time_ns)}))
+        };
         Some(json!({
+            "id": AlarmId::from(alarm).to_string(),
+            "acknowledged": by(treatment.acknowledged, "time_s"),
+            "shelved": by(treatment.shelved, "until_s"),
             "code": alarm.code,
             "name": row.alarm,
             "severity": row.severity,
@@ -135,6 +149,24 @@ fn alarms(world: &World, now: Now) -> Vec<Value> {
         }))
     });
     rows.collect()
+}
+
+/// Returns the standing alarms and the stored events of alarms, the latest first: `alarms`, `events` [{`time_s`,
+/// `event`, `operator`, `name`, `severity`, `text`, `process`}].
+pub(crate) fn alarms_and_past(world: &World, now: Now) -> Value {
+    let events = world.alarm_book.events().map(|past| {
+        let row = StandingAlarm::from(&past.alarm);
+        json!({
+            "time_s": seconds(past.time_ns),
+            "event": past.word,
+            "operator": past.operator,
+            "name": row.alarm,
+            "severity": row.severity,
+            "text": row.text,
+            "process": past.alarm.process(),
+        })
+    });
+    json!({"alarms": alarms(world, now), "events": events.collect::<Vec<_>>()})
 }
 
 fn latency(world: &World) -> Vec<Value> {

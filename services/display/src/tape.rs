@@ -13,12 +13,12 @@ use std::path::PathBuf;
 use anyhow::Context as _;
 use deployment::Deployment;
 use messages::layout::Sample;
-use messages::{BatchHeader, Health, Stream, SystemTrack, TopicName};
+use messages::{BatchHeader, Health, Stream, SystemTrack};
 use recording::{Chunks, Item, RecordingError};
 use runtime::Now;
 
 use crate::clock::PictureClock;
-use crate::layers::{DisplayedSample, ForDisplayed, for_displayed};
+use crate::layers::{DisplayedSample, ForDisplayed, TopicOf, for_displayed};
 use crate::world::World;
 
 /// Recorded time that is inserted before a moment; within it, every track is published at least once.
@@ -281,17 +281,6 @@ fn topics(config: &Deployment) -> BTreeMap<String, TopicKind> {
     });
     let health = (messages::health().name.as_str().to_owned(), TopicKind::Health);
     streams.chain([health]).collect()
-}
-
-/// Name of the topic of the source or sensor with this name.
-struct TopicOf<'a>(&'a str);
-
-impl ForDisplayed for TopicOf<'_> {
-    type Done = TopicName;
-
-    fn of<T: DisplayedSample>(self) -> TopicName {
-        T::topic(self.0).name
-    }
 }
 
 /// Puts a recorded slice into the world.

@@ -4,20 +4,26 @@
 //! [`crate::clock`] describes the picture's time.
 
 use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
 
 use messages::picture::{
     PictureArea, PictureBearing, PictureDetection, PictureIdentity, PictureSensorTrack, PictureTrack,
 };
 use messages::{
-    BatchHeader, Cue, Decision, FrameOrigin, SensorBearing, SensorDetection, SensorTrack, SystemTrack, TrackState,
-    WideArea,
+    Alarm, BatchHeader, Cue, Decision, FrameOrigin, SensorBearing, SensorDetection, SensorTrack, SystemTrack,
+    TrackState, WideArea,
 };
 use observed::Deployment;
 use runtime::Now;
 use rustc_hash::FxHashMap;
 
+use crate::alarm_book::AlarmBook;
 use crate::clock::PictureClock;
+use crate::coverage::Coverage;
+use crate::decisions::Decisions;
 use crate::history::History;
+use crate::label_settings::LabelSettings;
+use crate::recent::RecentReports;
 use crate::records::{self, DetectionPlace};
 use crate::reports::Reports;
 use crate::wire::{LAYER_AGE_S, Past};
@@ -26,11 +32,13 @@ use crate::wire::{LAYER_AGE_S, Past};
 const TRACKS_MAX: usize = 50_000;
 /// Maximum number of stored detections, bearings or areas.
 const RECENT_MAX: usize = 8_192;
-/// Maximum number of stored decisions.
-const DECISIONS_MAX: usize = 8_192;
 /// Time between two clean-ups, nanoseconds.
 const CLEAN_UP_NS: i64 = 1_000_000_000;
 const NS_PER_S: i64 = 1_000_000_000;
+/// Offset of the data from the machine's clock from which an instance replays recordings, nanoseconds.
+const REPLAYED_OFFSET_NS: i64 = 3_600 * NS_PER_S;
+/// Period of a source without configuration, nanoseconds.
+const PERIOD_NS: i64 = NS_PER_S;
 
 /// Configured source.
 #[derive(Clone, Debug)]
@@ -40,6 +48,25 @@ pub(crate) struct SourceFact {
     pub(crate) kind: &'static str,
     /// Position of the sensor, metres east and north.
     pub(crate) site_m: Option<[f64; 2]>,
+}
+
+impl SourceFact {
+    /// Facts on a source without configuration.
+    fn unconfigured(number: u16, name: String) -> Self {
+        Self {
+            source: observed::SourceFacts {
+                number,
+                name,
+                adapter: String::new(),
+                is_external: false,
+                silent_after_ns: None,
+                period_ns: PERIOD_NS,
+                north_offset_rad: None,
+            },
+            kind: "other",
+            site_m: None,
+        }
+    }
 }
 
 /// Latest state of a system track.
@@ -92,6 +119,10 @@ pub(crate) struct World {
     /// Increases whenever all state is cleared.
     pub(crate) generation: u64,
     pub(crate) sources: Vec<SourceFact>,
+    /// Labels of the tracks.
+    pub(crate) labels: LabelSettings,
+    /// Whether the sources are learned, for lack of a configuration.
+    learns_sources: bool,
     /// State derived from health, alarms, origin, orders and latencies.
     pub(crate) observed: Deployment,
     pub(crate) stamp: u64,
@@ -101,7 +132,17 @@ pub(crate) struct World {
     pub(crate) detections: VecDeque<ReceivedRecord<PictureDetection>>,
     pub(crate) bearings: VecDeque<ReceivedRecord<PictureBearing>>,
     pub(crate) areas: VecDeque<ReceivedRecord<PictureArea>>,
-    pub(crate) decisions: VecDeque<Decision>,
+    pub(crate) alarm_book: AlarmBook,
+    pub(crate) coverage: Coverage,
+    /// Latest reports of each sensor track.
+    pub(crate) recent: RecentReports,
+    pub(crate) decisions: Decisions,
+    /// Whether decisions are published, or recorded.
+    pub(crate) has_decisions: bool,
+    /// Magnetic declination at the origin, degrees, positive to the east.
+    pub(crate) declination_deg: Option<f64>,
+    /// Settings of fusion, where the configuration is known.
+    pub(crate) engine: Option<Arc<fusion::Settings>>,
     pub(crate) history: History,
     pub(crate) reports: Reports,
     pub(crate) history_s: i64,
@@ -119,6 +160,8 @@ impl World {
             recording: None,
             generation: 0,
             observed,
+            labels: LabelSettings::default(),
+            learns_sources: false,
             stamp: 0,
             tracks: BTreeMap::new(),
             identities: FxHashMap::default(),
@@ -126,7 +169,13 @@ impl World {
             detections: VecDeque::new(),
             bearings: VecDeque::new(),
             areas: VecDeque::new(),
-            decisions: VecDeque::new(),
+            alarm_book: AlarmBook::default(),
+            coverage: Coverage::new(sources.iter().map(|fact| (fact.site_m, fact.source.period_ns))),
+            recent: RecentReports::default(),
+            decisions: Decisions::default(),
+            has_decisions: false,
+            declination_deg: None,
+            engine: None,
             // A quarter of the memory is for the sensor tracks.
             history: History::new(history_s * NS_PER_S, history_octets / 4 * 3),
             reports: Reports::new(history_s * NS_PER_S, LAYER_AGE_S * NS_PER_S, history_octets / 4),
@@ -135,6 +184,40 @@ impl World {
             clock: PictureClock::of(false),
             clean_up_ns: i64::MIN,
             sources,
+        }
+    }
+
+    /// Returns the configured facts of a source.
+    pub(crate) fn source_fact(&self, number: u16) -> Option<&SourceFact> {
+        self.sources.iter().find(|fact| fact.source.number == number)
+    }
+
+    /// Creates an empty world of an instance without its configuration: sources are learned from health messages.
+    pub(crate) fn of_instance(instance: &str, history_s: i64, history_octets: usize) -> Self {
+        Self {
+            observed: Deployment::default(),
+            learns_sources: true,
+            ..Self::new(instance, Vec::new(), history_s, history_octets)
+        }
+    }
+
+    /// Adds sources that are new in health messages, and takes data time for an instance that replays recordings.
+    fn learn_sources(&mut self, now: Now) {
+        for state in self.observed.sources() {
+            let known = self.sources.iter_mut().find(|fact| fact.source.number == state.number);
+            match known {
+                Some(fact) => fact.source.name = state.name,
+                None => self.sources.push(SourceFact::unconfigured(state.number, state.name)),
+            }
+        }
+        self.coverage.make_room(
+            self.sources
+                .iter()
+                .map(|fact| (fact.source.number, fact.source.period_ns)),
+        );
+        let offset_ns = self.observed.data_offset_ns(now.mono_ns).unwrap_or(0);
+        if offset_ns.abs() > REPLAYED_OFFSET_NS && !matches!(self.clock, PictureClock::Data(_)) {
+            self.clock = PictureClock::of(true);
         }
     }
 
@@ -180,6 +263,9 @@ impl World {
             generation: self.generation + 1,
             observed,
             stamp: self.stamp,
+            has_decisions: self.has_decisions,
+            declination_deg: self.declination_deg,
+            engine: self.engine.take(),
             ..empty
         };
     }
@@ -203,6 +289,7 @@ impl World {
             self.clock.restart();
         }
         for track in tracks {
+            self.coverage.take(track);
             self.clock.hear(track.reference_time_ns, now);
             self.keep(track, self.time_ns(now));
         }
@@ -255,6 +342,7 @@ impl World {
         let at_ns = self.time_ns(now);
         for report in reports {
             self.stamp += 1;
+            self.recent.keep(report);
             let key = (report.source, report.track_number);
             let mut heard = ReceivedRecord {
                 stamp: self.stamp,
@@ -319,12 +407,14 @@ impl World {
 
     /// Receives the decisions of fusion.
     pub(crate) fn hear_decisions(&mut self, decisions: &[Decision]) {
-        for decision in decisions {
-            if self.decisions.len() == DECISIONS_MAX {
-                self.decisions.pop_front();
-            }
-            self.decisions.push_back(*decision);
-        }
+        self.has_decisions |= !decisions.is_empty();
+        decisions.iter().for_each(|decision| self.decisions.keep(decision));
+    }
+
+    /// Receives the alarms: all that stand, and those just cleared.
+    pub(crate) fn hear_alarms(&mut self, header: &BatchHeader, alarms: &[Alarm]) {
+        self.observed.take_alarms(header, alarms);
+        self.alarm_book.take(alarms);
     }
 
     /// Receives the origin of the system frame; an invalid place is ignored.
@@ -346,10 +436,18 @@ impl World {
         }
         self.clean_up_ns = now.mono_ns + CLEAN_UP_NS;
         self.observed.close_interval();
+        if self.learns_sources {
+            self.learn_sources(now);
+        }
         let oldest_ns = self.time_ns(now) - LAYER_AGE_S * NS_PER_S;
         self.sensor_tracks.retain(|_, heard| heard.time_ns >= oldest_ns);
+        self.recent.forget_before(oldest_ns);
+        self.coverage.forget_before(oldest_ns);
         let past_ns = self.history.span_ns().map_or(i64::MIN, |[from_ns, _]| from_ns);
         self.identities.retain(|_, heard| heard.time_ns >= past_ns);
+        let tracks = &self.tracks;
+        self.decisions
+            .forget_before(past_ns, |number| tracks.contains_key(&number));
     }
 }
 

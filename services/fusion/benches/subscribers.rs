@@ -103,7 +103,7 @@ fn drive(reading: usize, stopped: usize, sources: usize, slice: u64) -> (u64, Du
     held.push(bus.hold(&messages::progress()).expect("a topic"));
     let speed = runtime::Speed::Factor(1.0);
     let config = config(sources);
-    let mut agent = FusionAgent::new(&config, &config.engine, speed, &bus, 1, Queues::new(false)).expect("an agent");
+    let mut agent = FusionAgent::new(&config, &config.engine, speed, &bus, 1, Queues::new(None)).expect("an agent");
     let publisher = |topic| bus.publisher(topic, 2).expect("a publisher");
     let mut publishers: Vec<Publisher<InProcess, SensorTrack>> = topics.iter().map(publisher).collect();
     let subscriber = |_| bus.subscriber(&messages::system_tracks(), || 1).expect("a subscriber");

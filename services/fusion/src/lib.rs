@@ -59,7 +59,7 @@ pub fn run(process: &Process, settings: &Settings) -> anyhow::Result<()> {
     let fusion = &config.fusion;
     let limit_us = config.machine.cpu_dma_latency_us;
     let _limit = (limit_us.map(WakeUpLimit::request).transpose()).map_err(anyhow::Error::msg)?;
-    let queues = Queues::new(fusion.decisions);
+    let queues = Queues::new(config.decision_use());
     // One entry for the process as a whole, and one for each source.
     let entries_max = 1 + config.sources.len();
     let has_standby = config.has_standby();

@@ -63,7 +63,7 @@ impl Site {
             source: bus.publisher(&topic, PUBLISHER).unwrap(),
             system: bus.subscriber(&messages::system_tracks(), || 1).unwrap(),
             log: bus.log_reader(&messages::event_log()).unwrap(),
-            queues: Queues::new(false),
+            queues: Queues::new(None),
             now: Now {
                 mono_ns: 1,
                 utc_ns: DAY,

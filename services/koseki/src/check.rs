@@ -71,7 +71,8 @@ impl<'a> Side<'a> {
     fn read(path: &'a Path, check: &Check, data: &Path) -> anyhow::Result<Self> {
         let config = Config::read(path, &check.set)?;
         let found = recordings::inspect(&config, data, Depth::Records)?;
-        display::check_overlays(config.parts.display(), &config.frame, data).map_err(Usage)?;
+        display::check_maps(config.parts.display(), &config.frame, data).map_err(Usage)?;
+        display::check_views(config.parts.display(), data).map_err(Usage)?;
         Ok(Self { path, config, found })
     }
 

@@ -117,7 +117,8 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Up(up) => {
             let (config, options) = args::deployment(&up.config, up.shared)?;
             recordings::inspect(&config, &options.data, Depth::Blocks)?;
-            display::check_overlays(config.parts.display(), &config.frame, &options.data).map_err(Usage)?;
+            display::check_maps(config.parts.display(), &config.frame, &options.data).map_err(Usage)?;
+            display::check_views(config.parts.display(), &options.data).map_err(Usage)?;
             launch(&config, options, up.seconds)
         }
         Command::Check(check) => check::run(&check),
@@ -163,13 +164,39 @@ fn run(command: Command) -> anyhow::Result<()> {
             gateway::run(process, &config.parts.gateway)
         }),
         Command::Link(serve) => link::run(serve),
-        Command::Display(args::DisplayArgs { recording, serve }) => match serve {
-            Some(serve) => run_service(ProcessKind::Display, serve, |process, config| {
-                display::run(process, config.parts.display())
-            }),
-            None => replay::show(&recording.unwrap_or_default()),
-        },
+        Command::Display(command) => show_picture(command),
         Command::Simulator(serve) => run_service(ProcessKind::Simulator, serve, |process, _| simulator::run(process)),
+    }
+}
+
+/// Shows a recording, runs the display of a configuration, or shows a running instance without its configuration.
+fn show_picture(command: args::DisplayArgs) -> anyhow::Result<()> {
+    let listen = command.listen.as_deref();
+    let unconfigured =
+        || display::Settings::unconfigured(listen).map_err(|error| Usage(format!("--listen: {}", error.what)));
+    match (command.recording, command.config) {
+        (Some(recording), _) => replay::show(&recording, &unconfigured()?),
+        (None, Some(config)) => {
+            let mut shared = command.shared;
+            let listen = listen.map(|listen| format!("display.listen=\"{listen}\""));
+            shared.set.extend(listen);
+            let serve = Serve {
+                config,
+                name: command.name,
+                shared,
+                launcher: command.launcher,
+            };
+            run_service(ProcessKind::Display, serve, |process, config| {
+                display::run(process, config.parts.display(), &config.engine)
+            })
+        }
+        (None, None) => {
+            if !command.shared.set.is_empty() {
+                return Err(Usage("--set replaces values of a configuration: give it with --config".to_owned()).into());
+            }
+            let root = instances::running_or_only(command.shared.instance.as_deref())?;
+            display::show_instance(&root, &unconfigured()?)
+        }
     }
 }
 

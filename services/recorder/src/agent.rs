@@ -54,7 +54,7 @@ impl<S: Transport> RecorderAgent<S> {
             let is_late = intake.is_late(config);
             Images::new(bus, &settings, incarnation, intake.caught_up_ns(), is_late)
         });
-        let begins = config.streams().enumerate();
+        let begins = config.recorded_streams().enumerate();
         let begins: Vec<_> = begins
             .map(|(place, (id, _))| (id, journal.account(place).next_sequence()))
             .collect();

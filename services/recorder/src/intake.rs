@@ -218,7 +218,7 @@ impl<S: Transport> TopicIntake<S> {
             names: Vec::new(),
             lines: Vec::new(),
         };
-        for (id, name) in config.streams() {
+        for (id, name) in config.recorded_streams() {
             opening.open_stream(id.stream, name)?;
         }
         if has_all {
@@ -246,7 +246,7 @@ impl<S: Transport> TopicIntake<S> {
     /// Whether publishers of sensor tracks had sent samples before the start.
     pub(crate) fn is_late(&self, config: &Deployment) -> bool {
         let is_report = |place: usize| {
-            let stream = config.streams().nth(place).map(|(id, _)| id.stream);
+            let stream = config.recorded_streams().nth(place).map(|(id, _)| id.stream);
             stream == Some(Stream::SensorTracks)
         };
         let has_sent = |(place, line): &(usize, PublisherLine)| is_report(*place) && line.next_sequence > 0;

@@ -63,7 +63,7 @@ impl Journal {
         let mut accounts: Vec<_> = topics.into_iter().map(account).collect();
         let tables = || Tables::resume(config, folder, start.first_day_ns, resume);
         let tables = settings.has(Format::Csv).then(tables).transpose()?;
-        for (place, (id, _)) in config.streams().enumerate() {
+        for (place, (id, _)) in config.recorded_streams().enumerate() {
             if config.is_recorded() && id.stream.is_replayed() {
                 // Only tables state the position of an earlier recorder.
                 let numbers = tables

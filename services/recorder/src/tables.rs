@@ -139,7 +139,7 @@ impl Tables {
     pub fn begin(config: &Deployment, folder: &Path, first_day_ns: i64) -> anyhow::Result<Self> {
         std::fs::create_dir_all(folder).with_context(|| format!("making the folder {}", folder.display()))?;
         let mut tables = Self::open(config, folder, first_day_ns, None)?;
-        for (entry, (id, _)) in tables.tables.iter_mut().zip(config.streams()) {
+        for (entry, (id, _)) in tables.tables.iter_mut().zip(config.recorded_streams()) {
             entry.next_sequence = (config.is_recorded() && id.stream.is_replayed()).then_some(0);
         }
         Ok(tables)
@@ -167,7 +167,7 @@ impl Tables {
             };
             for_samples(id.stream, opening)
         };
-        let entries: Vec<TableEntry> = config.streams().map(open).collect();
+        let entries: Vec<TableEntry> = config.recorded_streams().map(open).collect();
         let places = entries.iter().enumerate();
         let mut tables = Self {
             places: places.map(|(place, entry)| (entry.topic.clone(), place)).collect(),
@@ -176,7 +176,7 @@ impl Tables {
             failures: 0,
             lost: 0,
         };
-        for (place, (id, _)) in config.streams().enumerate() {
+        for (place, (id, _)) in config.recorded_streams().enumerate() {
             let entry = &mut tables.tables[place];
             let Err(error) = entry.table.open(&entry.path) else {
                 continue;

@@ -67,7 +67,7 @@ impl Bench {
         held.push(bus.hold(&messages::system_tracks()).unwrap());
         held.push(bus.hold(&messages::progress()).unwrap());
         let system = bus.subscriber(&messages::system_tracks(), || 1).unwrap();
-        let queues = Queues::new(config.fusion.decisions);
+        let queues = Queues::new(config.decision_use());
         let agent = FusionAgent::new(config, &config.engine, speed, &bus, 1, Arc::clone(&queues)).unwrap();
         let sources = topics.map(|topic| bus.publisher(&topic, 2).unwrap());
         Self {

@@ -125,7 +125,7 @@ fn a_running_fusion_publishes_the_smoothed_states_that_the_engine_and_a_smoother
     let mut live = bus.subscriber(&messages::system_tracks(), || 1).unwrap();
     let mut smoothed = bus.subscriber(&messages::smoothed_tracks(), || 1).unwrap();
     let queue = SmoothingQueue::new(config.system_tracks.max);
-    let agent = FusionAgent::new(&config, &config.engine, Speed::Max, &bus, 1, Queues::new(false)).unwrap();
+    let agent = FusionAgent::new(&config, &config.engine, Speed::Max, &bus, 1, Queues::new(None)).unwrap();
     let mut agent = agent.with_smoothing(Some(Arc::clone(&queue)));
     let mut worker = SmoothingWorker::new(queue, lag_ns, &bus, 1);
     let mut source = bus.publisher(&sensor_tracks, 2).unwrap();

@@ -405,8 +405,11 @@ because the launcher creates the shared memory.";
 
 const DISPLAY_EXAMPLES: &str = "\
 Examples:
+  koseki display --instance tower --listen 127.0.0.1:8950     a running instance or a mirror, without its file
   koseki display --recording records/tower/latest
-  koseki display --config config/barcelona.toml --name second-display --set display.listen=127.0.0.1:8950
+  koseki display --config config/barcelona.toml --name second-display --listen 127.0.0.1:8950
+
+Without a configuration, sites of sensors, overlays, orders and the comparison of rules are missing.
 
 A recording must contain all topics: [recorder] format = [\"csv\", \"mcap\"]. The page of a recording needs no deployment;
 it is served to this machine only, at the first free port from 8900, with play, pause and a time slider. `koseki up`
@@ -489,11 +492,24 @@ pub(crate) struct PassedOn {
 /// `koseki display`.
 #[derive(Debug, Args)]
 pub(crate) struct DisplayArgs {
-    /// Show this recording (a folder, or a file of a recording); excludes all other options
-    #[arg(long, value_name = "RECORDING", exclusive = true)]
+    /// Show this recording (a folder, or a file of a recording)
+    #[arg(long, value_name = "RECORDING", conflicts_with_all = ["config", "instance", "set", "name"])]
     pub(crate) recording: Option<PathBuf>,
+    /// Configuration of the deployment, a TOML file; without it, a running instance is shown as far as its topics go
+    #[arg(long, value_name = "CONFIG")]
+    pub(crate) config: Option<PathBuf>,
+    /// Address and port for browsers [default: display.listen; without a configuration the first free port of this
+    /// machine from 8900]
+    #[arg(long, value_name = "ADDRESS")]
+    pub(crate) listen: Option<String>,
+    /// Name of the process [default: display]
+    #[arg(long, value_name = "NAME", requires = "config")]
+    pub(crate) name: Option<String>,
     #[command(flatten)]
-    pub(crate) serve: Option<Serve>,
+    pub(crate) shared: DeploymentArgs,
+    /// Process number of the launcher; this process ends with the launcher
+    #[arg(long, value_name = "PID", hide = true, requires = "config")]
+    pub(crate) launcher: Option<u32>,
 }
 
 /// Options that a deployment and each of its processes have in common.
@@ -511,10 +527,10 @@ pub(crate) struct DeploymentArgs {
     out: Option<PathBuf>,
     /// Name of this instance; several run side by side under different names [default: the configuration's name]
     #[arg(long, value_name = "NAME")]
-    instance: Option<String>,
+    pub(crate) instance: Option<String>,
     /// Replace a value of the configuration, as in fusion.rule.name="best-source" (repeatable)
     #[arg(long, value_name = "KEY=VALUE")]
-    set: Vec<String>,
+    pub(crate) set: Vec<String>,
     /// Seed of the simulated world, if the configuration has a simulated world
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,

@@ -122,10 +122,10 @@ fn topics(recorded: &Config) -> BTreeMap<String, ReplayTopic> {
 ///
 /// # Errors
 /// If it cannot be used.
-pub(crate) fn show(recording: &Path) -> anyhow::Result<()> {
+pub(crate) fn show(recording: &Path, settings: &display::Settings) -> anyhow::Result<()> {
     let files = files(recording)?;
     let config = configuration(&facts(&files[0])?, &files[0])?;
-    display::show_recording(&config, recording, &files)
+    display::show_recording(&config, &config.engine, (recording, &files), settings)
 }
 
 /// A topic that is looked at.
