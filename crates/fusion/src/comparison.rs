@@ -148,7 +148,7 @@ mod tests {
     #[test]
     fn each_rule_weighs_as_in_the_engine_and_bad_tracks_are_ignored() {
         let settings = test_settings(2);
-        let [good, bad] = [reports(0, 10.0, 0.0), reports(1, 40.0, 30.0)];
+        let [good, bad] = [reports(1, 10.0, 0.0), reports(0, 40.0, 30.0)];
         let unknown = reports(7, 1.0, 0.0);
         let tracks: [&[SensorTrack]; 4] = [&bad, &good, &unknown, &[]];
         let comparison = compare(&settings, &tracks, &State::default(), 3 * S);
@@ -162,9 +162,9 @@ mod tests {
                 .unwrap()
         };
         let best = of(FusionRule::BestSource);
-        assert_eq!(best.shares[0].weight, [1.0; 3], "source 0 predicts itself");
+        assert_eq!(best.shares[1].weight, [1.0; 3], "source 1 predicts itself");
         assert_eq!(best.state.unwrap().position_m[0], 300.0);
-        let share = of(FusionRule::InverseTrace).shares[0].weight[0];
+        let share = of(FusionRule::InverseTrace).shares[1].weight[0];
         assert!(
             (0.85..0.96).contains(&share),
             "variances 1 to 16, with the same growth: {share}"

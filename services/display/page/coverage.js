@@ -95,7 +95,7 @@ export const PROBABILITY_LEGEND = [
   ["■", probabilityColour(0.8), "70 to 90 %"],
   ["■", probabilityColour(0.5), "40 to 70 %"],
   ["■", probabilityColour(0), "below 40 %"],
-  ["■", probabilityColour(NaN), "no other source"],
+  ["■", probabilityColour(NaN), "too little known"],
 ];
 
 /**
