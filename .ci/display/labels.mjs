@@ -249,3 +249,14 @@ test("a block that finds no free place displaces labels, and then stays", () => 
   layOut(placement, all, [], 600, 440);
   assert.equal(block.spot.place, place);
 });
+
+test("a label that must be shown covers a label or a vector before a control", () => {
+  const controls = { left: 0, top: 0, width: 60, height: HEIGHT };
+  const chosen = wish(190, 500, { rank: 3, widths: [300, 300], heights: [200, 200] });
+  const crowd = Array.from({ length: 21 }, (_, k) => wish(400 + 160 * (k % 3), 80 + 140 * Math.floor(k / 3)));
+  const placement = new Placement();
+  const laid = layOut(placement, [chosen, ...crowd], [controls]);
+  const label = laid.find(({ wish }) => wish === chosen);
+  assert.ok(chosen.spot.isForced, "no place is free");
+  assert.ok(label && !overlap(label, controls), JSON.stringify(label));
+});

@@ -56,6 +56,8 @@ const COST_VECTOR = 80;
 const COST_BRIEF = 30;
 /** How many displaced labels are as bad as a symbol under a label. */
 const HIDDEN = 3;
+/** … and as a control, or a name on the map, under one. */
+const COVERED = 20;
 /** Most labels for which the time ahead is looked at, and which fan out: a crowd takes less work. */
 const AHEAD_COUNT_MAX = 600;
 /** Tests of a place that a picture may cost, besides those of the labels that keep theirs. */
@@ -111,6 +113,8 @@ export class Placement {
     this.depth = 1;
     this.width = 0;
     this.height = 0;
+    /** Rectangles of no label. @type {Box[]} */
+    this.closed = [];
     /** Labels that found no place in the last picture. */
     this.leftOut = 0;
     this.tests = 0;
@@ -129,6 +133,7 @@ export class Placement {
   begin(width, height, count) {
     this.width = width;
     this.height = height;
+    this.closed.length = 0;
     this.depth = count <= AHEAD_COUNT_MAX ? AHEAD.length : 1;
     for (let k = 0; k < this.depth; k++) this.moments[k].clear(width, height);
   }
@@ -155,7 +160,9 @@ export class Placement {
   }
 
   /** Keeps labels out of a rectangle. @param {Box} box */
-  keepOut({ left, top, width, height }) {
+  keepOut(box) {
+    const { left, top, width, height } = box;
+    this.closed.push(box);
     this.add(BOX, NOBODY, left, top, left + width, top + height, 0, 0);
   }
 
@@ -297,10 +304,13 @@ export class Placement {
     let best = 0;
     let least = Infinity;
     for (let place = 0; place < (wish.isBlock ? BLOCK_PLACES : PLACES); place++) {
-      const { left, top, width, height } = this.boxOf(wish, place, lines);
+      const box = this.boxOf(wish, place, lines);
+      const { left, top, width, height } = box;
       if (left < 0 || top < 0 || left + width > this.width || top + height > this.height) continue;
+      const covered = this.closed.filter((closed) => overlap(closed, box)).length;
       const hits = (/** @type {number} */ mask) => this.moments[0].hits(99, mask, left, top, left + width, top + height);
-      const lost = this.under(left, top, width, height, wishes).length + HIDDEN * hits(SYMBOL) + hits(VECTOR);
+      const displaced = this.under(left, top, width, height, wishes).length;
+      const lost = displaced + HIDDEN * hits(SYMBOL) + hits(VECTOR) + COVERED * covered;
       if (lost < least) [best, least] = [place, lost];
     }
     const { left, top, width, height } = this.boxOf(wish, best, lines);
