@@ -118,7 +118,7 @@ impl Coverage {
             return;
         }
         let known = self.tracks.entry(track.track_number).or_default();
-        if (0..LOOK_NS).contains(&(at_ns - known.looked_ns)) {
+        if (0..LOOK_NS).contains(&at_ns.saturating_sub(known.looked_ns)) {
             return;
         }
         known.looked_ns = at_ns;
@@ -182,7 +182,7 @@ impl SourceGrid {
     ) {
         let (hits, owed) = match latest_ns.filter(|latest_ns| *latest_ns > *counted_ns) {
             Some(latest_ns) => {
-                let passed_ns = (latest_ns - *counted_ns) as f64;
+                let passed_ns = latest_ns.saturating_sub(*counted_ns) as f64;
                 let step = if passed_ns > self.period_ns {
                     MEDIAN_GAIN
                 } else {
@@ -194,15 +194,23 @@ impl SourceGrid {
                 (1.0, (passed_ns / self.period_ns).round().clamp(1.0, OWED_MAX))
             }
             None => {
-                let passed = (at_ns - *counted_ns) as f64 / self.period_ns;
+                let passed = at_ns.saturating_sub(*counted_ns) as f64 / self.period_ns;
                 if passed < OWED_PERIODS {
                     return;
                 }
                 let owed = (passed.floor() - 1.0).min(OWED_MAX);
                 // One report may still come. After a long pause the rest is not owed.
-                *counted_ns = (*counted_ns + (owed * self.period_ns) as i64).max(at_ns - 2 * self.period_ns as i64);
+                let counted_next_ns = counted_ns.saturating_add((owed * self.period_ns) as i64);
+                *counted_ns = counted_next_ns.max(at_ns.saturating_sub(2 * self.period_ns as i64));
                 let silent_ns = SILENT_NS.max(SILENT_PERIODS * self.period_ns as i64);
-                (0.0, if at_ns - self.heard_ns > silent_ns { 0.0 } else { owed })
+                (
+                    0.0,
+                    if at_ns.saturating_sub(self.heard_ns) > silent_ns {
+                        0.0
+                    } else {
+                        owed
+                    },
+                )
             }
         };
         let Some(cell) = self.cell(position_m) else { return };
@@ -295,6 +303,32 @@ mod tests {
         }
         let after = coverage.cells(1).find(|(sector, ..)| *sector == 0).unwrap().2;
         assert!(after.tries - blind.tries <= 6.0, "{after:?}");
+    }
+
+    #[test]
+    fn a_source_that_was_never_heard_owes_nothing() {
+        let mut coverage = two_sources();
+        for second in 0..100 {
+            coverage.take(&state(second, &[(0, second)]));
+        }
+        assert_eq!(coverage.cells(1).count(), 0);
+    }
+
+    #[test]
+    fn times_of_any_value_are_taken() {
+        let mut coverage = two_sources();
+        let extremes = [i64::MIN, -1, 0, i64::MAX, i64::MIN, i64::MAX];
+        for (at_ns, report_ns) in extremes.iter().flat_map(|at| extremes.map(|report| (*at, report))) {
+            let mut track = state(0, &[(0, 0)]);
+            track.reference_time_ns = at_ns;
+            track.contributions[0].time_of_measurement_ns = report_ns;
+            coverage.take(&track);
+        }
+        assert!(
+            coverage
+                .cells(0)
+                .all(|(.., cell)| cell.seen.is_finite() && cell.tries.is_finite())
+        );
     }
 
     #[test]

@@ -58,7 +58,7 @@ fn fact(world: &World, part: &Contribution, state: &State) -> ContributionFacts 
     let inflation = known.covariance_inflation.max(1.0);
     let scaled = corrected.as_ref().map(|report| scaled(&report.covariance, inflation));
     let residual_m = corrected.as_ref().map(|report| {
-        let later_s = (state.time_ns - report.time_of_measurement_ns) as f64 / messages::NS_PER_S;
+        let later_s = state.time_ns.saturating_sub(report.time_of_measurement_ns) as f64 / messages::NS_PER_S;
         [0, 1].map(|axis| report.position_m[axis] + report.velocity_mps[axis] * later_s - state.position_m[axis])
     });
     let removed = report
@@ -71,7 +71,7 @@ fn fact(world: &World, part: &Contribution, state: &State) -> ContributionFacts 
         weight: part.weight,
         accuracy: Some(part.accuracy).filter(|accuracy| accuracy.is_finite()),
         is_fresh: part.flags & contribution_bits::FRESH != 0,
-        age_s: (state.time_ns - part.time_of_measurement_ns) as f64 / messages::NS_PER_S,
+        age_s: state.time_ns.saturating_sub(part.time_of_measurement_ns) as f64 / messages::NS_PER_S,
         period_s: period_ns.map(|period_ns| period_ns as f64 / messages::NS_PER_S),
         sigma_m: scaled.as_ref().and_then(axes),
         learned_sigma_m: Some([known.long_sigma_m, known.short_sigma_m]).filter(|[_, short]| *short > 0.0),

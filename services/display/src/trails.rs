@@ -25,12 +25,12 @@ pub(crate) fn trails(world: &World, until_ns: i64) -> Vec<u8> {
         points.clear();
         let mut next_ns = i64::MAX;
         for moment in world.history.back_from(*state) {
-            if moment.time_ns < until_ns - SPAN_NS {
+            if moment.time_ns < until_ns.saturating_sub(SPAN_NS) {
                 break;
             }
             if moment.time_ns <= next_ns {
-                next_ns = moment.time_ns - STEP_NS;
-                let age_s = seconds(until_ns - moment.time_ns) as f32;
+                next_ns = moment.time_ns.saturating_sub(STEP_NS);
+                let age_s = seconds(until_ns.saturating_sub(moment.time_ns)) as f32;
                 points.push([age_s, moment.track.east_m, moment.track.north_m]);
             }
         }
