@@ -24,6 +24,8 @@ from playwright.sync_api import sync_playwright
 from engineer import drive_engineer, drive_guest, overlay_of
 
 PATIENCE_S = 30
+# Longest time from a measurement to the publication of its state: a tracker confirms a target by several turns.
+LATE_S = 4
 
 # Luminance (WCAG 2) of the brightest pixel of the canvas of tracks, over the ground below it.
 BRIGHTEST = """() => {
@@ -91,13 +93,13 @@ class Recorded:
         return [row for row in self.rows.get(number, []) if abs(float(row["time_s"]) - day) < 0.0015]
 
     def there(self, seconds):
-        """Numbers of the tracks of which there was a state in the five seconds before the last one, and no end."""
+        """Numbers of the tracks of which there was a state in the five seconds before the last LATE_S, and no end."""
         day = seconds % 86400
         there = set()
         for number, rows in self.rows.items():
-            before = [row for row in rows if float(row["time_s"]) <= day - 1]
+            before = [row for row in rows if float(row["time_s"]) <= day - LATE_S]
             ended = any(row["state"] == "terminated" for row in rows if float(row["time_s"]) <= day + 1)
-            if before and float(before[-1]["time_s"]) > day - 6 and not ended:
+            if before and float(before[-1]["time_s"]) > day - LATE_S - 5 and not ended:
                 there.add(number)
         return there
 
