@@ -150,6 +150,13 @@ fn a_coherent_pair_nearly_reaches_the_bound() {
     assert!(resolved < 5, "without paths, two waves were found in {resolved} runs");
 }
 
+/// Two waves do not explain three: the search goes on to the third.
+#[test]
+fn three_coherent_waves_are_found_as_three() {
+    let (resolved, ratio, _) = accuracy(&[-40.0, 0.0, 35.0], 1.0, 3);
+    assert!(resolved >= 490 && ratio < 1.5, "{resolved}, {ratio}");
+}
+
 /// Waves that are independent are found by MUSIC alone, with the same bearings whether or not paths are searched.
 #[test]
 fn paths_change_nothing_where_waves_are_resolved() {
