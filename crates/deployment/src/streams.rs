@@ -90,7 +90,7 @@ impl Deployment {
         self.streams().filter(move |(id, _)| is_recorded(id))
     }
 
-    /// What decisions of fusion are published for; `None`: nobody wants them.
+    /// Use of the published decisions of fusion; `None`: no decisions are published.
     pub fn decision_use(&self) -> Option<DecisionUse> {
         match (self.fusion.decisions, self.services.display) {
             (true, _) => Some(DecisionUse::Record),

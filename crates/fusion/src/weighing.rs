@@ -382,7 +382,7 @@ impl Weigher<'_> {
     }
 }
 
-/// What the `latest` report of a sensor track, moved to `state` at `reference_ns`, shows without earlier reports.
+/// Contribution of the `latest` report of a sensor track, moved to `state` at `reference_ns`, without earlier reports.
 pub(crate) fn candidate_of(settings: &Settings, latest: &SensorTrack, state: State, reference_ns: i64) -> Candidate {
     let (source, rule) = (&settings.sources[usize::from(latest.source)], &settings.rule);
     let age_ns = (reference_ns - latest.time_of_measurement_ns).max(0);

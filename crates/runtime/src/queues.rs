@@ -18,7 +18,7 @@ const NAMES_MAX: usize = 4;
 /// Maximum number of reports in quarantine that wait to be written.
 const QUARANTINED_MAX: usize = 4;
 
-/// What decisions are published for.
+/// Use of published decisions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DecisionUse {
     /// Recordings and other readers: none may be lost.

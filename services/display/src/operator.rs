@@ -1,4 +1,4 @@
-//! What operators do on pages and by scripts: orders, acts on alarms, kept views. The guard admits operators only.
+//! Requests of operators, from pages and scripts: orders, acts on alarms, kept views. The guard admits operators only.
 //!
 //! - `POST /api/order` takes a JSON object: `kind`, the parameters of the kind ([`messages::OrderKind`]), `operator`,
 //!   and `for_s`, the time after which the order expires. The answer is the state of the order. The queue bounds the

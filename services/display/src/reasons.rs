@@ -21,7 +21,7 @@ const CLEAR: f64 = 1.25;
 /// Residual from which a report contradicts the state, standard deviations.
 const CONTRADICTS_SIGMAS: f64 = 3.0;
 
-/// What is known of one contribution.
+/// Facts on one contribution.
 #[derive(Debug)]
 pub(crate) struct ContributionFacts {
     source: u16,
@@ -38,7 +38,7 @@ pub(crate) struct ContributionFacts {
     inflation: f64,
     residual_m: Option<[f64; 2]>,
     residual_sigmas: Option<f64>,
-    /// What is taken off the report, east, north, up.
+    /// Bias removed from the report, east, north, up.
     bias_m: Option<[f64; 3]>,
     dependent: Vec<(u16, f32)>,
     gross: Option<String>,

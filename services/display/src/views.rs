@@ -1,6 +1,6 @@
 //! Named views that all pages share, and the start view.
 //!
-//! A view is what follows `#` in the page's address. `GET /api/views.json` lists the views for everybody. `POST
+//! A view is the part of the page's address after `#`. `GET /api/views.json` lists the views for everybody. `POST
 //! /api/views` takes a JSON object with `name`, `address` (`null` removes the view) and `operator`; the guard admits
 //! operators only. The views are kept in the file `[display.views] file`.
 
@@ -23,7 +23,7 @@ const ADDRESS_MAX: usize = 2000;
 #[derive(Clone, Debug, Deserialize, Serialize, PartialEq, Eq)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct NamedView {
-    /// What follows `#` in the page's address.
+    /// Part of the page's address after `#`.
     address: String,
     /// Operator who kept the view.
     operator: String,
@@ -90,7 +90,7 @@ impl Views {
         if !is_name || name.chars().count() > NAME_MAX {
             return Err(format!("The name of a view has 1 to {NAME_MAX} characters"));
         }
-        if address.is_some_and(|address| address.len() > ADDRESS_MAX) {
+        if address.is_some_and(|address| address.chars().count() > ADDRESS_MAX) {
             return Err(format!("The address of a view has at most {ADDRESS_MAX} characters"));
         }
         let mut named = self.named();

@@ -404,26 +404,22 @@ fn a_dropped_emitter_is_located_by_its_first_bearings() {
 #[test]
 fn a_drop_before_midnight_is_of_the_day_before() {
     let midnight_s = 20_000.0 * 86_400.0;
-    let fix = |drop_s: f64| {
+    let sigma_m = |drop_s: f64| {
         let mut locator = Locator::new(with_filter(FilterChoice::Straight)).unwrap();
-        let heard = bearing(midnight_s + 60.0, [5_000.0, 0.0], [0.0; 2], 0.01, 0.0);
+        let heard = bearing(midnight_s + 5.0, [5_000.0, 0.0], [0.0; 2], 0.01, 0.0);
         locator.set_dropped(&[DroppedEmitter {
             emitter_id: heard.emitter_id.unwrap(),
             time_s: drop_s,
             position_m: [0.0; 2],
             sigma_m: 50.0,
         }]);
-        locator
-            .bearing(&heard)
-            .unwrap()
-            .map(|report| report.raw.covariance[(0, 0)].sqrt())
+        let report = locator.bearing(&heard).unwrap().expect("a place is known");
+        report.raw.covariance[(0, 0)].sqrt()
     };
-    // A speed of 30 m/s and a place of 50 m: after a minute 1801 m, after ten seconds more 2101 m; no fix after a day.
-    let far = fix(86_400.0 - 10.0);
-    assert!(
-        far.is_none_or(|sigma_m| (2_050.0..2_150.0).contains(&sigma_m)),
-        "{far:?}"
-    );
-    let near = fix(50.0).unwrap();
-    assert!((near - f64::hypot(50.0, 300.0)).abs() < 1.0, "{near}");
+    // A place of 50 m and a speed of 30 m/s: for 15 s over midnight, and for 3 s. After a day there would be no fix.
+    for (drop_s, time_s) in [(86_390.0, 15.0), (2.0, 3.0)] {
+        let expected_m = f64::hypot(50.0, 30.0 * time_s);
+        let sigma_m = sigma_m(drop_s);
+        assert!((sigma_m - expected_m).abs() < 1.0, "{sigma_m}, {expected_m}");
+    }
 }
