@@ -206,7 +206,7 @@ impl Sources {
     }
 
     /// [`learned_spread_m2`], of each source at most that of points of one target.
-    fn possible_points_m2(&self, least_m2: f64) -> f64 {
+    pub(crate) fn possible_points_m2(&self, least_m2: f64) -> f64 {
         let points_m2 = |model: &SourceModel| model.spread_m2().min(model.largest_points_m2());
         self.models.iter().map(points_m2).fold(least_m2, f64::max)
     }
@@ -421,7 +421,8 @@ impl Sources {
         }
         let about_mean = std::array::from_fn(|axis| innovation.residual_m[axis] - before[axis]);
         let squared = association::distance::squared2(about_mean, innovation.covariance_m2);
-        let is_registered = settings.sources[source].is_registered;
+        let registered = |source: u16| settings.sources[usize::from(source)].is_registered;
+        let is_registered = registered(entry.source);
         let is_confirmed = tracks.systems.get(system).life == TrackState::Confirmed;
         if settings.registration.enabled && is_registered && is_confirmed {
             self.registration.add_innovation(
@@ -445,7 +446,7 @@ impl Sources {
         if looks
             && is_registered
             && is_confirmed
-            && let Some((offset, noise_m2)) = self.offset(tracks, sensor)
+            && let Some((offset, noise_m2)) = self.offset(tracks, sensor, registered)
         {
             let size_m = settings.target_size.of(&tracks.sensors.get(sensor).latest.target_type);
             self.models[source].learn_spread(offset, 2.0 * noise_m2, measurement.variance_m2(), size_m);
@@ -454,13 +455,13 @@ impl Sources {
 
     /// The difference of a sensor track's mean innovation from that of the others of its system track, east and north,
     /// metres, and the variance per axis that noise explains; `None` while too little is known. A turn moves all of
-    /// them to the same side, a wrong association does not.
-    fn offset(&self, tracks: &Tracks, sensor: SensorSlot) -> Option<([f64; 2], f64)> {
+    /// them to the same side, a wrong association does not. Only sources that are `compared` count among the others.
+    fn offset(&self, tracks: &Tracks, sensor: SensorSlot, compared: impl Fn(u16) -> bool) -> Option<([f64; 2], f64)> {
         let entry = tracks.sensors.get(sensor);
         let (system, now_ns) = (entry.system, entry.time_ns);
         let (mut sum, mut count, mut variance) = ([0.0; 2], 0.0, 0.0);
         for (member, other) in tracks.contributing_entries(system, now_ns) {
-            if member != sensor && other.residuals >= MEAN_REPORTS_MIN {
+            if member != sensor && compared(other.source) && other.residuals >= MEAN_REPORTS_MIN {
                 let shift = self.registration.suspected_shift(other.source);
                 for axis in 0..2 {
                     sum[axis] += other.residual_mean_m[axis] - shift[axis];
@@ -493,7 +494,7 @@ impl Sources {
         if 4.0 * (east * east + north * north) < gate * MEAN_VARIANCE * entry.residual_variance_m2 {
             return Some(0.0);
         }
-        let (offset, noise_m2) = self.offset(tracks, sensor)?;
+        let (offset, noise_m2) = self.offset(tracks, sensor, |_| true)?;
         let spread_m2 = self.spread_m2(settings, None);
         Some((offset[0] * offset[0] + offset[1] * offset[1]) / (noise_m2 + 2.0 * spread_m2))
     }
