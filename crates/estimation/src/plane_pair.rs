@@ -152,6 +152,13 @@ impl PlanePair {
             .for_each(|value| *value = *value * Two::both(factor));
     }
 
+    /// Adds so much to both variances of both positions, m².
+    pub fn blur(&mut self, variance_m2: f64) {
+        let [xx, _, _, _, yy, ..] = &mut self.covariance;
+        *xx += Two::both(variance_m2);
+        *yy += Two::both(variance_m2);
+    }
+
     /// [`Plane::advance`] of both.
     #[inline]
     pub fn advance(&mut self, duration_s: f64) {

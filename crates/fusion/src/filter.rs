@@ -241,6 +241,15 @@ impl TargetFilter {
         }
     }
 
+    /// Follows another point of the target from now on, which lies somewhere about the one before with a variance per
+    /// axis of so much, m².
+    pub(crate) fn blur(&mut self, variance_m2: f64) {
+        self.plane.blur(variance_m2);
+        let [xx, _, _, _, _, _, yy, ..] = &mut self.estimate.covariance.upper;
+        *xx += variance_m2;
+        *yy += variance_m2;
+    }
+
     /// Multiplies the covariance by a factor above 1.
     pub(crate) fn inflate(&mut self, factor: f64) {
         self.plane.inflate(factor);
@@ -252,13 +261,15 @@ impl TargetFilter {
             .for_each(|value| *value *= factor);
     }
 
+    /// Variance of the position per horizontal axis, m².
+    pub(crate) fn variance_m2(&self) -> f64 {
+        let [xx, _, _, yy, ..] = self.estimate.position_covariance();
+        0.5 * (xx + yy)
+    }
+
     /// Whether its position is known better than the other's.
     pub(crate) fn is_surer_than(&self, other: &Self) -> bool {
-        let trace = |filter: &Self| {
-            let [xx, _, _, yy, ..] = filter.estimate.position_covariance();
-            xx + yy
-        };
-        trace(self) < trace(other)
+        self.variance_m2() < other.variance_m2()
     }
 
     /// Compares the measurement of `time_ns` with the estimate and, if `use_it`, updates the estimate. A measurement

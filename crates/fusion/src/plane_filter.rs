@@ -157,6 +157,11 @@ impl PlaneFilter {
         course
     }
 
+    /// Adds so much to the variances of the positions of all models, m² per axis.
+    pub(crate) fn blur(&mut self, variance_m2: f64) {
+        self.pairs.iter_mut().for_each(|pair| pair.blur(variance_m2));
+    }
+
     /// Multiplies the covariances of all models by a factor.
     pub(crate) fn inflate(&mut self, factor: f64) {
         self.pairs.iter_mut().for_each(|pair| pair.inflate(factor));

@@ -7,7 +7,7 @@
 //! all sources thus continue to improve the position, and the point remains when the first source falls silent. When
 //! a source of higher priority has tracked the target for a while, its point is used instead.
 
-use messages::DecisionKind;
+use messages::{AXES, DecisionKind, NS_PER_S, SensorTrack};
 use serde::{Deserialize, Serialize};
 
 use crate::explanation::Sink;
@@ -24,6 +24,9 @@ use crate::tracks::Tracks;
 
 /// Innovations before a detection point is known well enough to be taken off.
 const REPORTS_MIN: u32 = 4;
+/// Variance of a position, in variances between points, from which measurements of unknown points improve the position,
+/// and a filter does not begin anew with it.
+const UNCERTAIN: f64 = 4.0;
 /// Innovations before the filter may go over to a detection point.
 const CHANGE_REPORTS_MIN: u32 = 12;
 /// Smallest weight of a new innovation in the estimate of a detection point.
@@ -39,6 +42,8 @@ pub(crate) struct ReferencePoints {
     /// How far the point that a filter follows, one or the mean of all, lies from the target's middle, as a variance
     /// per axis, m².
     spread_m2: f64,
+    /// How far the points of two sources lie apart, as a variance per axis, m².
+    apart_m2: f64,
     /// Number of changes of `keeps_points`: estimates before the last change are void.
     epoch: u32,
 }
@@ -98,6 +103,7 @@ impl ReferencePoints {
             .any(|model: &SourceModel| model.sees_points(ratio));
         let keep = self.sees_points && may_keep;
         self.spread_m2 = sources.followed_point_m2(keep);
+        self.apart_m2 = sources.possible_points_m2(0.0);
         if keep != self.keeps_points {
             self.keeps_points = keep;
             self.epoch = self.epoch.wrapping_add(1);
@@ -128,7 +134,13 @@ impl ReferencePoints {
                 ..self.unknown()
             };
             // What the filter was before is a mixture of points.
-            tracks.restart_filter(foremost);
+            let entry = tracks.sensors.get(foremost);
+            if self.is_uncertain(variance_at(&entry.latest, now_ns)) {
+                tracks.systems.get_mut(system).filter.blur(self.apart_m2);
+                tracks.kept.forget(system);
+            } else {
+                tracks.restart_filter(foremost);
+            }
             tracks.systems.get_mut(system).point_source = tracks.sensors.get(foremost).source;
             out.input(|| tracks.input(foremost, None));
             out.decision(&tracks.decision(foremost, DecisionKind::ReferencePoint, f64::NAN, f64::NAN));
@@ -157,9 +169,11 @@ impl ReferencePoints {
             return Referred::ITSELF;
         }
         if point.epoch != self.epoch || point.reports < REPORTS_MIN {
+            let is_usable = self.is_uncertain(tracks.systems.get(entry.system).filter.variance_m2());
             return Referred {
-                is_usable: false,
-                ..Referred::ITSELF
+                is_usable,
+                point_m: [0.0; 2],
+                variance_m2: if is_usable { self.apart_m2 } else { 0.0 },
             };
         }
         Referred {
@@ -167,6 +181,11 @@ impl ReferencePoints {
             point_m: from_body(point.offset_m, tracks.systems.get(entry.system).course),
             variance_m2: measurement.variance_m2() / f64::from(point.reports),
         }
+    }
+
+    /// Whether a position with this variance per axis is so uncertain that the distance between points matters little.
+    fn is_uncertain(&self, variance_m2: f64) -> bool {
+        variance_m2 > UNCERTAIN * self.apart_m2
     }
 
     fn unknown(&self) -> DetectionPoint {
@@ -242,6 +261,14 @@ fn change_to(tracks: &mut Tracks, sensor: SensorSlot) {
         is_reference: true,
         ..point
     };
+}
+
+/// Variance per axis of the position in a report at a later time, with constant velocity, m².
+fn variance_at(report: &SensorTrack, time_ns: i64) -> f64 {
+    let seconds = (time_ns - report.time_of_measurement_ns) as f64 / NS_PER_S;
+    let of = |axis: usize| report.covariance.get(axis, axis);
+    let (position_m2, velocity_m2ps2) = (of(0) + of(1), of(AXES) + of(AXES + 1));
+    0.5 * (position_m2 + seconds * seconds * velocity_m2ps2)
 }
 
 /// A horizontal vector in the frame of a course: along, across to the right.

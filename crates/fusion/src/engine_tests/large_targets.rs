@@ -11,18 +11,36 @@ use crate::settings::RuleName;
 const POINTS: [[f64; 2]; 3] = [[0.0, 0.0], [1.0, 0.0], [0.5, 0.85]];
 const TARGETS: u32 = 8;
 
-/// Fusion of targets of size `size_m` that all go their ways, from `begins_s` of each source on; the errors of source
-/// 0's point, largest of all targets at each second, m.
-fn followed(size_m: f64, begins_s: [f64; 3], seconds: u32) -> (Harness, Vec<f64>) {
+/// What a source reports: from when on, seconds; how often, in whole seconds; standard deviation, metres.
+#[derive(Clone, Copy)]
+struct Reports {
+    begins_s: f64,
+    period_s: u32,
+    sigma_m: f64,
+}
+
+const EXACT: Reports = Reports {
+    begins_s: 0.0,
+    period_s: 1,
+    sigma_m: 4.0,
+};
+
+/// Fusion of targets of size `size_m` that all go their ways, without noise; the errors of source 0's point, largest of
+/// all targets at each second, m.
+fn followed(size_m: f64, sources: [Reports; 3], seconds: u32) -> (Harness, Vec<f64>) {
     let mut settings = test_settings(3);
     settings.rule.name = RuleName(FusionRule::Auto);
     let mut harness = Harness::new(settings);
     let mut errors_m = Vec::new();
     for second in 0..seconds {
         let mut largest_m = 0.0f64;
-        for source in 0..3u16 {
+        for (source, reports) in (0..3u16).zip(sources) {
             let time_s = f64::from(second) + 0.2 * f64::from(source);
-            for target in (0..TARGETS).filter(|_| time_s >= begins_s[usize::from(source)]) {
+            if time_s < reports.begins_s || !second.is_multiple_of(reports.period_s) {
+                continue;
+            }
+            let sigma_m = reports.sigma_m;
+            for target in 0..TARGETS {
                 // A point that lies ahead is told from a clock that is fast by targets of several speeds.
                 let speed_mps = 4.0 + 2.0 * f64::from(target);
                 let (sin, cos) = f64::from(target).sin_cos();
@@ -30,7 +48,7 @@ fn followed(size_m: f64, begins_s: [f64; 3], seconds: u32) -> (Harness, Vec<f64>
                 let from = [3000.0 * f64::from(target), 0.0];
                 let seen = [from[0] + along * sin + right * cos, from[1] + along * cos - right * sin];
                 let seen = SensorTrack {
-                    covariance: Covariance::diagonal([4.0, 4.0, 100.0], [1.0, 1.0, 1.0]),
+                    covariance: Covariance::diagonal([sigma_m, sigma_m, 100.0], [1.0, 1.0, 1.0]),
                     ..report(source, target, time_s, seen, [speed_mps * sin, speed_mps * cos])
                 };
                 if let Some(track) = harness.take(&seen) {
@@ -49,7 +67,7 @@ fn followed(size_m: f64, begins_s: [f64; 3], seconds: u32) -> (Harness, Vec<f64>
 #[test]
 fn each_is_one_system_track_from_the_first_report_on() {
     for size_m in [20.0, 40.0] {
-        let (harness, _) = followed(size_m, [0.0; 3], 30);
+        let (harness, _) = followed(size_m, [EXACT; 3], 30);
         let shown = |track: &&SystemTrack| track.state == TrackState::Confirmed as u8;
         let published = harness.published.iter().filter(shown);
         let numbers: BTreeSet<u32> = published.map(|track| track.track_number).collect();
@@ -59,9 +77,28 @@ fn each_is_one_system_track_from_the_first_report_on() {
 
 #[test]
 fn all_show_the_point_of_the_first_source_also_where_it_comes_last() {
-    for begins_s in [[0.0; 3], [40.0, 0.0, 0.0]] {
-        let (_, errors_m) = followed(20.0, begins_s, 100);
+    for begins_s in [0.0, 40.0] {
+        let first = Reports { begins_s, ..EXACT };
+        let (_, errors_m) = followed(20.0, [first, EXACT, EXACT], 100);
         let last_m = errors_m[80..].iter().copied().fold(0.0, f64::max);
-        assert!(last_m < 2.0, "{begins_s:?}: {errors_m:.1?}");
+        assert!(last_m < 2.0, "{begins_s}: {errors_m:.1?}");
     }
+}
+
+#[test]
+fn tracks_stay_certain_when_one_point_is_chosen() {
+    // The source of the chosen point reports seldom and coarsely, and the points of the others are unknown at first.
+    let coarse = Reports {
+        period_s: 8,
+        sigma_m: 100.0,
+        ..EXACT
+    };
+    let (harness, _) = followed(20.0, [coarse, EXACT, EXACT], 60);
+    let sigma_m = |track: &SystemTrack| {
+        let [xx, _, _, _, _, _, yy, ..] = track.covariance.upper;
+        (xx + yy).sqrt()
+    };
+    let later = harness.published.iter().skip(2 * TARGETS as usize).map(sigma_m);
+    let largest_m = later.fold(0.0, f64::max);
+    assert!(largest_m < 40.0, "{largest_m} m");
 }
