@@ -23,6 +23,7 @@
 //! | `operator`, `orders` | acts of operators, and their way to fusion |
 //! | `alarm_book` | acknowledged and shelved alarms, and the past of alarms |
 //! | `views` | named views that all pages share |
+//! | `kept_file` | small files that the display keeps |
 //! | `feed` | samples as they are published |
 //! | `events`, `foxglove` | these samples as server-sent events, and for Foxglove |
 //! | `seat` | limit of the number of clients |
@@ -47,6 +48,7 @@ mod foxglove;
 mod ground;
 mod guest;
 mod history;
+mod kept_file;
 mod label_settings;
 mod layers;
 mod operator;
@@ -86,6 +88,7 @@ use runtime::Now;
 use runtime::signals::Stop;
 use web::{ForeignPages, Guard, HostName, Server, WriteAccess};
 
+use crate::alarm_book::AlarmBook;
 use crate::clock::PictureClock;
 use crate::feed::Feed;
 pub use crate::guest::show_instance;
@@ -98,6 +101,9 @@ use crate::world::{ReplayedRecording, SourceFact, World};
 
 /// Time between two updates of a recording's position.
 const LOOK_EVERY: Duration = Duration::from_millis(20);
+
+/// File of the operators' acts on alarms, in the folder of the instance.
+const ALARM_ACTS: &str = "alarm-acts.json";
 
 /// Runs the display until the process is asked to stop. `engine`: settings of fusion, for the comparison of rules.
 ///
@@ -120,6 +126,7 @@ pub fn run(process: &Process, settings: &Settings, engine: &fusion::Settings) ->
     world.engine = Some(Arc::new(engine.clone()));
     world.has_decisions = process.config.decision_use().is_some();
     world.declination_deg = settings.declination_deg;
+    world.alarm_book = AlarmBook::kept_in(process.bus.root().path().join(ALARM_ACTS));
     let desk = Desk {
         has_operators: settings.operator_token.is_some(),
         views: settings.views.open(&process.options.data)?,
