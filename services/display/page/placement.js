@@ -46,14 +46,22 @@ const FAN_PLACES = (LENGTHS.length + FAN_LENGTHS.length) * DIRECTIONS.length;
 const BLOCK_PLACES = ALL_LENGTHS.length * DIRECTIONS.length;
 /** Free pixels round a place that is taken anew, so that it can be kept for long. */
 const MARGIN = 5;
-/** Moments of the time ahead at which a place taken anew shall still be free, seconds. */
-const AHEAD = [0, 20, 40, 60, 80, 100, 120];
+/** Moments of the time ahead at which a place taken anew shall still be free, seconds. They begin close to each other: in
+ * a crowd, symbols pass a label within seconds. */
+const AHEAD = [0, 5, 10, 15, 20, 30, 40, 60, 80, 100, 120];
+/** Time after which a vector must have passed a label that shall not move for it, seconds; its place among the moments. */
+const PASSED_S = 20;
+const AHEAD_S = AHEAD[AHEAD.length - 1];
+const PASSED = AHEAD.indexOf(PASSED_S);
 /** What is as bad as a leader that is so many pixels longer: no free pixels round a label, a leader across a symbol or a
- * label, a vector across a block, and each of the moments ahead at which the place is no longer free. */
+ * label, a vector across a block, and each BRIEF_S of the time ahead for which the place is no longer free. */
 const COST_TIGHT = 10;
 const COST_CROSSED = 30;
 const COST_VECTOR = 80;
 const COST_BRIEF = 30;
+const BRIEF_S = 20;
+/** Brevity of a place from which on a label does not grow there. */
+const BREVITY_MAX = 3.5;
 /** How many displaced labels are as bad as a symbol under a label. */
 const HIDDEN = 3;
 /** … and as a control, or a name on the map, under one. */
@@ -248,7 +256,7 @@ export class Placement {
   /** Whether there is room for more lines, and will be for a while. @private
    * @param {Wish} wish @param {number} place @param {number} lines */
   canGrow(wish, place, lines) {
-    return this.isFree(wish, place, lines, MARGIN, HARD) && this.brevity(wish, place, lines) < this.depth / 2;
+    return this.isFree(wish, place, lines, MARGIN, HARD) && this.brevity(wish, place, lines) < BREVITY_MAX;
   }
 
   /** Whether a label need not leave its place: a vector that will have passed is borne. @private
@@ -257,7 +265,7 @@ export class Placement {
     if (wish.spot.isForced) return this.isFree(wish, place, lines, 0, BOX);
     if (!this.isFree(wish, place, lines, 0, BOX | SYMBOL)) return false;
     if (wish.isBlock || this.isFree(wish, place, lines, 0, VECTOR)) return true;
-    return this.depth > 1 && this.brevity(wish, place, lines) < this.depth - 1;
+    return this.depth > 1 && this.isSoonFree(wish, place, lines);
   }
 
   /** Finds a new place. @private @param {number} owner @param {Wish} wish */
@@ -362,16 +370,24 @@ export class Placement {
     return this.moments[0].hits(1, mask, left - margin, top - margin, right + margin, bottom + margin) === 0;
   }
 
-  /** At how many of the later moments a place is no longer free. @private
+  /** For how long of the time ahead a place is no longer free, in units of BRIEF_S. @private
    * @param {Wish} wish @param {number} place @param {number} lines */
   brevity(wish, place, lines) {
     const { left, top, width, height } = this.boxOf(wish, place, lines);
     for (let k = 1; k < this.depth; k++) {
       const [x, y] = [left + AHEAD[k] * wish.vx, top + AHEAD[k] * wish.vy];
       const inside = x >= 0 && y >= 0 && x + width <= this.width && y + height <= this.height;
-      if (!inside || this.moments[k].hits(1, HARD, x, y, x + width, y + height) > 0) return this.depth - k;
+      if (!inside || this.moments[k].hits(1, HARD, x, y, x + width, y + height) > 0)
+        return 1 + (AHEAD_S - AHEAD[k]) / BRIEF_S;
     }
     return 0;
+  }
+
+  /** Whether a place is free again soon. @private @param {Wish} wish @param {number} place @param {number} lines */
+  isSoonFree(wish, place, lines) {
+    const { left, top, width, height } = this.boxOf(wish, place, lines);
+    const [x, y] = [left + PASSED_S * wish.vx, top + PASSED_S * wish.vy];
+    return this.moments[PASSED].hits(1, HARD, x, y, x + width, y + height) === 0;
   }
 
   /** Whether nothing lies between a symbol and its label. @private
