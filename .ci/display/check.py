@@ -317,6 +317,14 @@ def drive(page, url, folder, demo):
     said = [text for text in page.evaluate("said") if text]
     print(f"  banner while it was away: {said[0] if said else 'none: it was back before a second had passed'}")
     check("restart" in page.inner_text("#pills"), "the page tells of the restart, and goes on without a reload")
+    kept = """then => [...koseki.picture.system.values()].filter(({ trail }) =>
+      trail.length > 0 && trail.timeOf(trail.at(0)) < then - 20).length >= 20"""
+    check(page.evaluate(kept, killed), "trails go on over the restart")
+    later = page.context.browser.new_page()
+    later.goto(url)
+    until(later, f"then => globalThis.koseki && ({kept})(then)", argument=killed)
+    later.close()
+    check(True, "and in a page that is opened after it")
     return seen, past, killed
 
 
