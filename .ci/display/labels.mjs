@@ -250,6 +250,29 @@ test("a block that finds no free place displaces labels, and then stays", () => 
   assert.equal(block.spot.place, place);
 });
 
+test("a block that would cover another block or a selected label is left out and counted", () => {
+  const placement = new Placement();
+  const chosen = wish(150, 110, { rank: 3, widths: [200, 200], heights: [60, 60] });
+  const blocks = [130, 170].map((x) => wish(x, 110, { rank: 2, isBlock: true, widths: [200], heights: [80] }));
+  const all = [chosen, ...blocks];
+  for (let picture = 0; picture < 3; picture++) {
+    const laid = layOut(placement, all, [], 300, 220);
+    assert.ok(laid.some((one) => one.wish === chosen));
+    assert.equal(placement.leftOut, all.length - laid.length);
+    assert.ok(placement.leftOut > 0);
+    for (const one of laid) assert.ok(laid.every((other) => other === one || !overlap(one, other)));
+  }
+});
+
+test("a place through which a symbol will pass within seconds is not taken", () => {
+  const own = wish(500, 500);
+  const [first] = layOut(new Placement(), [own]);
+  const passes = wish(first.left + 30, first.top - 300, { vy: 31, widths: [1], heights: [1] });
+  const again = wish(500, 500);
+  layOut(new Placement(), [again, { ...passes, vx: 0 }]);
+  assert.notEqual(again.spot.place, own.spot.place);
+});
+
 test("a label that must be shown covers a label or a vector before a control", () => {
   const controls = { left: 0, top: 0, width: 60, height: HEIGHT };
   const chosen = wish(190, 500, { rank: 3, widths: [300, 300], heights: [200, 200] });

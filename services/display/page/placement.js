@@ -113,6 +113,11 @@ function isMust(wish) {
   return wish.rank === 3 || wish.isBlock;
 }
 
+/** Whether a label, once it lies, gives way to no other. @param {Wish} wish */
+function isFirm(wish) {
+  return isMust(wish) || wish.spot.pinned !== null;
+}
+
 export class Placement {
   constructor() {
     /** The screen at each of the moments looked at: shapes have the same number in all. */
@@ -204,22 +209,20 @@ export class Placement {
     for (const owner of must)
       if (!this.find(owner, wishes[owner])) left.push(...this.force(owner, wishes[owner], wishes));
     this.search(left.filter((owner) => !isMust(wishes[owner])), wishes);
+    this.leftOut = wishes.length - this.laid.length;
     return this.laid;
   }
 
   /** Looks for places as long as the picture may cost it. @private @param {number[]} left @param {Wish[]} wishes */
   search(left, wishes) {
-    this.leftOut = 0;
     let tried = 0;
     const most = this.depth > 1 ? TESTS_MAX : CROWD_TESTS_MAX;
     const start = left.length > 0 ? this.turn % left.length : 0;
     for (let k = 0; k < left.length; k++) {
       const owner = left[(start + k) % left.length];
-      if (this.tests > most) this.leftOut++;
-      else {
-        tried++;
-        if (!this.find(owner, wishes[owner])) this.leftOut++;
-      }
+      if (this.tests > most) continue;
+      tried++;
+      this.find(owner, wishes[owner]);
     }
     this.turn = tried === left.length ? 0 : start + tried;
   }
@@ -303,7 +306,7 @@ export class Placement {
   }
 
   /**
-   * Puts a label that must be shown where it displaces least.
+   * Puts a label that must be shown where it displaces least. A block that would cover another such label is left out.
    * @private @param {number} owner @param {Wish} wish @param {Wish[]} wishes
    * @returns {number[]} Owners of the labels that it has displaced.
    */
@@ -315,12 +318,14 @@ export class Placement {
       const box = this.boxOf(wish, place, lines);
       const { left, top, width, height } = box;
       if (left < 0 || top < 0 || left + width > this.width || top + height > this.height) continue;
+      if (wish.isBlock && this.laid.some((laid) => isFirm(laid.wish) && overlap(laid, box))) continue;
       const covered = this.closed.filter((closed) => overlap(closed, box)).length;
       const hits = (/** @type {number} */ mask) => this.moments[0].hits(99, mask, left, top, left + width, top + height);
       const displaced = this.under(left, top, width, height, wishes).length;
       const lost = displaced + HIDDEN * hits(SYMBOL) + hits(VECTOR) + COVERED * covered;
       if (lost < least) [best, least] = [place, lost];
     }
+    if (wish.isBlock && least === Infinity) return [];
     const { left, top, width, height } = this.boxOf(wish, best, lines);
     const lost = this.under(left, top, width, height, wishes);
     for (const other of lost) {
@@ -339,7 +344,7 @@ export class Placement {
   under(left, top, width, height, wishes) {
     const owners = [];
     for (const { wish, ...box } of this.laid) {
-      if (isMust(wish) || wish.spot.pinned || !overlap(box, { left, top, width, height })) continue;
+      if (isFirm(wish) || !overlap(box, { left, top, width, height })) continue;
       owners.push(wishes.indexOf(wish));
     }
     return owners;

@@ -100,7 +100,7 @@ impl Moments {
         let mut tape = recorded.tape.lock().unwrap_or_else(PoisonError::into_inner).again()?;
         let shared = self
             .common
-            .beside(self.common.world().from_the_begin((self.common.clock)()));
+            .beside(self.common.world().at_the_begin((self.common.clock)()));
         let world = Arc::downgrade(&shared);
         std::thread::Builder::new().name("moment".to_owned()).spawn(move || {
             while let Some(shared) = world.upgrade() {

@@ -306,7 +306,7 @@ impl World {
     }
 
     /// Returns a world with the configuration of this one, at the begin of its recording and the clocks `now`.
-    pub(crate) fn from_the_begin(&self, now: Now) -> Self {
+    pub(crate) fn at_the_begin(&self, now: Now) -> Self {
         let begin = |known: &ReplayedRecording| ReplayedRecording::begin(known.name.clone(), known.span_ns, now);
         Self {
             recording: self.recording.as_ref().map(begin),
