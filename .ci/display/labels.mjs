@@ -264,12 +264,25 @@ test("a block that would cover another block or a selected label is left out and
   }
 });
 
+test("a label that is selected displaces a block", () => {
+  const placement = new Placement();
+  const block = wish(150, 110, { rank: 2, isBlock: true, widths: [200], heights: [80] });
+  const other = wish(150, 150, { widths: [200, 200], heights: [60, 60] });
+  layOut(placement, [block, other], [], 300, 220);
+  assert.ok(block.spot.place >= 0);
+  const laid = layOut(placement, [block, { ...other, rank: 3 }], [], 300, 220);
+  assert.ok(laid.some(({ wish }) => wish.rank === 3));
+  assert.ok(laid.length === 1 || !overlap(laid[0], laid[1]));
+});
+
 test("a place through which a symbol will pass within seconds is not taken", () => {
   const own = wish(500, 500);
   const [first] = layOut(new Placement(), [own]);
   const passes = wish(first.left + 30, first.top - 300, { vy: 31, widths: [1], heights: [1] });
   const again = wish(500, 500);
-  layOut(new Placement(), [again, { ...passes, vx: 0 }]);
+  const placement = new Placement();
+  placement.begin(WIDTH, HEIGHT, 2);
+  placement.arrange([again, passes]);
   assert.notEqual(again.spot.place, own.spot.place);
 });
 

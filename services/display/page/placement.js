@@ -113,9 +113,9 @@ function isMust(wish) {
   return wish.rank === 3 || wish.isBlock;
 }
 
-/** Whether a label, once it lies, gives way to no other. @param {Wish} wish */
-function isFirm(wish) {
-  return isMust(wish) || wish.spot.pinned !== null;
+/** Whether a label, once it lies, does not give way to `other`, which must be shown. @param {Wish} wish @param {Wish} other */
+function isFirm(wish, other) {
+  return wish.rank === 3 || wish.spot.pinned !== null || (wish.isBlock && other.isBlock);
 }
 
 export class Placement {
@@ -318,16 +318,15 @@ export class Placement {
       const box = this.boxOf(wish, place, lines);
       const { left, top, width, height } = box;
       if (left < 0 || top < 0 || left + width > this.width || top + height > this.height) continue;
-      if (wish.isBlock && this.laid.some((laid) => isFirm(laid.wish) && overlap(laid, box))) continue;
+      if (wish.isBlock && this.laid.some((laid) => isFirm(laid.wish, wish) && overlap(laid, box))) continue;
       const covered = this.closed.filter((closed) => overlap(closed, box)).length;
       const hits = (/** @type {number} */ mask) => this.moments[0].hits(99, mask, left, top, left + width, top + height);
-      const displaced = this.under(left, top, width, height, wishes).length;
+      const displaced = this.under(wish, box, wishes).length;
       const lost = displaced + HIDDEN * hits(SYMBOL) + hits(VECTOR) + COVERED * covered;
       if (lost < least) [best, least] = [place, lost];
     }
     if (wish.isBlock && least === Infinity) return [];
-    const { left, top, width, height } = this.boxOf(wish, best, lines);
-    const lost = this.under(left, top, width, height, wishes);
+    const lost = this.under(wish, this.boxOf(wish, best, lines), wishes);
     for (const other of lost) {
       for (const shape of this.shapes[other]) for (const moment of this.moments) moment.remove(shape);
       wishes[other].spot.place = -1;
@@ -339,14 +338,12 @@ export class Placement {
     return lost;
   }
 
-  /** Owners of labels that may be displaced from a rectangle. @private
-   * @param {number} left @param {number} top @param {number} width @param {number} height @param {Wish[]} wishes */
-  under(left, top, width, height, wishes) {
+  /** Owners of labels that `wish` displaces from a rectangle. @private
+   * @param {Wish} wish @param {Box} box @param {Wish[]} wishes */
+  under(wish, box, wishes) {
     const owners = [];
-    for (const { wish, ...box } of this.laid) {
-      if (isFirm(wish) || !overlap(box, { left, top, width, height })) continue;
-      owners.push(wishes.indexOf(wish));
-    }
+    for (const laid of this.laid)
+      if (!isFirm(laid.wish, wish) && overlap(laid, box)) owners.push(wishes.indexOf(laid.wish));
     return owners;
   }
 
