@@ -377,8 +377,8 @@ pub(crate) mod tests {
         }
     }
 
-    /// Recording of 2,000 s, a state every ten: track 1 all the time, track 2 from 500 s to 1,500 s; a chunk each 100 s, in
-    /// two files.
+    /// Recording of 2,000 s, a state every ten: track 1 all the time, track 2 from 500 s to 1,500 s; a chunk each
+    /// 100 s, in two files.
     fn record(folder: &std::path::Path) -> Vec<PathBuf> {
         let paths = ["a.mcap", "b.mcap"].map(|name| folder.join(name));
         for (path, from) in paths.iter().zip([0, 1_000]) {
