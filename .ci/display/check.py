@@ -317,6 +317,14 @@ def drive(page, url, folder, demo):
     said = [text for text in page.evaluate("said") if text]
     print(f"  banner while it was away: {said[0] if said else 'none: it was back before a second had passed'}")
     check("restart" in page.inner_text("#pills"), "the page tells of the restart, and goes on without a reload")
+    kept = """then => [...koseki.picture.system.values()].filter(({ trail }) =>
+      trail.length > 0 && trail.timeOf(trail.at(0)) < then - 20).length >= 20"""
+    check(page.evaluate(kept, killed), "trails go on over the restart")
+    later = page.context.browser.new_page()
+    later.goto(url)
+    until(later, f"then => globalThis.koseki && ({kept})(then)", argument=killed)
+    later.close()
+    check(True, "and in a page that is opened after it")
     return seen, past, killed
 
 
@@ -346,6 +354,16 @@ def drive_recording(page, url):
     until(page, "at => Math.abs((globalThis.koseki?.picture.time ?? 0) - at) < 0.001", argument=at)
     past.append((at, page.evaluate(TRACKS)))
     check(len(past[-1][1]) == len(past[-2][1]), "the address has the moment")
+    longest = """() => Math.max(...[...koseki.picture.system.values()].map(({ trail }) =>
+      trail.length > 0 ? koseki.picture.time - trail.timeOf(trail.at(0)) : 0))"""
+    until(page, f"whole => ({longest})() > whole", argument=min(500, (at - first) / 2))
+    check(True, f"trails begin {page.evaluate(longest):.0f} s before the moment")
+    other = page.context.browser.new_page()
+    other.goto(f"{url}#at={at + 5}&speed=0")
+    until(other, "at => Math.abs((globalThis.koseki?.picture.time ?? 0) - at) < 0.001", argument=at + 5)
+    page.wait_for_timeout(400)
+    check(page.evaluate("koseki.picture.time") == at, "another window has another moment")
+    other.close()
     page.keyboard.press(" ")
     until(page, "at => koseki.picture.time > at + 1", argument=at)
     page.keyboard.press("Home")

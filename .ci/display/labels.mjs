@@ -250,6 +250,42 @@ test("a block that finds no free place displaces labels, and then stays", () => 
   assert.equal(block.spot.place, place);
 });
 
+test("a block that would cover another block or a selected label is left out and counted", () => {
+  const placement = new Placement();
+  const chosen = wish(150, 110, { rank: 3, widths: [200, 200], heights: [60, 60] });
+  const blocks = [130, 170].map((x) => wish(x, 110, { rank: 2, isBlock: true, widths: [200], heights: [80] }));
+  const all = [chosen, ...blocks];
+  for (let picture = 0; picture < 3; picture++) {
+    const laid = layOut(placement, all, [], 300, 220);
+    assert.ok(laid.some((one) => one.wish === chosen));
+    assert.equal(placement.leftOut, all.length - laid.length);
+    assert.ok(placement.leftOut > 0);
+    for (const one of laid) assert.ok(laid.every((other) => other === one || !overlap(one, other)));
+  }
+});
+
+test("a label that is selected displaces a block", () => {
+  const placement = new Placement();
+  const block = wish(150, 110, { rank: 2, isBlock: true, widths: [200], heights: [80] });
+  const other = wish(150, 150, { widths: [200, 200], heights: [60, 60] });
+  layOut(placement, [block, other], [], 300, 220);
+  assert.ok(block.spot.place >= 0);
+  const laid = layOut(placement, [block, { ...other, rank: 3 }], [], 300, 220);
+  assert.ok(laid.some(({ wish }) => wish.rank === 3));
+  assert.ok(laid.length === 1 || !overlap(laid[0], laid[1]));
+});
+
+test("a place through which a symbol will pass within seconds is not taken", () => {
+  const own = wish(500, 500);
+  const [first] = layOut(new Placement(), [own]);
+  const passes = wish(first.left + 30, first.top - 300, { vy: 31, widths: [1], heights: [1] });
+  const again = wish(500, 500);
+  const placement = new Placement();
+  placement.begin(WIDTH, HEIGHT, 2);
+  placement.arrange([again, passes]);
+  assert.notEqual(again.spot.place, own.spot.place);
+});
+
 test("a label that must be shown covers a label or a vector before a control", () => {
   const controls = { left: 0, top: 0, width: 60, height: HEIGHT };
   const chosen = wish(190, 500, { rank: 3, widths: [300, 300], heights: [200, 200] });

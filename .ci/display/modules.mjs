@@ -9,7 +9,7 @@ const module = (name) => import(new URL(name, page));
 const { COLOURS } = await module("colours.js");
 const { Coverage, probabilityOf } = await module("coverage.js");
 const { bearing, courseText, placeOf, sexagesimal } = await module("geodesy.js");
-const { centresOf, groundOf, ringStep } = await module("ground.js");
+const { centresOf, groundOf, lengthText, roundLength } = await module("ground.js");
 const { climbText, heightText, modesText, NO_MOTION, turnText } = await module("labels.js");
 const { layersOf, layersText, overlaysOf, zoomOf } = await module("maps.js");
 const { blankTrack, forgetMains, noteMain, Picture, Trail } = await module("picture.js");
@@ -215,6 +215,22 @@ test("layers of the map keep their order and their switches, and new ones are on
   assert.equal(names(names("-borders|range rings")), names("-borders|range rings"));
 });
 
+test("a track that comes again under its number has its trail, and the trails that are kept are bounded", () => {
+  const picture = new Picture();
+  for (let number = 1; number <= 2100; number++) {
+    const { trail } = picture.appear(number);
+    for (const time of [0, 10, 20]) trail.add(time, number, 0);
+    picture.remove(number);
+  }
+  assert.equal(picture.system.size, 0);
+  assert.equal(picture.left.size, 2000);
+  const { trail } = picture.appear(2100);
+  trail.add(30, 7, 0);
+  assert.deepEqual([...Array(trail.length).keys()].map((k) => trail.east[trail.at(k)]), [2100, 2100, 2100, 7]);
+  assert.equal(picture.appear(1).trail.length, 0);
+  assert.notEqual(picture.appear(2099).trail, picture.system.get(2100).trail);
+});
+
 test("sensors at one place share their rings", () => {
   const sites = [[0, 0, "a"], [50, 0, "b"], [NaN, NaN, "c"], [900, 0, "d"]].map(([east, north, name]) => ({ east, north, name }));
   assert.deepEqual(centresOf(sites).map(({ name }) => name), ["a, b", "d"]);
@@ -225,10 +241,22 @@ test("true and magnetic bearings", () => {
 });
 
 test("range rings stand apart at every scale", () => {
-  for (const scale of [0.05, 3, 77, 900, 30_000]) {
-    const pixels = (ringStep(scale) * 1852) / scale;
-    assert.ok(pixels >= 119 && pixels <= 301, `${pixels}`);
-  }
+  for (const scale of [0.05, 3, 77, 900, 30_000])
+    for (const units of ["aviation", "metric"]) {
+      const pixels = roundLength(120 * scale, units, true).length / scale;
+      assert.ok(pixels >= 119 && pixels <= 301, `${pixels} ${units}`);
+    }
+});
+
+test("rings and the scale follow the setting of the units", () => {
+  const text = (metres, units, up) => {
+    const { length, unit } = roundLength(metres, units, up);
+    return `${lengthText(length, unit)}, ${lengthText(3 * length, unit)}`;
+  };
+  assert.deepEqual(["aviation", "maritime", "metric"].map((units) => text(9000, units, true)), ["5 NM, 15 NM", "5 NM, 15 NM", "10 km, 30 km"]);
+  assert.deepEqual(["aviation", "metric"].map((units) => text(9000, units, false)), ["2 NM, 6 NM", "5 km, 15 km"]);
+  assert.deepEqual(["aviation", "metric"].map((units) => text(420, units, true)), ["500 m, 1500 m", "500 m, 1.5 km"]);
+  assert.deepEqual(["aviation", "metric"].map((units) => text(0.3, units, false)), ["0.2 m, 0.6 m", "0.2 m, 0.6 m"]);
 });
 
 test("coverage reaches to the farthest cell in which the source detects, or that it alone sees", () => {

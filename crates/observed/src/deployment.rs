@@ -90,9 +90,9 @@ impl Deployment {
 
     /// Returns the state before any message, with the same sources and the same origin.
     #[must_use]
-    pub fn emptied(self) -> Self {
-        let empty = match self.sources {
-            Some(sources) => Self::new(sources),
+    pub fn emptied(&self) -> Self {
+        let empty = match &self.sources {
+            Some(sources) => Self::new(sources.clone()),
             None => Self::default(),
         };
         Self {

@@ -132,6 +132,22 @@ impl<R: Read + Seek> Chunks<R> {
         })
     }
 
+    /// Returns another reader of the same file, opened again as `file`, which knows what this one has read so far.
+    pub fn beside<F: Read + Seek>(&self, file: F) -> Chunks<F> {
+        Chunks {
+            file,
+            length: self.length,
+            end: self.end,
+            is_ended: self.is_ended,
+            is_summary_known: self.is_summary_known,
+            next: self.next,
+            at: None,
+            names: self.names.clone(),
+            record: Vec::new(),
+            unpacked: Vec::new(),
+        }
+    }
+
     /// Returns the offset of the next [`Chunks::read`], bytes.
     pub fn place(&self) -> u64 {
         self.next
@@ -371,7 +387,7 @@ pub fn facts<R: Read + Seek>(file: &mut R) -> Result<Option<Facts>, RecordingErr
 const DESCRIPTION_BYTES: usize = 4 << 20;
 
 /// Channels and schemas of one file.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 struct ChannelNames {
     schemas: BTreeMap<u16, (String, Vec<u8>)>,
     topics: BTreeMap<u16, ChannelTopic>,
@@ -384,7 +400,7 @@ struct ChannelNames {
 }
 
 /// Topic of one channel.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct ChannelTopic {
     name: String,
     /// Conversion of the samples, if another build recorded them with another layout.

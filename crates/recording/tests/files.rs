@@ -137,9 +137,12 @@ fn chunks_are_read_in_any_order_also_where_the_end_is_missing() {
         }
         let numbers: Vec<_> = read.iter().map(|(_, numbers)| numbers.clone()).collect();
         assert_eq!(numbers, [vec![0, 1, 2], vec![3, 4, 5], vec![6, 7, 8]]);
+        let mut beside = chunks.beside(Cursor::new(&file));
         for (place, numbers) in read.into_iter().rev() {
-            chunks.go_to(place);
-            assert_eq!(chunk(&mut chunks), Some(numbers));
+            for chunks in [&mut chunks, &mut beside] {
+                chunks.go_to(place);
+                assert_eq!(chunk(chunks), Some(numbers.clone()));
+            }
         }
     }
 }

@@ -1,6 +1,7 @@
 /** Alarms: those that stand, what operators have done about them, what has happened, and their sound. */
 
 import { clock, dayAndClock, h, morph, span } from "./dom.js";
+import { ofWindow } from "./window.js";
 
 /** @typedef {import("./app.js").App} App */
 
@@ -167,7 +168,7 @@ export class Alarms {
   /** @param {number} count Number of events that the server has. */
   async fetchPast(count) {
     this.pastCount = count;
-    const answer = await fetch("api/alarms.json").catch(() => null);
+    const answer = await fetch(ofWindow("api/alarms.json")).catch(() => null);
     if (answer?.ok) this.past = (await answer.json()).events;
     this.app.panelDue = 0;
   }

@@ -6,28 +6,24 @@
  */
 
 import { Alarms } from "./alarms.js";
-import { COLOURS, countColour, SCALE_TOP_M } from "./colours.js";
-import { Coverage, coverageChoice, PROBABILITY_LEGEND } from "./coverage.js";
-import { byId, grouped, h, morph, setText } from "./dom.js";
+import { COLOURS } from "./colours.js";
+import { Coverage } from "./coverage.js";
+import { byId, setText } from "./dom.js";
 import { readFilter } from "./filter.js";
-import { bearing, magneticText, NAUTICAL_MILE_M, pathBetween, placeOf, sexagesimal } from "./geodesy.js";
 import { paintGround } from "./ground.js";
 import { showHeader } from "./header.js";
 import { KeptViews, keepHabits } from "./kept.js";
-import { LABEL_LINES, labelOf, levelOf, levelText, NO_MOTION } from "./labels.js";
-import { layersChoice, layersOf } from "./maps.js";
-import { bearingText, distanceText } from "./measuring.js";
+import { LABEL_LINES, labelOf } from "./labels.js";
+import { layersOf } from "./maps.js";
 import { controlsOn } from "./nudge.js";
 import { Operator } from "./operator.js";
-import { controlOrders, showTrackOrders } from "./orders.js";
+import { controlOrders } from "./orders.js";
 import { Painter } from "./painter.js";
-import { latencyPanel, sourcesPanel, systemPanel, TrackPanel, viewPanel } from "./panels.js";
-import { blankTrack, forgetMains, HAND_OVER_AFTER_S, noteMain, Picture, Trail } from "./picture.js";
+import { forgetMains, HAND_OVER_AFTER_S, noteMain, Picture, Trail } from "./picture.js";
 import { read, write } from "./settings.js";
-import { TrackTable } from "./table.js";
-import { controlTabs } from "./tabs.js";
+import { Side } from "./side.js";
+import { showLegend, showScale } from "./surround.js";
 import { View } from "./view.js";
-import { NO_REASONS } from "./why.js";
 
 /** @typedef {import("./picture.js").Track} Track */
 /** @typedef {import("./settings.js").Settings} Settings */
@@ -37,16 +33,6 @@ import { NO_REASONS } from "./why.js";
 /** @typedef {import("./picture.js").Ray} Ray */
 /** @typedef {import("./picture.js").Area} Area */
 /** @typedef {Partial<Omit<Track, "trail" | "mains">> & {number: number}} Change */
-
-const TABS = /** @type {const} */ ([
-  ["tracks", "Tracks"],
-  ["track", "Selected"],
-  ["sources", "Sources"],
-  ["alarms", "Alarms"],
-  ["latency", "Latency"],
-  ["system", "System"],
-  ["view", "View"],
-]);
 
 /** Time for which a page that has just been opened follows the tracks that appear, seconds. */
 const FIT_AT_FIRST_S = 30;
@@ -137,36 +123,11 @@ export class App {
     this.trackCanvas = /** @type {HTMLCanvasElement} */ (byId("tracks"));
     this.groundContext = context(this.groundCanvas, false);
     this.trackContext = context(this.trackCanvas, true);
-    this.table = new TrackTable(byId("panel"), {
-      sortBy: (column) => this.set({ sort: this.settings.sort === column ? `-${column}` : column }),
-      select: (number, more) => this.select(number, more),
-      goTo: (number) => this.goTo(number),
-    });
-    /** @type {TrackPanel | null} */
-    this.trackPanel = null;
-    this.trackOrders = h("div");
-    /** Sources, and the choice of the coverage that is shown. */
-    this.sourceParts = [h("div"), h("div")];
-    this.mounted = "";
     this.operator = new Operator();
     this.alarms = new Alarms(this);
     this.kept = new KeptViews(this);
     controlOrders(this);
-    for (const [tab, title] of TABS)
-      byId("tabs").append(
-        h(
-          "button",
-          {
-            role: "tab",
-            id: `tab-${tab}`,
-            "data-tab": tab,
-            "aria-controls": "panel",
-            click: () => this.set({ tab: this.settings.tab === tab ? "" : tab }),
-          },
-          title,
-        ),
-      );
-    controlTabs(this);
+    this.side = new Side(this);
     this.readSettings();
     window.addEventListener("hashchange", () => {
       this.settings = read(location.hash);
@@ -222,8 +183,8 @@ export class App {
     this.readFilter();
     const field = /** @type {HTMLInputElement} */ (byId("filter"));
     if (document.activeElement !== field) field.value = settings.filter;
-    this.showTab();
-    this.showLegend();
+    this.side.showTab();
+    showLegend(this);
     this.keepAddress();
     this.dirty = true;
     this.panelDue = 0;
@@ -274,7 +235,7 @@ export class App {
 
   /**
    * @param {{instance: string, origin: import("./geodesy.js").Place | null, declination_deg?: number | null,
-   *   recording?: {name: string, from_s: number, to_s: number, time_s: number, speed: number} | null,
+   *   recording?: {name: string, from_s: number, to_s: number, time_s: number, speed: number, shares_moment?: boolean} | null,
    *   labels?: {lines: readonly (readonly string[])[], prefer: string}}} what
    *   An origin that is not known yet is said later.
    */
@@ -285,6 +246,7 @@ export class App {
     document.title = `Koseki ${recording?.name ?? instance}`;
     setText(byId("live"), recording ? "END" : "LIVE");
     this.isRecording = Boolean(recording);
+    if (recording?.shares_moment) this.notice("Too many windows show this recording: this one shares its moment with others");
     if (recording) {
       this.historyFrom = recording.from_s;
       this.liveTime = recording.to_s;
@@ -324,11 +286,11 @@ export class App {
     // After a jump through time, earlier values do not apply.
     const leap = full || time < before || time - before > HAND_OVER_AFTER_S;
     if (leap) for (const track of picture.system.values()) forgetMains(track, time);
-    for (const number of removed) picture.system.delete(number);
+    for (const number of removed) picture.remove(number);
     for (const change of tracks) {
       let track = picture.system.get(change.number);
       if (!track) {
-        picture.system.set(change.number, (track = blankTrack()));
+        track = picture.appear(change.number);
         forgetMains(track, time);
       }
       const main = track.source;
@@ -438,7 +400,7 @@ export class App {
       const fewer = this.sourceOf.size !== what.sources.length;
       this.sourceOf = new Map(what.sources.map((source) => [source.number, source]));
       if (fewer) {
-        this.showLegend();
+        showLegend(this);
         this.readFilter();
       }
     }
@@ -504,7 +466,7 @@ export class App {
   /** Shows a source in the list of sources, and gives it the focus. @param {number} number */
   showSource(number) {
     this.set({ tab: "sources" });
-    this.showPanel();
+    this.side.show();
     const row = /** @type {HTMLElement | null} */ (byId("panel").querySelector(`[data-source="${number}"]`));
     row?.focus();
   }
@@ -580,7 +542,7 @@ export class App {
     }
     if (now >= this.panelDue) {
       this.panelDue = now + 500;
-      this.showPanel();
+      this.side.show();
       showHeader(this);
       this.alarms.sound(now);
       this.chrome[1] = controlsOn(this.map);
@@ -608,6 +570,7 @@ export class App {
       settings.theme,
       settings.rings,
       settings.siterings,
+      settings.units,
       settings.dim,
       settings.maps,
     ]
@@ -623,7 +586,7 @@ export class App {
         settings,
         latitude: this.known.origin.latitude_deg,
       });
-      this.showScale();
+      showScale(this);
     }
     this.painter.paint(this.trackContext, {
       view,
@@ -643,181 +606,6 @@ export class App {
       origin: this.known.origin,
       declination: this.known.declination,
     });
-  }
-
-  // ---- Round the map
-
-  showScale() {
-    const wanted = 110 * this.view.scale;
-    const metric = this.settings.units === "metric";
-    const unit = metric || wanted < NAUTICAL_MILE_M / 4 ? 1 : NAUTICAL_MILE_M;
-    const power = 10 ** Math.floor(Math.log10(wanted / unit));
-    const step = [5, 2, 1].map((s) => s * power).find((s) => s * unit <= wanted) ?? power;
-    const bar = /** @type {HTMLElement} */ (byId("scale").firstElementChild);
-    bar.style.width = `${(step * unit) / this.view.scale}px`;
-    const text =
-      unit > 1
-        ? `${Number(step.toPrecision(2))} NM`
-        : step >= 1000
-          ? `${step / 1000} km`
-          : `${Number(step.toPrecision(2))} m`;
-    setText(/** @type {Element} */ (byId("scale").lastElementChild), text);
-  }
-
-  showLegend() {
-    const { settings } = this;
-    const colours = COLOURS[settings.theme];
-    /** @type {[string, string, string][]} Sign, its colour, what it says. */
-    const lines = [];
-    if (settings.colour === "height") {
-      const step = SCALE_TOP_M / colours.scale.length;
-      const metric = settings.units === "metric";
-      colours.scale.forEach((colour, k) => {
-        const from = metric
-          ? `${Math.round(k * step)} m`
-          : `FL ${levelText(levelOf({ height: k * step }))}`;
-        lines.unshift(["■", colour, from]);
-      });
-    } else if (settings.colour === "main") {
-      for (const { number, name } of this.known.sources)
-        lines.push(["■", colours.sources[number % colours.sources.length], name]);
-    } else if (settings.colour === "source") {
-      for (const count of [1, 2, 3, 4])
-        lines.push(["■", countColour(colours, count), `${count} source${count > 1 ? "s" : ""}`]);
-    }
-    const state = settings.colour === "state";
-    lines.push(
-      ["◉", state ? colours.confirmed : colours.unknown, "confirmed"],
-      ["○", state ? colours.tentative : colours.unknown, "tentative"],
-      ["⊗", state ? colours.coasted : colours.unknown, "coasted"],
-      ["⬡", state ? colours.confirmed : colours.unknown, "group"],
-      ["□", state ? colours.confirmed : colours.unknown, "on ground"],
-    );
-    if (settings.sensors)
-      lines.push(
-        ["+", colours.sensor.radar, "radar"],
-        ["△", colours.sensor.multilateration, "multilateration"],
-        ["□", colours.sensor["ads-b"], "ADS-B"],
-        ["◇", colours.sensor.tracker, "other sensor"],
-      );
-    if (settings.pd !== "") lines.push(...PROBABILITY_LEGEND);
-    if (settings.detections) lines.push(["·", colours.sensor.detection, "detection"]);
-    if (settings.at > 0 && !this.isRecording && (settings.detections || settings.bearings || settings.areas))
-      lines.push(["–", colours.unknown, "detections, bearings, counts: not kept"]);
-    const legend = byId("legend");
-    legend.replaceChildren(
-      ...lines.flatMap(([sign, colour, text]) => {
-        const mark = h("b", {}, sign);
-        mark.style.color = colour;
-        return [mark, h("span", {}, text)];
-      }),
-    );
-  }
-
-  /** Where the cursor is. @param {number} x @param {number} y */
-  showCursor(x, y) {
-    const [east, north] = this.view.toGround(x, y);
-    const place = placeOf(this.known.origin, east, north);
-    const path = pathBetween(this.known.origin, { east: 0, north: 0 }, { east, north });
-    const fromOrigin = path ? `${bearingText(path.there)}  ${distanceText(path.range, this.settings.units)}` : "";
-    const signed = (/** @type {number} */ v) => `${v < 0 ? "−" : "+"}${grouped(Math.abs(v))}`;
-    const variation = this.known.declination;
-    const magnetic = Number.isFinite(variation) ? ` ${magneticText(bearing(east, north), variation)}` : "";
-    const where = place
-      ? `${sexagesimal(place.latitude_deg, "N", "S")} ${sexagesimal(place.longitude_deg, "E", "W")}`
-      : "beyond the horizon";
-    setText(byId("cursor"), `${where}\nE ${signed(east)} m  N ${signed(north)} m  ${fromOrigin}${magnetic}`);
-  }
-
-  // ---- Panel
-
-  showTab() {
-    const { tab } = this.settings;
-    byId("side").classList.toggle("closed", tab === "");
-    byId("panel").hidden = tab === "";
-    for (const button of byId("tabs").children) {
-      const isShown = button.getAttribute("data-tab") === tab;
-      button.setAttribute("aria-selected", String(isShown));
-      button.setAttribute("tabindex", isShown || (tab === "" && button === byId("tabs").firstElementChild) ? "0" : "-1");
-    }
-    if (tab !== "") byId("panel").setAttribute("aria-labelledby", `tab-${tab}`);
-    if (this.mounted !== tab) {
-      this.mounted = tab;
-      this.trackPanel = null;
-      byId("panel").replaceChildren();
-      byId("panel").scrollTop = 0;
-      if (tab === "tracks") this.table.mount();
-    }
-  }
-
-  /** Tracks that the table lists. */
-  listed() {
-    const { view, settings } = this;
-    const tracks = [...this.picture.system.values()].filter((track) => this.shows(track));
-    if (!settings.inview) return tracks;
-    return tracks.filter((track) => view.sees(track.east, track.north));
-  }
-
-  showPanel() {
-    const { settings, known } = this;
-    const panel = byId("panel");
-    // Figures that the user is marking or changing are left alone.
-    const busy = panel.contains(document.activeElement) && ["view", "sources"].includes(settings.tab);
-    if (settings.tab === "" || busy || (settings.tab !== "tracks" && !getSelection()?.isCollapsed)) return;
-    const scroll = panel.scrollTop;
-    if (settings.tab === "tracks") {
-      this.table.update(this.listed(), settings.sort, this.selected, settings.units, (track) => this.mainName(track));
-    } else if (settings.tab === "track") this.showTrack(panel);
-    else if (settings.tab === "sources") this.showSources(panel);
-    else if (settings.tab === "alarms") this.alarms.show(panel);
-    else if (settings.tab === "latency") panel.replaceChildren(latencyPanel(known.stages));
-    else if (settings.tab === "system")
-      morph(panel, systemPanel(known.processes, known.orders, known.system, known.time, known.hasOperators));
-    else if (settings.tab === "view")
-      panel.replaceChildren(
-        this.kept.panel(),
-        viewPanel(settings, (patch) => this.set(patch)),
-        layersChoice(settings.maps, this.overlays, (patch) => this.set(patch)),
-      );
-    if (settings.tab !== "tracks") panel.scrollTop = scroll;
-  }
-
-  /** @param {HTMLElement} panel */
-  showSources(panel) {
-    const { known, settings, sourceParts } = this;
-    const [list, choice] = sourceParts;
-    if (!panel.contains(list)) panel.replaceChildren(...sourceParts);
-    morph(list, sourcesPanel(known.sources, known.time, known.hasOperators));
-    if (!choice.contains(document.activeElement))
-      choice.replaceChildren(coverageChoice(this.coverage, known.sources, settings.pd, (patch) => this.set(patch)));
-  }
-
-  /** @param {HTMLElement} panel */
-  showTrack(panel) {
-    const number = [...this.selected].at(-1);
-    const track = number === undefined ? undefined : this.picture.system.get(number);
-    if (number === undefined || !track) {
-      this.trackPanel = null;
-      const text =
-        number === undefined ? "Select a track on the map or in the table." : `Track ${number} is not in the picture.`;
-      panel.replaceChildren(h("div.pad.soft", {}, text));
-      return;
-    }
-    if (!this.trackPanel) {
-      this.trackPanel = new TrackPanel(panel);
-      panel.firstElementChild?.append(this.trackOrders);
-    }
-    showTrackOrders(this, this.trackOrders);
-    this.trackPanel.update(
-      track,
-      this.shares.get(number) ?? [],
-      this.historyOf(number),
-      this.facts.get(number) ?? { stateTime: "", facts: [], rule: "", why: NO_REASONS, motion: NO_MOTION },
-      this.known,
-      this.settings.units,
-      COLOURS[this.settings.theme].sources,
-      this.settings.at > 0,
-    );
   }
 }
 

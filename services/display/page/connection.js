@@ -7,6 +7,7 @@
 
 import { IDENTITY, PICTURE, PICTURE_AREA_KIND, PICTURE_TRACK, readPicture, TRACK_KIND, TRACK_STATE } from "./wire.js";
 import { reasonOf, whyOf } from "./why.js";
+import { ofWindow } from "./window.js";
 
 /** @typedef {import("./app.js").App} App */
 /** @typedef {import("./app.js").Change} Change */
@@ -37,10 +38,9 @@ export class Connection {
   }
 
   open() {
-    const address = new URL("ws", location.href);
+    const address = new URL(ofWindow("ws"), location.href);
     address.protocol = location.protocol === "https:" ? "wss:" : "ws:";
     address.hash = "";
-    address.search = "";
     const socket = new WebSocket(address);
     socket.binaryType = "arraybuffer";
     this.socket = socket;

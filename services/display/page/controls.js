@@ -5,6 +5,7 @@ import { Measuring, measureSelected } from "./measuring.js";
 import { giveBack, nudge } from "./nudge.js";
 import { isNameKey, SearchBox } from "./search.js";
 import { CHOICES, DEFAULTS } from "./settings.js";
+import { showCursor } from "./surround.js";
 
 /** @typedef {import("./app.js").App} App */
 
@@ -273,7 +274,7 @@ function controlPointer(app) {
   });
   canvas.addEventListener("pointermove", (event) => {
     const [x, y] = where(event);
-    app.showCursor(x, y);
+    showCursor(app, x, y);
     const last = fingers.get(event.pointerId);
     if (!last) {
       const track = app.painter.at(x, y);
@@ -338,7 +339,7 @@ function controlPointer(app) {
       const [x, y] = where(event);
       const lines = event.deltaMode === 1 ? event.deltaY * 16 : event.deltaY;
       app.moved(() => app.view.zoom(Math.exp(-lines / 400), x, y));
-      app.showCursor(x, y);
+      showCursor(app, x, y);
     },
     { passive: false },
   );

@@ -4,6 +4,7 @@
  */
 
 import { dayAndClock, h } from "./dom.js";
+import { ofWindow } from "./window.js";
 
 /** Share of the reports owed from which a cell belongs to the coverage, and tries from which that is known. */
 const COVERED = 0.5;
@@ -33,7 +34,7 @@ export class Coverage {
   async refresh(now, changed) {
     if (now < this.due) return;
     this.due = now + ASK_EVERY_MS;
-    const answer = await fetch("api/coverage.json");
+    const answer = await fetch(ofWindow("api/coverage.json"));
     if (!answer.ok) return;
     this.take(await answer.json());
     changed();

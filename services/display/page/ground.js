@@ -34,14 +34,29 @@ export function groundOf(octets) {
 }
 
 /**
- * Distance between two range rings, nautical miles, so that they stand some 120 pixels apart.
- * @param {number} scale metres a pixel
+ * Unit of round lengths near `metres`: kilometres; or nautical miles, and metres below a quarter of one.
+ * @param {number} metres @param {string} units
  */
-export function ringStep(scale) {
-  const wanted = (120 * scale) / NAUTICAL_MILE_M;
-  const power = 10 ** Math.floor(Math.log10(wanted));
-  const step = [1, 2, 5, 10].find((s) => s * power >= wanted) ?? 10;
-  return step * power;
+function unitOf(metres, units) {
+  if (units === "metric") return 1000;
+  return metres < NAUTICAL_MILE_M / 4 ? 1 : NAUTICAL_MILE_M;
+}
+
+/**
+ * The nearest round length below `metres`, or above it, and its unit: metres, both.
+ * @param {number} metres @param {string} units @param {boolean} [up]
+ */
+export function roundLength(metres, units, up = false) {
+  const unit = unitOf(metres, units);
+  const power = unit * 10 ** Math.floor(Math.log10(metres / unit));
+  const step = up ? [1, 2, 5].find((s) => s * power >= metres) ?? 10 : [5, 2].find((s) => s * power <= metres) ?? 1;
+  return { length: step * power, unit };
+}
+
+/** Text of a round length. @param {number} metres @param {number} unit */
+export function lengthText(metres, unit) {
+  if (unit === NAUTICAL_MILE_M) return `${Number((metres / unit).toPrecision(3))} NM`;
+  return unit === 1000 && metres >= 1000 ? `${Number((metres / unit).toPrecision(3))} km` : `${Number(metres.toPrecision(3))} m`;
 }
 
 /**
@@ -49,7 +64,7 @@ export function ringStep(scale) {
  * @property {Ground} ground @property {import("./maps.js").Overlay[]} overlays
  * @property {{name: string, isOn: boolean}[]} layers From the lowest up.
  * @property {{east: number, north: number, name: string}[]} sites Sensors.
- * @property {{rings: boolean, siterings: boolean, dim: boolean}} settings
+ * @property {{rings: boolean, siterings: boolean, dim: boolean, units: string}} settings
  * @property {number} latitude Of the origin, degrees.
  */
 
@@ -90,7 +105,7 @@ export function paintGround(ctx, view, colours, { ground, overlays, layers, site
     } else if (name === "range rings") {
       const centres = settings.siterings ? centresOf(sites) : [];
       if (settings.rings) centres.unshift({ east: 0, north: 0, name: "" });
-      for (const centre of centres) names.push(...paintRings(ctx, view, colours, bounds, centre));
+      for (const centre of centres) names.push(...paintRings(ctx, view, colours, bounds, centre, settings.units));
     } else {
       const own = overlays.filter(({ layer }) => layer === name);
       paintOverlays(ctx, view, colours, own, zoom, dim, lines, names);
@@ -132,24 +147,25 @@ export function centresOf(sites) {
  * @param {import("./view.js").View} view
  * @param {import("./colours.js").Colours} colours
  * @param {number[]} bounds
- * @param {{east: number, north: number, name: string}} centre
+ * @param {{east: number, north: number, name: string}} centre @param {string} units
  * @returns {[number, number, number, number][]} Boxes of the names that it has written.
  */
-function paintRings(ctx, view, colours, [west, south, east, north], centre) {
+function paintRings(ctx, view, colours, [west, south, east, north], centre, units) {
   /** @type {[number, number, number, number][]} */
   const names = [];
-  const step = ringStep(view.scale);
+  // Rings stand at least 120 pixels apart.
+  const { length: step, unit } = roundLength(120 * view.scale, units, true);
   const [left, right] = [west - centre.east, east - centre.east];
   const [low, high] = [south - centre.north, north - centre.north];
-  const nearest = Math.hypot(Math.max(left, -right, 0), Math.max(low, -high, 0)) / NAUTICAL_MILE_M;
-  const farthest = Math.hypot(Math.max(-left, right), Math.max(-low, high)) / NAUTICAL_MILE_M;
+  const nearest = Math.hypot(Math.max(left, -right, 0), Math.max(low, -high, 0));
+  const farthest = Math.hypot(Math.max(-left, right), Math.max(-low, high));
   const [x, y] = view.toScreen(centre.east, centre.north);
   ctx.strokeStyle = colours.grid;
   ctx.lineWidth = 1;
   ctx.setLineDash([2, 4]);
   ctx.beginPath();
   for (let ring = Math.max(1, Math.floor(nearest / step)); ring * step <= farthest; ring++) {
-    const radius = (ring * step * NAUTICAL_MILE_M) / view.scale;
+    const radius = (ring * step) / view.scale;
     ctx.moveTo(x + radius, y);
     ctx.arc(x, y, radius, 0, 2 * Math.PI);
   }
@@ -165,8 +181,8 @@ function paintRings(ctx, view, colours, [west, south, east, north], centre) {
   ctx.font = "10px system-ui, 'DejaVu Sans', sans-serif";
   if (centre.name !== "") names.push(written(ctx, centre.name, x + 6, y + 12));
   for (let ring = Math.max(1, Math.floor(nearest / step)); ring * step <= farthest; ring++) {
-    const radius = (ring * step * NAUTICAL_MILE_M) / view.scale;
-    names.push(written(ctx, `${Number((ring * step).toPrecision(3))} NM`, x + 3, y - radius - 3));
+    const radius = (ring * step) / view.scale;
+    names.push(written(ctx, lengthText(ring * step, unit), x + 3, y - radius - 3));
   }
   return names;
 }

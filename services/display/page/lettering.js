@@ -16,6 +16,8 @@ const SHARE_BAR = 60;
 const LEADER_MIN = 9;
 /** Where the leader begins, pixels from the middle of the symbol. */
 const LEADER_FROM = 6;
+/** Largest share of the map that a block takes; a larger one is left out, and its targets are counted. */
+const BLOCK_SHARE_MAX = 0.125;
 /** Shortest speed vector that is drawn, pixels: east and north added. */
 export const VECTOR_MIN = 6;
 
@@ -94,23 +96,29 @@ export class Lettering {
     const free = wishes.filter(({ rank, spot }) => rank < 3 && !spot.pinned);
     const symbols = free.map((wish) => ({ ...wish, number: wish.track.number }));
     const groups = groupsOf(symbols, this.leads);
+    const before = this.leads;
     this.leads = new Map();
     const blocks = new Map();
     const taken = new Set();
     const fanned = [];
     for (const [lead, members] of groups) {
-      const spot = this.blocks.get(lead) ?? { place: -1, lines: 0, isForced: false, pinned: null };
+      // A block whose lead has left stays where it is.
+      const former = this.blocks.get(before.get(lead) ?? -1) ?? { place: -1, lines: 0, isForced: false, pinned: null };
+      const spot = this.blocks.get(lead) ?? { ...former };
       blocks.set(lead, spot);
       const width = Math.max(...members.map(({ widths }) => widths[0]));
       const block = blockOf(members.length, width, LINE_HEIGHT);
       const mean = (/** @type {"x" | "y" | "vx" | "vy"} */ key) =>
         members.reduce((sum, member) => sum + member[key], 0) / members.length;
+      const { width: mapWidth, height: mapHeight } = this.placement;
+      const isShown = block.width * block.height < BLOCK_SHARE_MAX * mapWidth * mapHeight;
       for (const { track, number, x, y } of members) {
         this.leads.set(number, lead);
         taken.add(track);
         track.spot.place = -1;
         this.placement.keepOutSymbol(x, y);
       }
+      if (!isShown) continue;
       const [x, y, vx, vy] = [mean("x"), mean("y"), mean("vx"), mean("vy")];
       const tracks = members.map(({ track }) => track).sort((a, b) => (a.label[0] < b.label[0] ? -1 : 1));
       const size = { widths: [block.width], heights: [block.height] };

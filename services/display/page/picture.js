@@ -199,12 +199,17 @@ export function sourcesOf(track) {
   return sources;
 }
 
+/** Most trails of tracks that have left: 7 MB. */
+const LEFT_MAX = 2000;
+
 export class Picture {
   constructor() {
     /** Time of the picture, seconds UTC; 0 before the first. */
     this.time = 0;
     /** @type {Map<number, Track>} System tracks by number. */
     this.system = new Map();
+    /** @type {Map<number, Trail>} Trails of tracks that have left the picture, the earliest first. */
+    this.left = new Map();
     /** @type {Map<number, Spot>} Sensor tracks by source and number. */
     this.sensor = new Map();
     /** @type {Spot[]} Detections, bearings and areas, the oldest first. */
@@ -213,6 +218,24 @@ export class Picture {
     this.bearings = [];
     /** @type {Area[]} */
     this.areas = [];
+  }
+
+  /** Removes a track; its trail is kept, since another fusion may continue the track. @param {number} number */
+  remove(number) {
+    const trail = this.system.get(number)?.trail;
+    this.system.delete(number);
+    if (!trail || trail.length < 2) return;
+    this.left.set(number, trail);
+    if (this.left.size > LEFT_MAX) this.left.delete(this.left.keys().next().value ?? 0);
+  }
+
+  /** Adds a track, with the trail that it had before. @param {number} number */
+  appear(number) {
+    const track = blankTrack();
+    track.trail = this.left.get(number) ?? track.trail;
+    this.left.delete(number);
+    this.system.set(number, track);
+    return track;
   }
 
   clearLayers() {

@@ -46,14 +46,22 @@ const FAN_PLACES = (LENGTHS.length + FAN_LENGTHS.length) * DIRECTIONS.length;
 const BLOCK_PLACES = ALL_LENGTHS.length * DIRECTIONS.length;
 /** Free pixels round a place that is taken anew, so that it can be kept for long. */
 const MARGIN = 5;
-/** Moments of the time ahead at which a place taken anew shall still be free, seconds. */
-const AHEAD = [0, 20, 40, 60, 80, 100, 120];
+/** Moments of the time ahead at which a place taken anew shall still be free, seconds. They begin close to each other: in
+ * a crowd, symbols pass a label within seconds. */
+const AHEAD = [0, 5, 10, 15, 20, 30, 40, 60, 80, 100, 120];
+/** Time after which a vector must have passed a label that shall not move for it, seconds; its place among the moments. */
+const PASSED_S = 20;
+const AHEAD_S = AHEAD[AHEAD.length - 1];
+const PASSED = AHEAD.indexOf(PASSED_S);
 /** What is as bad as a leader that is so many pixels longer: no free pixels round a label, a leader across a symbol or a
- * label, a vector across a block, and each of the moments ahead at which the place is no longer free. */
+ * label, a vector across a block, and each BRIEF_S of the time ahead for which the place is no longer free. */
 const COST_TIGHT = 10;
 const COST_CROSSED = 30;
 const COST_VECTOR = 80;
 const COST_BRIEF = 30;
+const BRIEF_S = 20;
+/** Brevity of a place from which on a label does not grow there. */
+const BREVITY_MAX = 3.5;
 /** How many displaced labels are as bad as a symbol under a label. */
 const HIDDEN = 3;
 /** … and as a control, or a name on the map, under one. */
@@ -103,6 +111,11 @@ const HARD = BOX | SYMBOL | VECTOR;
 /** Whether a label must be shown, whatever it displaces. @param {Wish} wish */
 function isMust(wish) {
   return wish.rank === 3 || wish.isBlock;
+}
+
+/** Whether a label, once it lies, does not give way to `other`, which must be shown. @param {Wish} wish @param {Wish} other */
+function isFirm(wish, other) {
+  return wish.rank === 3 || wish.spot.pinned !== null || (wish.isBlock && other.isBlock);
 }
 
 export class Placement {
@@ -196,22 +209,20 @@ export class Placement {
     for (const owner of must)
       if (!this.find(owner, wishes[owner])) left.push(...this.force(owner, wishes[owner], wishes));
     this.search(left.filter((owner) => !isMust(wishes[owner])), wishes);
+    this.leftOut = wishes.length - this.laid.length;
     return this.laid;
   }
 
   /** Looks for places as long as the picture may cost it. @private @param {number[]} left @param {Wish[]} wishes */
   search(left, wishes) {
-    this.leftOut = 0;
     let tried = 0;
     const most = this.depth > 1 ? TESTS_MAX : CROWD_TESTS_MAX;
     const start = left.length > 0 ? this.turn % left.length : 0;
     for (let k = 0; k < left.length; k++) {
       const owner = left[(start + k) % left.length];
-      if (this.tests > most) this.leftOut++;
-      else {
-        tried++;
-        if (!this.find(owner, wishes[owner])) this.leftOut++;
-      }
+      if (this.tests > most) continue;
+      tried++;
+      this.find(owner, wishes[owner]);
     }
     this.turn = tried === left.length ? 0 : start + tried;
   }
@@ -248,7 +259,7 @@ export class Placement {
   /** Whether there is room for more lines, and will be for a while. @private
    * @param {Wish} wish @param {number} place @param {number} lines */
   canGrow(wish, place, lines) {
-    return this.isFree(wish, place, lines, MARGIN, HARD) && this.brevity(wish, place, lines) < this.depth / 2;
+    return this.isFree(wish, place, lines, MARGIN, HARD) && this.brevity(wish, place, lines) < BREVITY_MAX;
   }
 
   /** Whether a label need not leave its place: a vector that will have passed is borne. @private
@@ -257,7 +268,7 @@ export class Placement {
     if (wish.spot.isForced) return this.isFree(wish, place, lines, 0, BOX);
     if (!this.isFree(wish, place, lines, 0, BOX | SYMBOL)) return false;
     if (wish.isBlock || this.isFree(wish, place, lines, 0, VECTOR)) return true;
-    return this.depth > 1 && this.brevity(wish, place, lines) < this.depth - 1;
+    return this.depth > 1 && this.isSoonFree(wish, place, lines);
   }
 
   /** Finds a new place. @private @param {number} owner @param {Wish} wish */
@@ -295,7 +306,7 @@ export class Placement {
   }
 
   /**
-   * Puts a label that must be shown where it displaces least.
+   * Puts a label that must be shown where it displaces least. A block that would cover another such label is left out.
    * @private @param {number} owner @param {Wish} wish @param {Wish[]} wishes
    * @returns {number[]} Owners of the labels that it has displaced.
    */
@@ -307,14 +318,15 @@ export class Placement {
       const box = this.boxOf(wish, place, lines);
       const { left, top, width, height } = box;
       if (left < 0 || top < 0 || left + width > this.width || top + height > this.height) continue;
+      if (wish.isBlock && this.laid.some((laid) => isFirm(laid.wish, wish) && overlap(laid, box))) continue;
       const covered = this.closed.filter((closed) => overlap(closed, box)).length;
       const hits = (/** @type {number} */ mask) => this.moments[0].hits(99, mask, left, top, left + width, top + height);
-      const displaced = this.under(left, top, width, height, wishes).length;
+      const displaced = this.under(wish, box, wishes).length;
       const lost = displaced + HIDDEN * hits(SYMBOL) + hits(VECTOR) + COVERED * covered;
       if (lost < least) [best, least] = [place, lost];
     }
-    const { left, top, width, height } = this.boxOf(wish, best, lines);
-    const lost = this.under(left, top, width, height, wishes);
+    if (wish.isBlock && least === Infinity) return [];
+    const lost = this.under(wish, this.boxOf(wish, best, lines), wishes);
     for (const other of lost) {
       for (const shape of this.shapes[other]) for (const moment of this.moments) moment.remove(shape);
       wishes[other].spot.place = -1;
@@ -326,14 +338,12 @@ export class Placement {
     return lost;
   }
 
-  /** Owners of labels that may be displaced from a rectangle. @private
-   * @param {number} left @param {number} top @param {number} width @param {number} height @param {Wish[]} wishes */
-  under(left, top, width, height, wishes) {
+  /** Owners of labels that `wish` displaces from a rectangle. @private
+   * @param {Wish} wish @param {Box} box @param {Wish[]} wishes */
+  under(wish, box, wishes) {
     const owners = [];
-    for (const { wish, ...box } of this.laid) {
-      if (isMust(wish) || wish.spot.pinned || !overlap(box, { left, top, width, height })) continue;
-      owners.push(wishes.indexOf(wish));
-    }
+    for (const laid of this.laid)
+      if (!isFirm(laid.wish, wish) && overlap(laid, box)) owners.push(wishes.indexOf(laid.wish));
     return owners;
   }
 
@@ -362,16 +372,24 @@ export class Placement {
     return this.moments[0].hits(1, mask, left - margin, top - margin, right + margin, bottom + margin) === 0;
   }
 
-  /** At how many of the later moments a place is no longer free. @private
+  /** For how long of the time ahead a place is no longer free, in units of BRIEF_S. @private
    * @param {Wish} wish @param {number} place @param {number} lines */
   brevity(wish, place, lines) {
     const { left, top, width, height } = this.boxOf(wish, place, lines);
     for (let k = 1; k < this.depth; k++) {
       const [x, y] = [left + AHEAD[k] * wish.vx, top + AHEAD[k] * wish.vy];
       const inside = x >= 0 && y >= 0 && x + width <= this.width && y + height <= this.height;
-      if (!inside || this.moments[k].hits(1, HARD, x, y, x + width, y + height) > 0) return this.depth - k;
+      if (!inside || this.moments[k].hits(1, HARD, x, y, x + width, y + height) > 0)
+        return 1 + (AHEAD_S - AHEAD[k]) / BRIEF_S;
     }
     return 0;
+  }
+
+  /** Whether a place is free again soon. @private @param {Wish} wish @param {number} place @param {number} lines */
+  isSoonFree(wish, place, lines) {
+    const { left, top, width, height } = this.boxOf(wish, place, lines);
+    const [x, y] = [left + PASSED_S * wish.vx, top + PASSED_S * wish.vy];
+    return this.moments[PASSED].hits(1, HARD, x, y, x + width, y + height) === 0;
   }
 
   /** Whether nothing lies between a symbol and its label. @private

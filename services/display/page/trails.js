@@ -4,6 +4,7 @@
  */
 
 import { Trail } from "./picture.js";
+import { ofWindow } from "./window.js";
 
 /**
  * Trails by track from the server's octets: the oldest point first.
@@ -56,7 +57,7 @@ export class TrailRequests {
   /** @param {number} time End of the trails, seconds UTC. */
   async ask(time) {
     const edition = ++this.edition;
-    const answer = await fetch(`api/trails?until_s=${time}`);
+    const answer = await fetch(ofWindow(`api/trails?until_s=${time}`));
     if (!answer.ok) return;
     const octets = await answer.arrayBuffer();
     if (edition !== this.edition) return;

@@ -2,13 +2,18 @@
 //!
 //! The monitor states which alarms stand. The display adds two acts of operators: an alarm is *acknowledged* until the
 //! alarm is cleared or raised again, or *shelved* for a time. Pages neither count nor sound a shelved alarm. Neither
-//! act changes the alarm itself. A restart of the display forgets both acts: each alarm is then shown as before.
+//! act changes the alarm itself. The acts are kept in a file, which a restarted display reads; events before its start
+//! are forgotten.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::fmt;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use messages::{Alarm, AlarmEvent, NS_PER_S};
+use serde::{Deserialize, Serialize};
+
+use crate::kept_file;
 
 /// Maximum number of stored events.
 const EVENTS_MAX: usize = 512;
@@ -70,10 +75,13 @@ pub(crate) enum AlarmAct {
 }
 
 /// Treatment of an alarm by operators.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
 pub(crate) struct Treatment {
     /// Operator and time of the acknowledgement, UTC, nanoseconds.
     pub(crate) acknowledged: Option<(String, i64)>,
+    /// When the acknowledged alarm was raised, UTC, nanoseconds: another raise is not acknowledged.
+    raised_ns: i64,
     /// Operator and end of the shelving, UTC, nanoseconds.
     pub(crate) shelved: Option<(String, i64)>,
 }
@@ -96,9 +104,27 @@ pub(crate) struct AlarmBook {
     events: VecDeque<PastEvent>,
     /// Number of all events so far.
     count: u64,
+    /// File of the treatments.
+    file: Option<PathBuf>,
 }
 
 impl AlarmBook {
+    /// Creates a book whose treatments are kept in `file`, and reads those of a previous display.
+    pub(crate) fn kept_in(file: PathBuf) -> Self {
+        let treatments = read(&file).unwrap_or_else(|error| {
+            runtime::notice(format_args!(
+                "koseki: {}: {error}; acts on alarms before this start are forgotten",
+                file.display()
+            ));
+            BTreeMap::new()
+        });
+        Self {
+            treatments,
+            file: Some(file),
+            ..Self::default()
+        }
+    }
+
     /// Receives a slice: all standing alarms, and those just cleared.
     pub(crate) fn take(&mut self, slice: &[Alarm]) {
         let stands = |alarm: &&Alarm| alarm.event() != Some(AlarmEvent::Cleared);
@@ -111,9 +137,6 @@ impl AlarmBook {
         for (id, alarm) in &now {
             if before.get(id).is_none_or(|known| known.raised_ns != alarm.raised_ns) {
                 self.note(alarm.raised_ns, "raised", "", *alarm);
-                if let Some(treatment) = self.treatments.get_mut(id) {
-                    treatment.acknowledged = None;
-                }
             }
         }
         // A slice without alarms has no time; the last statement about the alarm is the best one.
@@ -130,23 +153,25 @@ impl AlarmBook {
     /// Does what an operator wants of a standing alarm, at `now_ns` (UTC).
     ///
     /// # Errors
-    /// A sentence, if no such alarm stands or too many alarms are treated.
+    /// A sentence, if no such alarm stands, too many alarms are treated, or the file cannot be written.
     pub(crate) fn act(&mut self, id: &AlarmId, act: AlarmAct, operator: &str, now_ns: i64) -> Result<(), String> {
         let alarm = *self.standing.get(id).ok_or("This alarm no longer stands")?;
-        self.treatments.retain(|known, treatment| {
+        let mut treatments = self.treatments.clone();
+        treatments.retain(|known, treatment| {
             let is_shelved = treatment
                 .shelved
                 .as_ref()
                 .is_some_and(|(_, until_ns)| *until_ns > now_ns);
             is_shelved || self.standing.contains_key(known)
         });
-        if self.treatments.len() == ACTS_MAX && !self.treatments.contains_key(id) {
+        if treatments.len() == ACTS_MAX && !treatments.contains_key(id) {
             return Err(format!("More than {ACTS_MAX} alarms are acknowledged or shelved"));
         }
-        let treatment = self.treatments.entry(id.clone()).or_default();
+        let treatment = treatments.entry(id.clone()).or_default();
         let word = match act {
             AlarmAct::Acknowledge => {
                 treatment.acknowledged = Some((operator.to_owned(), now_ns));
+                treatment.raised_ns = alarm.raised_ns;
                 "acknowledged"
             }
             AlarmAct::Shelve(until_ns) => {
@@ -159,6 +184,12 @@ impl AlarmBook {
                 "restored"
             }
         };
+        if let Some(file) = &self.file {
+            let named: BTreeMap<String, &Treatment> =
+                treatments.iter().map(|(id, one)| (id.to_string(), one)).collect();
+            kept_file::write(file, &named).map_err(|error| format!("{}: {error}", file.display()))?;
+        }
+        self.treatments = treatments;
         self.note(now_ns, word, operator, alarm);
         Ok(())
     }
@@ -167,6 +198,8 @@ impl AlarmBook {
     pub(crate) fn treatment(&self, alarm: &Alarm, now_ns: i64) -> Treatment {
         let mut treatment = self.treatments.get(&alarm.into()).cloned().unwrap_or_default();
         treatment.shelved = treatment.shelved.filter(|(_, until_ns)| *until_ns > now_ns);
+        let is_raised_again = treatment.raised_ns != alarm.raised_ns;
+        treatment.acknowledged = treatment.acknowledged.filter(|_| !is_raised_again);
         treatment
     }
 
@@ -192,6 +225,19 @@ impl AlarmBook {
             alarm,
         });
     }
+}
+
+/// Reads the treatments in `file`; a missing file has none.
+fn read(file: &Path) -> Result<BTreeMap<AlarmId, Treatment>, String> {
+    let text = match std::fs::read_to_string(file) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(BTreeMap::new()),
+        text => text.map_err(|error| error.to_string())?,
+    };
+    let named: BTreeMap<String, Treatment> = serde_json::from_str(&text).map_err(|error| error.to_string())?;
+    let treatments = named.into_iter().take(ACTS_MAX);
+    treatments
+        .map(|(id, treatment)| Ok((id.parse().map_err(|()| format!("{id} is no alarm"))?, treatment)))
+        .collect()
 }
 
 #[cfg(test)]
@@ -229,13 +275,14 @@ mod tests {
         let treated = book.treatment(&first, 130);
         assert_eq!(treated.acknowledged, Some(("anna".to_owned(), 110)));
         assert_eq!(treated.shelved, Some(("anna".to_owned(), 500)));
-        book.take(&[alarm(7, 300, AlarmEvent::Raised)]);
+        let second = alarm(7, 300, AlarmEvent::Raised);
+        book.take(&[second]);
         assert!(
-            book.treatment(&first, 310).acknowledged.is_none(),
+            book.treatment(&second, 310).acknowledged.is_none(),
             "it was raised again"
         );
-        assert!(book.treatment(&first, 499).shelved.is_some());
-        assert!(book.treatment(&first, 500).shelved.is_none());
+        assert!(book.treatment(&second, 499).shelved.is_some());
+        assert!(book.treatment(&second, 500).shelved.is_none());
         assert_eq!(
             words(&book),
             [("raised", 7), ("shelved", 7), ("acknowledged", 7), ("raised", 7)]
@@ -258,6 +305,60 @@ mod tests {
                 .acknowledged
                 .is_none()
         );
+    }
+
+    #[test]
+    fn acts_outlast_the_display_but_not_another_raise_of_the_alarm() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("acts.json");
+        let (first, second) = (alarm(7, 100, AlarmEvent::Raised), alarm(8, 100, AlarmEvent::Raised));
+        let mut book = AlarmBook::kept_in(file.clone());
+        book.take(&[first, second]);
+        book.act(&(&first).into(), AlarmAct::Acknowledge, "anna", 110).unwrap();
+        book.act(&(&second).into(), AlarmAct::Acknowledge, "anna", 111).unwrap();
+        book.act(&(&second).into(), AlarmAct::Shelve(500), "ben", 112).unwrap();
+        let mut again = AlarmBook::kept_in(file.clone());
+        // The second was cleared and raised while there was no display.
+        let (first, second) = (alarm(7, 100, AlarmEvent::Standing), alarm(8, 300, AlarmEvent::Standing));
+        again.take(&[first, second]);
+        assert_eq!(
+            again.treatment(&first, 400).acknowledged,
+            Some(("anna".to_owned(), 110))
+        );
+        let treated = again.treatment(&second, 400);
+        assert_eq!(
+            (treated.acknowledged, treated.shelved),
+            (None, Some(("ben".to_owned(), 500)))
+        );
+        again.act(&(&first).into(), AlarmAct::Restore, "ben", 410).unwrap();
+        let last = AlarmBook::kept_in(file.clone());
+        assert!(last.treatment(&first, 420).acknowledged.is_none());
+        assert_eq!(
+            std::fs::read_dir(folder.path()).unwrap().count(),
+            1,
+            "nothing is left beside it"
+        );
+    }
+
+    #[test]
+    fn an_act_that_cannot_be_kept_is_refused_and_a_torn_file_costs_the_acts_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let first = alarm(7, 100, AlarmEvent::Raised);
+        let mut book = AlarmBook::kept_in(folder.path().join("none/acts.json"));
+        book.take(&[first]);
+        let refused = book
+            .act(&(&first).into(), AlarmAct::Acknowledge, "anna", 110)
+            .unwrap_err();
+        assert!(refused.contains("acts.json"), "{refused}");
+        assert!(book.treatment(&first, 120).acknowledged.is_none());
+        let file = folder.path().join("acts.json");
+        for text in ["{", r#"{"7": {"raised_ns": 1}}"#] {
+            std::fs::write(&file, text).unwrap();
+            let mut book = AlarmBook::kept_in(file.clone());
+            book.take(&[first]);
+            assert!(book.treatment(&first, 120).acknowledged.is_none());
+            book.act(&(&first).into(), AlarmAct::Acknowledge, "anna", 110).unwrap();
+        }
     }
 
     #[test]

@@ -46,11 +46,14 @@ pub(crate) const ASSETS: &[Asset] = assets! {
     "plots.js"
     "search.js"
     "settings.js"
+    "side.js"
+    "surround.js"
     "table.js"
     "tabs.js"
     "trails.js"
     "view.js"
     "why.js"
+    "window.js"
     "wire.js"
 };
 

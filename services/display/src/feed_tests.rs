@@ -14,6 +14,7 @@ use web::{ForeignPages, Guard, Server};
 
 use crate::feed::{Feed, WAITING_MAX};
 use crate::foxglove::FOXGLOVE;
+use crate::moments::Moments;
 use crate::pages::router;
 use crate::pages::tests::{LONG, Socket, now, track, until};
 use crate::settings::Keys;
@@ -40,7 +41,7 @@ fn served() -> (Arc<SharedState>, Server, usize) {
         "pages",
         "127.0.0.1:0".parse().unwrap(),
         guard,
-        router(Arc::clone(&shared)),
+        router(Moments::of_deployment(Arc::clone(&shared))),
     )
     .unwrap();
     let place = shared.feed.place_of("system/tracks").unwrap();

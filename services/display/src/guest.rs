@@ -12,6 +12,7 @@ use runtime::{Agent as _, Now, Turn};
 
 use crate::agent::DisplayAgent;
 use crate::layers;
+use crate::moments::Moments;
 use crate::settings::{MapFiles, Settings};
 use crate::shared::SharedState;
 use crate::world::World;
@@ -32,7 +33,7 @@ pub fn show_instance(root: &Root, settings: &Settings) -> anyhow::Result<()> {
     })?;
     let world = World::of_instance(name, settings.history_s.into(), settings.history_bytes());
     let shared = SharedState::new(world, MapFiles::default(), Now::read);
-    let server = crate::serve(settings, &shared)?;
+    let server = crate::serve(settings, Moments::of_deployment(shared.clone()))?;
     crate::say(&server, settings);
     let incarnation = Now::read().mono_ns as u64;
     let mut agent = DisplayAgent::of_system_tracks(&bus, incarnation, (shared.clone(), server.counts().clone()))?;

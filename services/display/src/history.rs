@@ -51,6 +51,8 @@ pub(crate) struct History {
     notes: VecDeque<Note>,
     /// Number of the latest state of each track.
     latest: BTreeMap<u32, u64>,
+    /// The same of tracks of replaced fusion processes: their successor may continue them under the same numbers.
+    ended: BTreeMap<u32, u64>,
 }
 
 /// Latest states of all tracks before the state `next`.
@@ -81,20 +83,22 @@ impl History {
             first_contribution: 0,
             notes: VecDeque::new(),
             latest: BTreeMap::new(),
+            ended: BTreeMap::new(),
         }
     }
 
     /// Stores a state that arrived at picture time `at_ns`.
     pub(crate) fn keep(&mut self, at_ns: i64, record: PictureTrack, measured_ns: i64, track: &SystemTrack) {
         let at_ns = self.in_order(at_ns);
-        let previous = self.latest.get(&record.number).copied().unwrap_or(NONE);
+        let running = self.latest.get(&record.number).copied();
         if self.octets() > self.octets_max / 2
-            && let Some(before) = self.moment(previous)
+            && let Some(before) = running.and_then(|number| self.moment(number))
             && at_ns - before.at_ns < STEP_NS
             && (before.track.state, before.track.main_source) == (record.state, record.main_source)
         {
             return;
         }
+        let previous = running.or_else(|| self.ended.remove(&record.number)).unwrap_or(NONE);
         let contribution = self.first_contribution + self.contributions.len() as u64;
         self.contributions.extend(track.contributions());
         let number = self.push(Moment {
@@ -115,7 +119,9 @@ impl History {
     /// Ends all tracks because their fusion process was replaced.
     pub(crate) fn end_all(&mut self, at_ns: i64) {
         let at_ns = self.in_order(at_ns);
-        self.latest.clear();
+        let first = self.first;
+        self.ended.append(&mut self.latest);
+        self.ended.retain(|_, state| *state >= first);
         self.push(Moment {
             at_ns,
             time_ns: at_ns,
@@ -139,6 +145,7 @@ impl History {
         }
         self.notes.clear();
         self.latest.clear();
+        self.ended.clear();
         at_ns
     }
 
@@ -331,6 +338,47 @@ mod tests {
         let (number, _) = history.of_track(7, i64::MAX).next().unwrap();
         let parts: Vec<f64> = history.contributions(number).map(|part| part.weight).collect();
         assert!(parts == [0.25, 0.75] || parts.is_empty(), "{parts:?}");
+    }
+
+    #[test]
+    fn a_track_that_another_fusion_continues_keeps_its_past() {
+        // Half of the memory is in use: states are stored once a second.
+        for is_scarce in [false, true] {
+            let mut history = History::new(600 * S, usize::MAX);
+            for second in 0..4 {
+                history.keep(
+                    second * S,
+                    state(7, second as f32, TrackState::Confirmed),
+                    0,
+                    &track(&[1.0]),
+                );
+                history.keep(
+                    second * S,
+                    state(8, second as f32, TrackState::Confirmed),
+                    0,
+                    &track(&[1.0]),
+                );
+            }
+            if is_scarce {
+                history.octets_max = history.octets() * 19 / 10;
+            }
+            history.end_all(3 * S + S / 10);
+            history.keep(3 * S + S / 5, state(7, 4.0, TrackState::Confirmed), 0, &track(&[1.0]));
+            let east = |history: &History| -> Vec<f32> {
+                let states = history.of_track(7, i64::MAX);
+                states.map(|(_, moment)| moment.track.east_m).collect()
+            };
+            assert_eq!(east(&history), [4.0, 3.0, 2.0, 1.0, 0.0]);
+            let mut then = Then::default();
+            history.go_to(&mut then, 4 * S);
+            assert_eq!(shown(&history, &then), [(7, 4.0)], "track 8 has not come again");
+            history.end_all(5 * S);
+            history.keep(6 * S, state(8, 6.0, TrackState::Confirmed), 0, &track(&[1.0]));
+            history.keep(6 * S, state(7, 6.0, TrackState::Terminated), 0, &track(&[1.0]));
+            assert_eq!(history.of_track(8, i64::MAX).count(), 5);
+            history.keep(7 * S, state(7, 7.0, TrackState::Confirmed), 0, &track(&[1.0]));
+            assert_eq!(east(&history), [7.0], "a number that ended begins anew");
+        }
     }
 
     #[test]

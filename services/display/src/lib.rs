@@ -11,6 +11,7 @@
 //! | `agent` | reads the topics |
 //! | `guest` | shows an instance without its configuration |
 //! | `tape` | replays a recording |
+//! | `moments` | worlds of a recording: each window has its own moment |
 //! | `world` | current state of the deployment |
 //! | `records` | converts samples to records of a picture |
 //! | `history` | past of the picture |
@@ -23,6 +24,7 @@
 //! | `operator`, `orders` | acts of operators, and their way to fusion |
 //! | `alarm_book` | acknowledged and shelved alarms, and the past of alarms |
 //! | `views` | named views that all pages share |
+//! | `kept_file` | small files that the display keeps |
 //! | `feed` | samples as they are published |
 //! | `events`, `foxglove` | these samples as server-sent events, and for Foxglove |
 //! | `seat` | limit of the number of clients |
@@ -47,8 +49,10 @@ mod foxglove;
 mod ground;
 mod guest;
 mod history;
+mod kept_file;
 mod label_settings;
 mod layers;
+mod moments;
 mod operator;
 #[cfg(test)]
 mod operator_tests;
@@ -75,7 +79,6 @@ mod world;
 use std::net::{SocketAddr, TcpListener};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Duration;
 
 use anyhow::Context as _;
 use deployment::{Deployment, Process};
@@ -86,18 +89,18 @@ use runtime::Now;
 use runtime::signals::Stop;
 use web::{ForeignPages, Guard, HostName, Server, WriteAccess};
 
+use crate::alarm_book::AlarmBook;
 use crate::clock::PictureClock;
 use crate::feed::Feed;
 pub use crate::guest::show_instance;
-use crate::settings::MapFiles;
+use crate::moments::Moments;
 pub use crate::settings::{Keys, Settings};
 use crate::shared::{Desk, SharedState};
 use crate::tape::Tape;
-use crate::wire::Past;
 use crate::world::{ReplayedRecording, SourceFact, World};
 
-/// Time between two updates of a recording's position.
-const LOOK_EVERY: Duration = Duration::from_millis(20);
+/// File of the operators' acts on alarms, in the folder of the instance.
+const ALARM_ACTS: &str = "alarm-acts.json";
 
 /// Runs the display until the process is asked to stop. `engine`: settings of fusion, for the comparison of rules.
 ///
@@ -120,12 +123,13 @@ pub fn run(process: &Process, settings: &Settings, engine: &fusion::Settings) ->
     world.engine = Some(Arc::new(engine.clone()));
     world.has_decisions = process.config.decision_use().is_some();
     world.declination_deg = settings.declination_deg;
+    world.alarm_book = AlarmBook::kept_in(process.bus.root().path().join(ALARM_ACTS));
     let desk = Desk {
         has_operators: settings.operator_token.is_some(),
         views: settings.views.open(&process.options.data)?,
     };
     let shared = SharedState::fed(world, maps, Now::read, Feed::of(&process.config), desk);
-    let server = serve(settings, &shared)?;
+    let server = serve(settings, Moments::of_deployment(shared.clone()))?;
     say(&server, settings);
     let sight = (shared, server.counts().clone());
     let has_operators = settings.operator_token.is_some();
@@ -194,39 +198,30 @@ pub fn show_recording(
         settings.history_bytes(),
     );
     world.place(&origin(config));
+    world.labels = settings.labels.clone();
+    world.declination_deg = settings.declination_deg;
     world.engine = Some(Arc::new(engine.clone()));
     world.has_decisions = config.fusion.decisions;
-    let span_ns = tape.span_ns();
-    world.recording = Some(ReplayedRecording {
-        name: name.file_name().unwrap_or_default().to_string_lossy().into_owned(),
-        span_ns,
-        at_ns: span_ns[0],
-        now: Now::read(),
-        wanted: Past {
-            time_s: details::seconds(span_ns[0]),
-            speed: 1.0,
-        },
-        since_ns: Now::read().mono_ns,
-    });
-    let shared = SharedState::new(world, MapFiles::default(), Now::read);
-    let server = serve(settings, &shared)?;
+    let name = name.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    world.recording = Some(ReplayedRecording::begin(name, tape.span_ns(), Now::read()));
+    // Paths of the maps are whole.
+    let maps = settings.maps_in(Path::new(""));
+    let desk = Desk {
+        has_operators: false,
+        views: settings.views.open(Path::new(""))?,
+    };
+    let shared = SharedState::fed(world, maps, Now::read, Feed::default(), desk);
+    let server = serve(settings, Moments::of_recording(shared.clone(), tape.again()?))?;
     say(&server, settings);
     while !stop.requested() {
-        {
-            let mut world = shared.world();
-            let wanted_ns = world
-                .recording
-                .as_ref()
-                .map_or(span_ns[0], |recording| recording.wanted_ns(Now::read().mono_ns));
-            tape.go_to(&mut world, wanted_ns)?;
-        }
-        std::thread::sleep(LOOK_EVERY);
+        moments::advance(&mut tape, &shared)?;
+        std::thread::sleep(moments::LOOK_EVERY);
     }
     Ok(())
 }
 
-/// Serves `shared` on the first free port.
-fn serve(settings: &Settings, shared: &Arc<SharedState>) -> anyhow::Result<Server> {
+/// Serves `moments` on the first free port.
+fn serve(settings: &Settings, moments: Moments) -> anyhow::Result<Server> {
     let guard = Guard {
         hosts: settings.hosts.iter().map(HostName::in_small_letters).collect(),
         token: settings.token.clone(),
@@ -241,7 +236,7 @@ fn serve(settings: &Settings, shared: &Arc<SharedState>) -> anyhow::Result<Serve
         }),
     };
     let listener = listen(settings)?;
-    Server::start_on("pages", listener, guard, pages::router(shared.clone())).context("serving pages")
+    Server::start_on("pages", listener, guard, pages::router(moments)).context("serving pages")
 }
 
 fn listen(settings: &Settings) -> anyhow::Result<TcpListener> {

@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 use web::{Guard, Server, WriteAccess};
 
 use crate::feed::Feed;
+use crate::moments::Moments;
 use crate::operator;
 use crate::pages::router;
 use crate::pages::tests::{LONG, now};
@@ -52,7 +53,7 @@ fn served(folder: &tempfile::TempDir) -> Server {
         "pages",
         "127.0.0.1:0".parse().unwrap(),
         guard,
-        router(Arc::clone(&shared)),
+        router(Moments::of_deployment(Arc::clone(&shared))),
     )
     .unwrap()
 }

@@ -21,6 +21,7 @@ use crate::details;
 use crate::events;
 use crate::foxglove;
 use crate::ground;
+use crate::moments::{self, Moments, Seen};
 use crate::operator;
 use crate::orders;
 use crate::seat::{PATIENCE, Parting, Seat, WAITING_MAX};
@@ -34,10 +35,10 @@ use crate::world::World;
 /// Time between two status messages, nanoseconds.
 const STATUS_NS: i64 = 1_000_000_000;
 
-/// Creates the router of all pages of `shared`.
-pub(crate) fn router(shared: Arc<SharedState>) -> Router {
+/// Creates the router of all pages that look at `moments`.
+pub(crate) fn router(moments: Moments) -> Router {
     let text = |of: fn(&World, Now) -> Value| {
-        move |State(shared): State<Arc<SharedState>>| async move {
+        move |Seen(shared): Seen| async move {
             let world = shared.world();
             answer(&of(&world, world.now((shared.clock)())))
         }
@@ -77,7 +78,7 @@ pub(crate) fn router(shared: Arc<SharedState>) -> Router {
         .route("/data/aircraft.json", get(text(details::aircraft)))
         .route("/data/receiver.json", get(text(|world, _| details::receiver(world))))
         .fallback(|| async { not_found() })
-        .with_state(shared)
+        .with_state(moments)
 }
 
 fn not_found() -> Response {
@@ -104,13 +105,13 @@ fn answer(value: &Value) -> Response {
     octets_of("application/json", value.to_string())
 }
 
-async fn track(State(shared): State<Arc<SharedState>>, Path(file): Path<String>) -> Response {
+async fn track(Seen(shared): Seen, Path(file): Path<String>) -> Response {
     let number = file.strip_suffix(".json").and_then(|number| number.parse().ok());
     let found = number.and_then(|number| details::reasoned(&shared.world(), number));
     found.as_ref().map_or_else(not_found, answer)
 }
 
-async fn history(State(shared): State<Arc<SharedState>>, Path(file): Path<String>) -> Response {
+async fn history(Seen(shared): Seen, Path(file): Path<String>) -> Response {
     let number = file.strip_suffix(".json").and_then(|number| number.parse().ok());
     let found = number.and_then(|number| details::history(&shared.world(), number, i64::MAX));
     found.as_ref().map_or_else(not_found, answer)
@@ -120,7 +121,7 @@ async fn views(State(shared): State<Arc<SharedState>>) -> Response {
     answer(&shared.desk.views.list())
 }
 
-async fn trails(State(shared): State<Arc<SharedState>>, RawQuery(query): RawQuery) -> Response {
+async fn trails(Seen(shared): Seen, RawQuery(query): RawQuery) -> Response {
     let query = query.unwrap_or_default();
     let given = query.split('&').find_map(|pair| pair.strip_prefix("until_s="));
     let until_s: Option<f64> = given
@@ -185,7 +186,9 @@ fn name_of(path: &std::path::Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-async fn socket(State(shared): State<Arc<SharedState>>, upgrade: WebSocketUpgrade) -> Response {
+async fn socket(State(moments): State<Moments>, RawQuery(query): RawQuery, upgrade: WebSocketUpgrade) -> Response {
+    let shared = moments.enter(moments::window_in(query.as_deref()));
+    let shares_moment = moments.is_common(&shared);
     let seat = match Seat::take(&shared) {
         Ok(seat) => seat,
         Err(refusal) => return *refusal,
@@ -196,15 +199,15 @@ async fn socket(State(shared): State<Arc<SharedState>>, upgrade: WebSocketUpgrad
         .read_buffer_size(MESSAGE_MAX)
         .max_write_buffer_size(WAITING_MAX)
         .on_upgrade(move |socket| async move {
-            if look_on(socket, seat.shared()).await == Parting::Refused {
+            if look_on(socket, seat.shared(), shares_moment).await == Parting::Refused {
                 seat.count_refused();
             }
         })
 }
 
 /// Serves one page until the connection ends.
-async fn look_on(mut socket: WebSocket, shared: &SharedState) -> Parting {
-    let mut page = PageConnection::new(shared);
+async fn look_on(mut socket: WebSocket, shared: &SharedState, shares_moment: bool) -> Parting {
+    let mut page = PageConnection::new(shared, shares_moment);
     let mut ticks = ticks(page.viewer.rate_hz());
     loop {
         let done = web::tokio::select! {
@@ -252,6 +255,8 @@ fn ticks(rate_hz: f64) -> web::tokio::time::Interval {
 /// Connection of one page.
 struct PageConnection<'a> {
     shared: &'a SharedState,
+    /// Whether the moment of a recording is that of further windows, too.
+    shares_moment: bool,
     viewer: Viewer,
     /// Selected tracks with their history already sent.
     remembered: Vec<u32>,
@@ -266,9 +271,10 @@ struct PageConnection<'a> {
 }
 
 impl<'a> PageConnection<'a> {
-    fn new(shared: &'a SharedState) -> Self {
+    fn new(shared: &'a SharedState, shares_moment: bool) -> Self {
         Self {
             shared,
+            shares_moment,
             viewer: Viewer::default(),
             remembered: Vec::new(),
             generation: 0,
@@ -288,7 +294,7 @@ impl<'a> PageConnection<'a> {
         if let Some(recording) = &mut self.shared.world().recording
             && let Some(past) = wish.past.take().flatten()
         {
-            (recording.wanted, recording.since_ns) = (past, now.mono_ns);
+            recording.want(past, now.mono_ns);
         }
         self.viewer.wish(wish, now);
         let selected = &self.viewer.selected;
@@ -321,6 +327,13 @@ impl<'a> PageConnection<'a> {
             };
         }
         let world = shared.world();
+        if world
+            .recording
+            .as_ref()
+            .is_some_and(|recording| !recording.is_reached())
+        {
+            return Ok(messages);
+        }
         let then = world.now(now);
         if self.generation != world.generation {
             self.generation = world.generation;
@@ -329,7 +342,7 @@ impl<'a> PageConnection<'a> {
         let greeting = Some((world.observed.frame().is_some(), world.sources.len()));
         if self.greeted != greeting {
             self.greeted = greeting;
-            messages.push(hello(&world, shared.desk.has_operators));
+            messages.push(hello(&world, shared.desk.has_operators, self.shares_moment));
         }
         messages.push(Message::binary(self.viewer.picture(&world, then)));
         self.ack_until_ns = now.mono_ns + PATIENCE.as_nanos() as i64;
@@ -355,7 +368,7 @@ impl<'a> PageConnection<'a> {
     }
 }
 
-fn hello(world: &World, has_operators: bool) -> Message {
+fn hello(world: &World, has_operators: bool, shares_moment: bool) -> Message {
     let sources = world.sources.iter().map(|fact| {
         let source = &fact.source;
         json!({"number": source.number, "name": source.name, "kind": fact.kind, "site_m": fact.site_m})
@@ -375,6 +388,7 @@ fn hello(world: &World, has_operators: bool) -> Message {
             "to_s": to_s,
             "time_s": details::seconds(recording.at_ns),
             "speed": recording.wanted.speed,
+            "shares_moment": shares_moment,
         })
     });
     let hello = json!({

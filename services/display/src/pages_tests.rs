@@ -15,6 +15,7 @@ use serde_json::{Value, json};
 use web::{Guard, Server};
 
 use super::*;
+use crate::moments::Moments;
 use crate::seat::PAGES_MAX;
 use crate::settings::MapFiles;
 use crate::world::SourceFact;
@@ -57,7 +58,7 @@ fn served_at(clock: fn() -> Now) -> (Arc<SharedState>, Server) {
     });
     world.receive(&header(1), &[track(7, 1_000.0), track(9, -1_000.0)], now());
     let shared = SharedState::new(world, MapFiles::default(), clock);
-    let router = router(Arc::clone(&shared));
+    let router = router(Moments::of_deployment(Arc::clone(&shared)));
     let server = Server::start("pages", "127.0.0.1:0".parse().unwrap(), Guard::default(), router).unwrap();
     (shared, server)
 }

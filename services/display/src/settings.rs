@@ -168,6 +168,32 @@ impl Settings {
         Ok(settings)
     }
 
+    /// Takes over how `other` shows tracks: labels, start view, declination.
+    #[must_use]
+    pub fn looking_like(self, other: &Self) -> Self {
+        let views = ViewSettings {
+            start: other.views.start.clone(),
+            file: None,
+        };
+        Self {
+            labels: other.labels.clone(),
+            declination_deg: other.declination_deg,
+            views,
+            ..self
+        }
+    }
+
+    /// Takes over the files of the map of `other`, whose paths begin in the folder `data`.
+    #[must_use]
+    pub fn with_maps(self, other: &Self, data: &Path) -> Self {
+        let whole = |file: &String| data.join(file).to_string_lossy().into_owned();
+        Self {
+            overlays: other.overlays.iter().map(whole).collect(),
+            coast: other.coast.as_ref().map(whole),
+            ..self
+        }
+    }
+
     /// Returns the address and first port of the display; `None`: there is no display.
     pub fn address(&self) -> Option<SocketAddr> {
         self.listen.as_ref()?.parse().ok()

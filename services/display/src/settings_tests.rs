@@ -133,3 +133,24 @@ fn a_display_without_configuration_serves_this_machine_alone() {
         assert!(crate::settings::Settings::unconfigured(Some(wrong)).is_err(), "{wrong}");
     }
 }
+
+#[test]
+fn a_recording_looks_like_its_configuration_and_has_maps_on_request_alone() {
+    let text = format!(
+        "{}\n[display]\nlisten = \"127.0.0.1:1\"\ntoken = \"0123456789abcdef\"\noverlays = [\"a.geojson\"]\ndeclination_deg = 2.0\n\
+         labels.lines = [[\"code\"]]\nviews.start = \"theme=day\"\nviews.file = \"views.json\"\n",
+        site()
+    );
+    let keys = Config::parse(Path::new("test.toml"), &text, &[]).unwrap();
+    let usual = crate::settings::Settings::unconfigured(None).unwrap();
+    let other = &keys.parts.display;
+    let alike = usual.clone().looking_like(other);
+    assert_eq!(
+        (&alike.labels, alike.declination_deg, alike.views.start.as_str()),
+        (&other.labels, Some(2.0), "theme=day")
+    );
+    assert_eq!((&alike.listen, &alike.token), (&usual.listen, &None), "its own address");
+    assert!(alike.views.file.is_none() && alike.overlays.is_empty());
+    let mapped = alike.with_maps(other, Path::new("/data"));
+    assert_eq!(mapped.overlays, ["/data/a.geojson"]);
+}

@@ -24,7 +24,7 @@ pub(crate) struct SharedState {
     pub(crate) desk: Desk,
     /// Reads the clocks.
     pub(crate) clock: fn() -> Now,
-    pub(crate) traffic: TrafficCounts,
+    pub(crate) traffic: Arc<TrafficCounts>,
     /// Samples as they are published.
     pub(crate) feed: Arc<Feed>,
 }
@@ -61,8 +61,21 @@ impl SharedState {
             orders: OrderQueue::default(),
             desk,
             clock,
-            traffic: TrafficCounts::default(),
+            traffic: Arc::default(),
             feed: Arc::new(feed),
+        })
+    }
+
+    /// Creates the shared state of another world of the same display.
+    pub(crate) fn beside(&self, world: World) -> Arc<Self> {
+        Arc::new(Self {
+            world: Mutex::new(world),
+            maps: self.maps.clone(),
+            orders: OrderQueue::default(),
+            desk: Desk::default(),
+            clock: self.clock,
+            traffic: Arc::clone(&self.traffic),
+            feed: Arc::clone(&self.feed),
         })
     }
 

@@ -1,14 +1,15 @@
 //! Replay of a recording: its samples enter the world as in live operation.
 //!
 //! A first pass over the files notes the picture's time at each chunk. To jump to another moment, the tape empties
-//! the world, inserts the preceding minute of the recording without pause, and then inserts slices as time passes.
+//! the world, inserts the preceding ten minutes of the recording without pause, and then inserts slices as time passes.
 //! Memory use is therefore limited to the world and one chunk, for recordings of any length. Time never goes back
 //! between the first and the last slice.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::fs::File;
 use std::io::BufReader;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use anyhow::Context as _;
 use deployment::Deployment;
@@ -21,8 +22,9 @@ use crate::clock::PictureClock;
 use crate::layers::{DisplayedSample, ForDisplayed, TopicOf, for_displayed};
 use crate::world::World;
 
-/// Recorded time that is inserted before a moment; within it, every track is published at least once.
-const BEFORE_NS: i64 = 60_000_000_000;
+/// Recorded time that is inserted before a moment: as long as trails are, and no less than the longest period in which
+/// every track is published once.
+const BEFORE_NS: i64 = 600_000_000_000;
 /// Maximum number of chunks inserted before a moment; each has about a megabyte.
 const BEFORE_CHUNKS: usize = 256;
 
@@ -67,9 +69,10 @@ struct RecordedSlice {
 
 /// Replayed recording, see the module's documentation.
 pub(crate) struct Tape {
+    paths: Arc<[PathBuf]>,
     files: Vec<Chunks<BufReader<File>>>,
-    topics: BTreeMap<String, TopicKind>,
-    marks: Vec<ChunkPosition>,
+    topics: Arc<BTreeMap<String, TopicKind>>,
+    marks: Arc<[ChunkPosition]>,
     span_ns: [i64; 2],
     /// Number of the next chunk to read, and the waiting slices of earlier chunks.
     next: usize,
@@ -90,16 +93,15 @@ impl Tape {
     }
 
     fn open_with(config: &Deployment, mut clock: PictureClock, files: &[PathBuf]) -> anyhow::Result<Self> {
-        let open = |path: &PathBuf| -> Result<_, RecordingError> {
-            Chunks::new(BufReader::with_capacity(1 << 18, File::open(path)?))
-        };
-        let opened = files
+        let read = files
             .iter()
-            .map(|path| open(path).with_context(|| path.display().to_string()));
+            .map(|path| Chunks::new(opened(path)?).with_context(|| path.display().to_string()));
+        let mut marks = Vec::new();
         let mut tape = Self {
-            files: opened.collect::<anyhow::Result<_>>()?,
-            topics: topics(config),
-            marks: Vec::new(),
+            paths: files.into(),
+            files: read.collect::<anyhow::Result<_>>()?,
+            topics: Arc::new(topics(config)),
+            marks: Arc::default(),
             span_ns: [i64::MAX, i64::MIN],
             next: 0,
             waiting: VecDeque::new(),
@@ -108,13 +110,35 @@ impl Tape {
         };
         for (file, path) in files.iter().enumerate() {
             while tape
-                .note(file, &mut clock)
+                .note(file, &mut clock, &mut marks)
                 .with_context(|| format!("reading {}", path.display()))?
             {}
         }
         let [from_ns, to_ns] = tape.span_ns;
         anyhow::ensure!(from_ns <= to_ns, "the recording has no system track");
+        tape.marks = marks.into();
         Ok(tape)
+    }
+
+    /// Opens the same recording again, for another world, without the first pass.
+    ///
+    /// # Errors
+    /// If a file cannot be read.
+    pub(crate) fn again(&self) -> anyhow::Result<Self> {
+        let files = self.files.iter().zip(self.paths.iter());
+        let files = files.map(|(file, path)| Ok(file.beside(opened(path)?)));
+        let files = files.collect::<anyhow::Result<_>>()?;
+        Ok(Self {
+            paths: Arc::clone(&self.paths),
+            files,
+            topics: Arc::clone(&self.topics),
+            marks: Arc::clone(&self.marks),
+            span_ns: self.span_ns,
+            next: 0,
+            waiting: VecDeque::new(),
+            latest: None,
+            damage: self.damage,
+        })
     }
 
     /// Returns start and end of the recording, UTC, nanoseconds.
@@ -128,7 +152,12 @@ impl Tape {
     }
 
     /// Notes the picture's time in the next chunk of `file`. Returns `false` at its end.
-    fn note(&mut self, file: usize, clock: &mut PictureClock) -> Result<bool, RecordingError> {
+    fn note(
+        &mut self,
+        file: usize,
+        clock: &mut PictureClock,
+        marks: &mut Vec<ChunkPosition>,
+    ) -> Result<bool, RecordingError> {
         let place = self.files[file].place();
         let mark = ChunkPosition {
             file,
@@ -140,8 +169,14 @@ impl Tape {
         for at_ns in slices.iter().flatten().filter_map(|slice| slice.at_ns) {
             self.span_ns = [self.span_ns[0].min(at_ns), self.span_ns[1].max(at_ns)];
         }
-        self.marks.extend(slices.is_some().then_some(mark));
+        marks.extend(slices.is_some().then_some(mark));
         Ok(slices.is_some())
+    }
+
+    /// Whether the way to the moment `at_ns` begins with an empty world.
+    pub(crate) fn leaps(&self, at_ns: i64) -> bool {
+        let is_back = self.latest.is_none_or(|(_, latest_ns)| at_ns < latest_ns);
+        is_back || self.before(at_ns) > self.next
     }
 
     /// Brings `world` to the moment `at_ns`.
@@ -149,13 +184,11 @@ impl Tape {
     /// # Errors
     /// If the recording can no longer be read.
     pub(crate) fn go_to(&mut self, world: &mut World, at_ns: i64) -> anyhow::Result<()> {
-        let first = self.before(at_ns);
-        let is_back = self.latest.is_none_or(|(_, latest_ns)| at_ns < latest_ns);
-        if is_back || first > self.next {
-            world.rewind();
+        if self.leaps(at_ns) {
+            *world = world.emptied();
             self.waiting.clear();
             self.latest = None;
-            self.next = first;
+            self.next = self.before(at_ns);
         }
         loop {
             // Slices recorded before the first track belong to the first picture.
@@ -206,6 +239,11 @@ impl Tape {
         self.waiting.extend(slices.into_iter().flatten());
         Ok(true)
     }
+}
+
+fn opened(path: &Path) -> anyhow::Result<BufReader<File>> {
+    let file = File::open(path).with_context(|| path.display().to_string())?;
+    Ok(BufReader::with_capacity(1 << 18, file))
 }
 
 /// Returns the displayed slices of the next chunk of `file`; `None` at its end. Adds the damage before them.
@@ -315,7 +353,7 @@ fn put(world: &mut World, slice: &RecordedSlice) {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use configuration::{BUILT_IN_DEMO, Config};
     use messages::TrackState;
     use messages::layout::Sample as _;
@@ -323,7 +361,6 @@ mod tests {
     use test_support::S;
 
     use super::*;
-    use crate::wire::Past;
     use crate::world::ReplayedRecording;
 
     const BEGIN_NS: i64 = 1_700_000_000 * S;
@@ -340,17 +377,18 @@ mod tests {
         }
     }
 
-    /// Recording of 200 s: track 1 all the time, track 2 from 50 s to 150 s; a chunk each 10 s, in two files.
+    /// Recording of 2,000 s, a state every ten: track 1 all the time, track 2 from 500 s to 1,500 s; a chunk each
+    /// 100 s, in two files.
     fn record(folder: &std::path::Path) -> Vec<PathBuf> {
         let paths = ["a.mcap", "b.mcap"].map(|name| folder.join(name));
-        for (path, from) in paths.iter().zip([0, 100]) {
+        for (path, from) in paths.iter().zip([0, 1_000]) {
             let mut writer = Writer::begin(File::create(path).unwrap(), &Facts::new()).unwrap();
             let topic = messages::system_tracks();
             let channel = writer.channel(topic.name.as_str(), &SystemTrack::LAYOUT).unwrap();
-            for second in from..from + 100 {
+            for second in (from..from + 1_000).step_by(10) {
                 let of_second = match second {
-                    50..150 => Some(TrackState::Confirmed),
-                    150 => Some(TrackState::Terminated),
+                    500..1_500 => Some(TrackState::Confirmed),
+                    1_500 => Some(TrackState::Terminated),
                     _ => None,
                 };
                 let mut states = vec![state(1, second, TrackState::Confirmed)];
@@ -363,7 +401,7 @@ mod tests {
                 let taken_ns = BEGIN_NS + LATER_NS + second * S;
                 let octets = SystemTrack::octets(&states);
                 writer.slice(channel, &header, octets, taken_ns, taken_ns).unwrap();
-                if second % 10 == 9 {
+                if second % 100 == 90 {
                     writer.flush().unwrap();
                 }
             }
@@ -378,20 +416,15 @@ mod tests {
     };
 
     /// World that shows `tape`.
-    fn world_of(tape: &Tape) -> World {
+    pub(crate) fn world_of(tape: &Tape) -> World {
         let mut world = World::new("test", Vec::new(), 600, 1_000_000);
-        world.recording = Some(ReplayedRecording {
-            name: "test".to_owned(),
-            span_ns: tape.span_ns(),
-            at_ns: BEGIN_NS,
-            now: NOW,
-            wanted: Past {
-                time_s: 0.0,
-                speed: 0.0,
-            },
-            since_ns: 0,
-        });
+        world.recording = Some(ReplayedRecording::begin("test".to_owned(), tape.span_ns(), NOW));
         world
+    }
+
+    /// The recording in `folder`, with the time of its data.
+    pub(crate) fn recorded_tape(folder: &std::path::Path) -> Tape {
+        Tape::open_with(&demo(), PictureClock::of(true), &record(folder)).unwrap()
     }
 
     fn demo() -> Config {
@@ -403,10 +436,10 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let mut tape = Tape::open(&demo(), &record(folder.path())).unwrap();
         let begin_ns = BEGIN_NS + LATER_NS;
-        assert_eq!(tape.span_ns(), [begin_ns, begin_ns + 199 * S]);
+        assert_eq!(tape.span_ns(), [begin_ns, begin_ns + 1_990 * S]);
         let mut world = world_of(&tape);
-        tape.go_to(&mut world, begin_ns + 60 * S).unwrap();
-        assert_eq!((world.tracks.len(), world.time_ns(NOW)), (2, begin_ns + 60 * S));
+        tape.go_to(&mut world, begin_ns + 600 * S).unwrap();
+        assert_eq!((world.tracks.len(), world.time_ns(NOW)), (2, begin_ns + 600 * S));
     }
 
     #[test]
@@ -451,7 +484,7 @@ mod tests {
         let damage = tape.damage();
         assert!(damage.parts == 1 && damage.bytes > 0, "{damage:?}");
         let mut world = world_of(&tape);
-        for second in [10, 190, 40, 120] {
+        for second in [100, 1_900, 400, 1_200] {
             tape.go_to(&mut world, BEGIN_NS + LATER_NS + second * S).unwrap();
         }
         assert_eq!(tape.damage(), damage);
@@ -460,19 +493,19 @@ mod tests {
     #[test]
     fn any_moment_has_the_states_that_were_the_latest_then() {
         let folder = tempfile::tempdir().unwrap();
-        let mut tape = Tape::open_with(&demo(), PictureClock::of(true), &record(folder.path())).unwrap();
-        assert_eq!(tape.span_ns(), [BEGIN_NS, BEGIN_NS + 199 * S]);
+        let mut tape = recorded_tape(folder.path());
+        assert_eq!(tape.span_ns(), [BEGIN_NS, BEGIN_NS + 1_990 * S]);
         let mut world = world_of(&tape);
         // Ahead, back, a jump, and the ends; the generation counts how often the world was emptied.
         let moments = [
             (0, 1),
-            (30, 1),
-            (60, 1),
-            (149, 2),
-            (150, 2),
-            (20, 3),
-            (199, 4),
-            (120, 5),
+            (300, 1),
+            (600, 1),
+            (1_490, 2),
+            (1_500, 2),
+            (200, 3),
+            (1_990, 4),
+            (1_200, 5),
         ];
         for (second, generation) in moments {
             tape.go_to(&mut world, BEGIN_NS + second * S + S / 2).unwrap();
@@ -482,7 +515,7 @@ mod tests {
                 .map(|live| (live.track.track_number, live.track.position_m[0]))
                 .collect();
             let mut expected = vec![(1, second as f64)];
-            expected.extend((50..150).contains(&second).then_some((2, second as f64)));
+            expected.extend((500..1_500).contains(&second).then_some((2, second as f64)));
             assert_eq!(shown, expected, "{second} s");
             assert_eq!(world.generation, generation, "{second} s");
             assert_eq!(world.time_ns(NOW), BEGIN_NS + second * S + S / 2);

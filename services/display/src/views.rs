@@ -5,13 +5,14 @@
 //! operators only. The views are kept in the file `[display.views] file`.
 
 use std::collections::BTreeMap;
-use std::io::Write as _;
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use anyhow::Context as _;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
+
+use crate::kept_file;
 
 /// Maximum number of views.
 const VIEWS_MAX: usize = 64;
@@ -108,7 +109,7 @@ impl Views {
         if next.len() > VIEWS_MAX {
             return Err(format!("A display keeps at most {VIEWS_MAX} views: remove one"));
         }
-        write(file, &next).map_err(|error| format!("{}: {error}", file.display()))?;
+        kept_file::write(file, &next).map_err(|error| format!("{}: {error}", file.display()))?;
         *named = next;
         Ok(())
     }
@@ -116,17 +117,6 @@ impl Views {
     fn named(&self) -> MutexGuard<'_, BTreeMap<String, NamedView>> {
         self.named.lock().unwrap_or_else(PoisonError::into_inner)
     }
-}
-
-/// Writes the views beside the file and renames: a reader never sees half of them.
-fn write(file: &std::path::Path, views: &BTreeMap<String, NamedView>) -> std::io::Result<()> {
-    let mut beside = file.as_os_str().to_owned();
-    beside.push(".new");
-    let mut out = std::fs::File::create(&beside)?;
-    out.write_all(&serde_json::to_vec_pretty(views)?)?;
-    out.write_all(b"\n")?;
-    out.sync_all()?;
-    std::fs::rename(&beside, file)
 }
 
 #[cfg(test)]

@@ -87,7 +87,7 @@ pub(crate) struct ReceivedRecord<T> {
     pub(crate) record: T,
 }
 
-/// Replayed recording; all pages show the same moment.
+/// Replayed recording.
 #[derive(Clone, Debug)]
 pub(crate) struct ReplayedRecording {
     pub(crate) name: String,
@@ -100,9 +100,40 @@ pub(crate) struct ReplayedRecording {
     /// Starting moment and speed of the replay, and its start time, monotonic, nanoseconds.
     pub(crate) wanted: Past,
     pub(crate) since_ns: i64,
+    /// Number of wishes for a moment, and the last of them that the world shows.
+    pub(crate) edition: u64,
+    pub(crate) reached: u64,
 }
 
 impl ReplayedRecording {
+    /// Creates a recording that is played from its begin, at the clocks `now`.
+    pub(crate) fn begin(name: String, span_ns: [i64; 2], now: Now) -> Self {
+        Self {
+            name,
+            span_ns,
+            at_ns: span_ns[0],
+            now,
+            wanted: Past {
+                time_s: frames::time::seconds(span_ns[0]),
+                speed: 1.0,
+            },
+            since_ns: now.mono_ns,
+            edition: 1,
+            reached: 0,
+        }
+    }
+
+    /// Notes the wish for another moment at `mono_ns`.
+    pub(crate) fn want(&mut self, past: Past, mono_ns: i64) {
+        (self.wanted, self.since_ns) = (past, mono_ns);
+        self.edition += 1;
+    }
+
+    /// Whether the world has come to the wanted moment.
+    pub(crate) fn is_reached(&self) -> bool {
+        self.reached == self.edition
+    }
+
     /// Returns the moment to show, UTC, nanoseconds.
     pub(crate) fn wanted_ns(&self, mono_ns: i64) -> i64 {
         let [from_ns, to_ns] = self.span_ns;
@@ -253,21 +284,34 @@ impl World {
         }
     }
 
-    /// Clears everything except the configuration.
-    pub(crate) fn rewind(&mut self) {
-        let sources = std::mem::take(&mut self.sources);
-        let observed = std::mem::take(&mut self.observed).emptied();
-        let empty = Self::new(&self.instance, sources, self.history_s, self.history_octets);
-        *self = Self {
-            recording: self.recording.take(),
+    /// Returns a world with nothing but the configuration of this one.
+    pub(crate) fn emptied(&self) -> Self {
+        let empty = Self::new(
+            &self.instance,
+            self.sources.clone(),
+            self.history_s,
+            self.history_octets,
+        );
+        Self {
+            recording: self.recording.clone(),
             generation: self.generation + 1,
-            observed,
+            observed: self.observed.emptied(),
+            labels: self.labels.clone(),
             stamp: self.stamp,
             has_decisions: self.has_decisions,
             declination_deg: self.declination_deg,
-            engine: self.engine.take(),
+            engine: self.engine.clone(),
             ..empty
-        };
+        }
+    }
+
+    /// Returns a world with the configuration of this one, at the begin of its recording and the clocks `now`.
+    pub(crate) fn at_the_begin(&self, now: Now) -> Self {
+        let begin = |known: &ReplayedRecording| ReplayedRecording::begin(known.name.clone(), known.span_ns, now);
+        Self {
+            recording: self.recording.as_ref().map(begin),
+            ..self.emptied()
+        }
     }
 
     /// Returns start and end of the past, UTC, nanoseconds; `None` while it is empty.

@@ -174,8 +174,15 @@ fn show_picture(command: args::DisplayArgs) -> anyhow::Result<()> {
     let listen = command.listen.as_deref();
     let unconfigured =
         || display::Settings::unconfigured(listen).map_err(|error| Usage(format!("--listen: {}", error.what)));
+    if command.config.is_none() && !command.shared.set.is_empty() {
+        return Err(Usage("--set replaces values of a configuration: give it with --config".to_owned()).into());
+    }
     match (command.recording, command.config) {
-        (Some(recording), _) => replay::show(&recording, &unconfigured()?),
+        (Some(recording), config) => {
+            let given = config.map(|path| args::deployment(&path, command.shared)).transpose()?;
+            let given = given.as_ref().map(|(config, options)| (config, &*options.data));
+            replay::show(&recording, unconfigured()?, given)
+        }
         (None, Some(config)) => {
             let mut shared = command.shared;
             let listen = listen.map(|listen| format!("display.listen=\"{listen}\""));
@@ -191,9 +198,6 @@ fn show_picture(command: args::DisplayArgs) -> anyhow::Result<()> {
             })
         }
         (None, None) => {
-            if !command.shared.set.is_empty() {
-                return Err(Usage("--set replaces values of a configuration: give it with --config".to_owned()).into());
-            }
             let root = instances::running_or_only(command.shared.instance.as_deref())?;
             display::show_instance(&root, &unconfigured()?)
         }

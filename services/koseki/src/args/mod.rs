@@ -492,8 +492,8 @@ pub(crate) struct PassedOn {
 /// `koseki display`.
 #[derive(Debug, Args)]
 pub(crate) struct DisplayArgs {
-    /// Show this recording (a folder, or a file of a recording)
-    #[arg(long, value_name = "RECORDING", conflicts_with_all = ["config", "instance", "set", "name"])]
+    /// Show this recording (a folder, or a file of a recording), with labels, maps and start view of CONFIG, if given
+    #[arg(long, value_name = "RECORDING", conflicts_with_all = ["instance", "name"])]
     pub(crate) recording: Option<PathBuf>,
     /// Configuration of the deployment, a TOML file; without it, a running instance is shown as far as its topics go
     #[arg(long, value_name = "CONFIG")]

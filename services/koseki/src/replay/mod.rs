@@ -118,14 +118,29 @@ fn topics(recorded: &Config) -> BTreeMap<String, ReplayTopic> {
     reports.chain(own).collect()
 }
 
-/// Shows a recording in browsers.
+/// Shows a recording in browsers at the address of `settings`. Labels, start view and declination are those of the
+/// recorded configuration, or those of the configuration `given` with its folder of data, which also has the maps.
 ///
 /// # Errors
 /// If it cannot be used.
-pub(crate) fn show(recording: &Path, settings: &display::Settings) -> anyhow::Result<()> {
+pub(crate) fn show(
+    recording: &Path,
+    settings: display::Settings,
+    given: Option<(&Config, &Path)>,
+) -> anyhow::Result<()> {
     let files = files(recording)?;
     let config = configuration(&facts(&files[0])?, &files[0])?;
-    display::show_recording(&config, &config.engine, (recording, &files), settings)
+    let settings = match given {
+        None => settings.looking_like(config.parts.display()),
+        Some((given, data)) => {
+            let settings = settings
+                .looking_like(given.parts.display())
+                .with_maps(given.parts.display(), data);
+            display::check_maps(&settings, &config.frame, data).map_err(Usage)?;
+            settings
+        }
+    };
+    display::show_recording(&config, &config.engine, (recording, &files), &settings)
 }
 
 /// A topic that is looked at.
