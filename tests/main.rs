@@ -39,6 +39,7 @@ mod deployment;
 mod joint_tracker;
 mod kills;
 mod levels;
+mod live_arrivals;
 mod live_asterix;
 mod live_bearings;
 mod live_centres;

@@ -95,6 +95,12 @@ impl Source {
         self.delivers == SampleDelivery::Bearings { array: true }
     }
 
+    /// Whether arrival times and fixes of emitters may come in place of its bearings, or beside them.
+    pub fn has_emitter_rows(&self) -> bool {
+        let is_live = matches!(self.input, Input::Live(_));
+        is_live && self.delivers == SampleDelivery::Bearings { array: false }
+    }
+
     /// Whether its tracker publishes places for the sensor's next look.
     pub fn has_cues(&self) -> bool {
         self.delivers == SampleDelivery::Detections { cues: true }
