@@ -47,6 +47,7 @@ mod live_counts;
 mod live_cues;
 mod live_designations;
 mod live_feed;
+mod live_finder_on_board;
 mod live_on_board;
 mod live_plots;
 mod live_snapshots;
