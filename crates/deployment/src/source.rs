@@ -192,7 +192,12 @@ pub enum Instrument {
     /// A sensor that tracks what it sees.
     Sensor(Box<scenario::SensorSettings>),
     /// A direction finder, whose bearings its adapter locates.
-    DirectionFinder(Box<scenario::DirectionFinderSettings>),
+    DirectionFinder {
+        /// The finder.
+        settings: Box<scenario::DirectionFinderSettings>,
+        /// Array whose snapshots it delivers; `None` if it delivers bearings.
+        array: Option<Box<scenario::ArrayGeometry>>,
+    },
 }
 
 /// A recorded input.

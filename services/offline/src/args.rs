@@ -109,6 +109,7 @@ DIR/detections_K.csv     detections of sensor K, the input of its own tracker; t
                          address_probability or code_probability
 DIR/asterix_K.ast        with --asterix, data sent by sensor K: for `koseki decode` and `koseki send`
 DIR/bearings_K.csv       in place of both, bearings of direction finder K, for `koseki locate`; emitter_id is the target's
+DIR/snapshots_K.csv      in place of these, if the finder has an array: for `koseki bearings --array` and `koseki send`
 DIR/wide_area_NAME.csv   counts of the wide-area sensor of this name, for `koseki track --wide-area`
 Times begin at 0. The same scenario and seed give the same bytes.";
 
