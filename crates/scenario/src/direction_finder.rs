@@ -420,6 +420,7 @@ mod tests {
         let (truth, settings) = (
             truth(),
             DirectionFinderSettings {
+                course_rad: 1.0,
                 snr_db: 60.0,
                 frequency_sigma_hz: 0.0,
                 detection_probability: 1.0,
