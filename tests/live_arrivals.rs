@@ -33,8 +33,8 @@ fn time_s(now_ns: i64, later_ms: i64) -> f64 {
     ms.rem_euclid(86_400_000) as f64 / 1e3
 }
 
-/// Tables of one look: arrivals of a reference emitter, of the emitter, a bearing, and a fix, each some milliseconds after
-/// the one before.
+/// Tables of one look: arrivals of a reference emitter, of the emitter, a bearing, and a fix, each some milliseconds
+/// after the one before.
 fn tables(now_ns: i64) -> [String; 3] {
     let mut arrivals =
         "time_s,emitter_id,kind,receiver,t_s,sigma_s,px,py,pz,reference_x,reference_y,reference_z\n".to_owned();
@@ -69,8 +69,10 @@ fn tables(now_ns: i64) -> [String; 3] {
 fn a_recorded_source_of_arrivals_bearings_and_fixes_is_located_again() {
     let (home, to) = (Home::new(), free_address());
     let text = format!(
-        "name = \"test\"\n[frame]\nlatitude_deg = {}\nlongitude_deg = {}\n[[receiver]]\nname = \"lan\"\n[receiver.udp]\n\
-         listen = \"{to}\"\n[[source]]\nname = \"net\"\nperiod_s = 0.1\nfresh_s = 3.0\n[source.live]\nreceiver = \"lan\"\n\
+        "name = \"test\"\n[frame]\nlatitude_deg = {}\nlongitude_deg = {}\n[[receiver]]\nname = \"lan\"\n\
+         [receiver.udp]\n\
+         listen = \"{to}\"\n[[source]]\nname = \"net\"\nperiod_s = 0.1\nfresh_s = 3.0\n[source.live]\n\
+         receiver = \"lan\"\n\
          [source.locator.arrivals]\nclocks = \"estimated\"\n[recorder]\nformat = [\"csv\", \"mcap\"]\n",
         PLACE[0], PLACE[1]
     );

@@ -1,5 +1,6 @@
-//! A direction finder on an aircraft that banks and turns: its bearings are from the bow, and the states of its platform
-//! place them, live and in `koseki locate --platform` (EL-2, EL-11). A killed adapter continues with the same fix.
+//! A direction finder on an aircraft that banks and turns: its bearings are from the bow, and the states of its
+//! platform place them, live and in `koseki locate --platform` (EL-2, EL-11). A killed adapter continues with the same
+//! fix.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -19,7 +20,8 @@ const RADIUS_M: f64 = 13e3;
 const TURN_RADPS: f64 = 0.015;
 /// Right wing below the horizon, radians.
 const ROLL_RAD: f64 = 0.4;
-/// Standard deviations: of a bearing against the deck, of the heading and of the roll, radians; of the position, metres.
+/// Standard deviations: of a bearing against the deck, of the heading and of the roll, radians; of the position,
+/// metres.
 const SIGMA_RAD: f64 = 0.002;
 const ANGLE_SIGMA_RAD: f64 = 0.003;
 const POSITION_SIGMA_M: f64 = 4.0;
@@ -36,7 +38,8 @@ struct Flight {
 }
 
 const BEARINGS: &str = "time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz\n";
-const STATES: &str = "time_s,px,py,pz,vx,vy,vz,heading_rad,pitch_rad,roll_rad,position_sigma_m,heading_sigma_rad,pitch_sigma_rad,roll_sigma_rad\n";
+const STATES: &str = "time_s,px,py,pz,vx,vy,vz,heading_rad,pitch_rad,roll_rad,position_sigma_m,heading_sigma_rad,\
+                      pitch_sigma_rad,roll_sigma_rad\n";
 
 /// Seconds since midnight (UTC).
 fn of_day(time_ns: i64) -> String {
@@ -71,8 +74,8 @@ impl Flight {
         let speed_mps = RADIUS_M * TURN_RADPS;
         let (sine, cosine) = heading_rad.sin_cos();
         let state = format!(
-            "{},{east},{north},0,{},{},0,{heading_rad},0,{ROLL_RAD},{POSITION_SIGMA_M},{ANGLE_SIGMA_RAD},{ANGLE_SIGMA_RAD},\
-             {ANGLE_SIGMA_RAD}\n",
+            "{},{east},{north},0,{},{},0,{heading_rad},0,{ROLL_RAD},{POSITION_SIGMA_M},{ANGLE_SIGMA_RAD},\
+             {ANGLE_SIGMA_RAD},{ANGLE_SIGMA_RAD}\n",
             of_day(state_ns),
             speed_mps * sine,
             speed_mps * cosine
@@ -100,8 +103,8 @@ fn the_platform_places_bearings_live_and_offline_and_a_killed_adapter_goes_on() 
         "name = \"test\"\n[frame]\nlatitude_deg = {}\nlongitude_deg = {}\n\
          [[receiver]]\nname = \"lan\"\n[receiver.udp]\nlisten = \"{bearings_at}\"\n\
          [[platform]]\nname = \"aircraft\"\n[platform.live]\nudp = {{ listen = \"{states_at}\" }}\n\
-         [[source]]\nname = \"finder\"\nperiod_s = 0.1\nfresh_s = 3.0\n[source.live]\nreceiver = \"lan\"\n[source.locator]\n\
-         [source.on_board]\nplatform = \"aircraft\"\n",
+         [[source]]\nname = \"finder\"\nperiod_s = 0.1\nfresh_s = 3.0\n[source.live]\nreceiver = \"lan\"\n\
+         [source.locator]\n[source.on_board]\nplatform = \"aircraft\"\n",
         PLACE[0], PLACE[1]
     );
     fs::write(home.path("site.toml"), text).unwrap();
@@ -172,8 +175,8 @@ fn placed_by_the_platform(flight: &Flight, bearings: &[SensorBearing]) {
     }
 }
 
-/// `koseki locate` makes the published tracks of the recorded bearings, to the last digit, and of the bearings as sent with
-/// the states of the platform, to the metre.
+/// `koseki locate` makes the published tracks of the recorded bearings, to the last digit, and of the bearings as sent
+/// with the states of the platform, to the metre.
 fn located_again(home: &Home, flight: &Flight) {
     fs::write(home.path("sent.csv"), &flight.bearings).unwrap();
     fs::write(home.path("states.csv"), &flight.states).unwrap();

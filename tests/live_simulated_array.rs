@@ -1,5 +1,5 @@
-//! The whole chain of a simulated antenna array: ships that transmit, snapshots of an array on an aircraft, MUSIC, bearings
-//! and fixes; live in datagrams, and from files (EL-1, EL-11).
+//! The whole chain of a simulated antenna array: ships that transmit, snapshots of an array on an aircraft, MUSIC,
+//! bearings and fixes; live in datagrams, and from files (EL-1, EL-11).
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -35,9 +35,9 @@ fn site() -> String {
         "name = \"test\"\n[frame]\nlatitude_deg = 34.75\nlongitude_deg = 139.35\n[scenario]\ntargets = 3\n\
          half_width_m = 40000.0\nterminal_share = 0.0\nholding_share = 0.0\nsurface_share = 0.0\nship_share = 1.0\n\
          ship_speed_max_mps = 0.5\n[[source]]\nname = \"finder\"\nperiod_s = 1.0\nfresh_s = 3.5\n\
-         [source.simulated_direction_finder]\nposition_m = [0.0, -3000.0, 2000.0]\ncourse_rad = 1.2\nspeed_mps = 300.0\n\
-         period_s = 0.1\ndetection_probability = 1.0\nfrequency_sigma_hz = 1000.0\nsnr_db = 30.0\n[source.locator]\n\
-         [source.array]\n{array}"
+         [source.simulated_direction_finder]\nposition_m = [0.0, -3000.0, 2000.0]\ncourse_rad = 1.2\n\
+         speed_mps = 300.0\nperiod_s = 0.1\ndetection_probability = 1.0\nfrequency_sigma_hz = 1000.0\nsnr_db = 30.0\n\
+         [source.locator]\n[source.array]\n{array}"
     )
 }
 

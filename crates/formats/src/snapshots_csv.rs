@@ -39,8 +39,8 @@ pub fn write_header(out: &mut impl Write, antennas: usize) -> io::Result<()> {
     writeln!(out)
 }
 
-/// Writes the snapshots of a measurement, a row each; times count from `first_day_ns` (UTC, nanoseconds). Values read back
-/// are equal to the last bit. A platform that the measurement does not state has empty values.
+/// Writes the snapshots of a measurement, a row each; times count from `first_day_ns` (UTC, nanoseconds). Values read
+/// back are equal to the last bit. A platform that the measurement does not state has empty values.
 ///
 /// # Errors
 /// If `out` fails.

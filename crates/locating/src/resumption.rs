@@ -271,7 +271,8 @@ mod tests {
             .collect()
     }
 
-    /// A locator with these settings gives the same reports of `all` if it is killed after each of these numbers of them.
+    /// A locator with these settings gives the same reports of `all` if it is killed after each of these numbers of
+    /// them.
     fn check_successors<M>(
         settings: Settings,
         all: &[M],

@@ -1,9 +1,9 @@
 //! Simulated direction finder: an aircraft on a racetrack that measures bearings of transmitters.
 //!
 //! The flight begins with a leg. The finder measures bearings only; its own position and heading are exact. Some
-//! targets carry a transmitter, each on its own frequency, and the finder distinguishes all transmitters. All
-//! bearings of a period are measured at one time. A bearing is the true bearing with a normal error. A finder with an
-//! antenna array delivers snapshots instead ([`ArrayGeometry`]): one measurement for each transmitter, at its frequency.
+//! targets carry a transmitter, each on its own frequency, and the finder distinguishes all transmitters. All bearings
+//! of a period are measured at one time. A bearing is the true bearing with a normal error. A finder with an antenna
+//! array delivers snapshots instead ([`ArrayGeometry`]): one measurement for each transmitter, at its frequency.
 
 use std::f64::consts::TAU;
 
@@ -209,9 +209,9 @@ impl SimulatedDirectionFinder {
         self.period += 1;
     }
 
-    /// Appends the snapshots of the next delivery at an array, each block a whole measurement, in the order of the target
-    /// numbers, and advances to the next delivery. Measurements of one period are a microsecond apart, since each is later
-    /// than the one before.
+    /// Appends the snapshots of the next delivery at an array, each block a whole measurement, in the order of the
+    /// target numbers, and advances to the next delivery. Measurements of one period are a microsecond apart, since
+    /// each is later than the one before.
     pub fn take_snapshots(&mut self, array: &ArrayGeometry, truth: &Truth, out: &mut Vec<SnapshotBlock>) {
         let (platform, mut time_ns) = self.present();
         let (settings, mut measurement) = (&self.settings, self.measurement);

@@ -36,8 +36,8 @@ impl ArrayGeometry {
         frequency_hz <= self.frequency_max_hz && (direction_rad - from).rem_euclid(TAU) <= width
     }
 
-    /// Appends `count` snapshots of a wave from a direction, radians from the forward axis: the samples of all antennas, one
-    /// snapshot after the other. `amplitude` is that of the signal over that of the noise at one antenna.
+    /// Appends `count` snapshots of a wave from a direction, radians from the forward axis: the samples of all
+    /// antennas, one snapshot after the other. `amplitude` is that of the signal over that of the noise at one antenna.
     pub(crate) fn measure(
         &self,
         (direction_rad, frequency_hz, amplitude): (f64, f64, f64),

@@ -1,5 +1,5 @@
-//! Simulated direction finder: sends tables of bearings in datagrams (FM-7), each with a header line, or the snapshots of
-//! its antenna array (EL-1).
+//! Simulated direction finder: sends tables of bearings in datagrams (FM-7), each with a header line, or the snapshots
+//! of its antenna array (EL-1).
 
 use deployment::{Process, Source};
 use formats::bearings_csv::BearingWriter;

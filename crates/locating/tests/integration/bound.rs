@@ -318,8 +318,8 @@ fn a_moving_ship_has_no_fix_until_its_range_is_observable_and_then_a_true_one() 
     check_encounter(with_filter(FilterChoice::Auto), 1.0);
 }
 
-/// An emitter at 41 m/s: with a standard deviation of 2 m/s for the velocities of most emitters, its fixes would come in
-/// the second minute, hundred times farther off than stated.
+/// An emitter at 41 m/s: with a standard deviation of 2 m/s for the velocities of most emitters, its fixes would come
+/// in the second minute, hundred times farther off than stated.
 #[test]
 fn where_aircraft_are_expected_the_same_holds_for_a_fast_emitter() {
     let mut settings = with_filter(FilterChoice::Auto);
