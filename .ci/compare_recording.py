@@ -164,6 +164,33 @@ def bearing(message, _):
             'pulse_interval_s': known(K.SENSOR_BEARING_PULSE_INTERVAL, message.pulse_interval_s)}
 
 
+def arrival(message, _):
+    def known(bit, value):
+        return where(message.valid & bit, value)
+
+    def three(names, values, bit=None):
+        return {name: known(bit, value) if bit else value for name, value in zip(names, values)}
+
+    def name(octets):
+        return bytes(octets).rstrip(b'\0').decode()
+
+    difference = K.SENSOR_ARRIVAL_DIFFERENCE
+    is_difference = message.valid & difference
+    return {'time_s': Time(message.time_of_measurement_ns), 'emitter_id': message.emitter_id,
+            'kind': 'tdoa' if is_difference else 'toa', 'receiver': name(message.receiver),
+            't_s': None if is_difference else message.time_s, 'tdoa_s': known(difference, message.time_s),
+            'sigma_s': message.sigma_s, **three(('px', 'py', 'pz'), message.receiver_m),
+            'receiver_2': known(difference, name(message.receiver_2)),
+            **three(('px_2', 'py_2', 'pz_2'), message.receiver_2_m, difference),
+            **three(('reference_x', 'reference_y', 'reference_z'), message.reference_m, K.SENSOR_ARRIVAL_REFERENCE)}
+
+
+def fix(message, _):
+    return {'time_s': Time(message.time_of_measurement_ns), 'emitter_id': message.emitter_id,
+            **dict(zip(('x', 'y', 'z'), message.position_m)),
+            **dict(zip(('Pxx', 'Pxy', 'Pyy'), message.covariance_m2))}
+
+
 def platform_state(message, _):
     def known(bit, value):
         return where(message.valid & bit, value)
@@ -214,8 +241,8 @@ def decision(message, _):
 
 # Ending of a topic's name: stem of the table's, and how a sample is a row.
 TABLES = {'tracks': ('sensor_tracks', sensor_track), 'detections': ('detections', detection),
-          'bearings': ('bearings', bearing), 'state': ('platform_states', platform_state), 'cues': ('cues', cue),
-          'reports': ('wide_area', wide_area)}
+          'bearings': ('bearings', bearing), 'arrivals': ('arrivals', arrival), 'fixes': ('fixes', fix),
+          'state': ('platform_states', platform_state), 'cues': ('cues', cue), 'reports': ('wide_area', wide_area)}
 SYSTEM = {'system/tracks': ('system_tracks', system_track), 'system/alarms': ('alarms', alarm),
           'system/decisions': ('decisions', decision)}
 

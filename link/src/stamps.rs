@@ -6,7 +6,8 @@ use std::any::Any;
 
 use bus::Payload;
 use messages::{
-    Cue, Health, PlatformState, SensorBearing, SensorDetection, SensorTrack, StageTimes, SystemTrack, WideArea,
+    Cue, Health, PlatformState, SensorArrival, SensorBearing, SensorDetection, SensorFix, SensorTrack, StageTimes,
+    SystemTrack, WideArea,
 };
 use runtime::Now;
 
@@ -29,6 +30,8 @@ pub(crate) fn bring_here<T: Payload>(sample: &mut T, offset_ns: Option<i64>, now
         SensorTrack,
         SensorDetection,
         SensorBearing,
+        SensorArrival,
+        SensorFix,
         PlatformState,
         WideArea,
         Cue

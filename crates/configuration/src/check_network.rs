@@ -340,7 +340,7 @@ pub(super) fn asterix(key: &str, reading: &AsterixTable) -> Checked<Asterix> {
 pub(super) fn technology(input: &Input, network: &Network) -> Technology {
     match input {
         Input::Simulated(simulated) => match &simulated.instrument {
-            Instrument::DirectionFinder(_) => Technology::Other,
+            Instrument::DirectionFinder { .. } => Technology::Other,
             Instrument::Sensor(sensor) => match sensor.kind {
                 SensorKind::Radar => Technology::Secondary,
                 SensorKind::Multilateration => Technology::Multilateration,

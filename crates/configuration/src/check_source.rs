@@ -6,9 +6,10 @@ use std::path::PathBuf;
 
 use ::fusion::settings::{AccuracyTable, CoverageArea, SourceSettings};
 use frames::{SensorFrame, SystemFrame};
+use locating::music::ArraySettings;
 use reception::ConversionModel;
-use scenario::{SensorKind, SensorSettings};
-use settings::SettingsError;
+use scenario::{ArrayGeometry, SensorKind, SensorSettings};
+use settings::{Degrees, SettingsError};
 
 use super::check_network::{Network, asterix, simulated_sac_sic, technology};
 use super::checked::{Checked, limits, place};
@@ -47,7 +48,10 @@ pub(super) fn check_source(
             (Input::Simulated(simulated), raw.name.clone())
         }
         (_, _, _, Some(finder)) => {
-            let instrument = Instrument::DirectionFinder(Box::new(finder.clone()));
+            let instrument = Instrument::DirectionFinder {
+                settings: Box::new(finder.clone()),
+                array: raw.array.as_ref().map(|array| Box::new(geometry(array))),
+            };
             let simulated = network.simulated(index, &raw.name, instrument);
             (Input::Simulated(simulated), raw.name.clone())
         }
@@ -145,7 +149,7 @@ fn check_tracker(
         Input::Live(live) => !network.is_sbs(&live.receiver),
         Input::Simulated(simulated) => match &simulated.instrument {
             Instrument::Sensor(sensor) => sensor.plots,
-            Instrument::DirectionFinder(_) => false,
+            Instrument::DirectionFinder { .. } => false,
         },
         // Its tracker is a process of its own.
         Input::External if takes_detections(raw) => return Ok(None),
@@ -165,7 +169,7 @@ fn check_locator(index: usize, raw: &SourceTable, input: &Input, network: &Netwo
     let key = |part: &str| format!("source[{index}].{part}");
     let may_have_bearings = match input {
         Input::Live(live) => network.is_udp(&live.receiver),
-        Input::Simulated(simulated) => matches!(simulated.instrument, Instrument::DirectionFinder(_)),
+        Input::Simulated(simulated) => matches!(simulated.instrument, Instrument::DirectionFinder { .. }),
         Input::Recorded(_) | Input::External | Input::Tracker(_) => false,
     };
     let locator = match (&raw.locator, input) {
@@ -180,11 +184,6 @@ fn check_locator(index: usize, raw: &SourceTable, input: &Input, network: &Netwo
     };
     let array = raw.array.clone();
     if let Some(array) = &array {
-        if !matches!(input, Input::Live(_)) {
-            let what = "takes snapshots of a [[receiver]] with [receiver.udp]; a simulated direction finder delivers \
-                        bearings: leave it out";
-            return Err(SettingsError::new(key("array"), what));
-        }
         array
             .music()
             .map_err(|error| SettingsError::new(key("array"), error.to_string()))?;
@@ -194,6 +193,20 @@ fn check_locator(index: usize, raw: &SourceTable, input: &Input, network: &Netwo
         array,
         dropped: raw.dropped.clone(),
     }))
+}
+
+/// Geometry of an array, for the simulation of its snapshots.
+fn geometry(array: &ArraySettings) -> ArrayGeometry {
+    ArrayGeometry {
+        antennas_m: array
+            .antennas
+            .iter()
+            .map(|antenna| [antenna.right_m, antenna.forward_m])
+            .collect(),
+        forward_rad: array.forward_deg.rad(),
+        sector_rad: array.sector_deg.map(Degrees::rad),
+        frequency_max_hz: array.frequency_max_hz,
+    }
 }
 
 fn check_recorded(index: usize, raw: &RecordedTable) -> Checked<Recorded> {

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use deployment::{Input, Instrument};
+
 use super::super::Config;
 
 const FRAME: &str = "name = \"x\"\n[frame]\nlatitude_deg = 1.0\nlongitude_deg = 2.0\n";
@@ -39,10 +41,15 @@ fn an_array_that_cannot_be_is_refused_with_key_value_and_remedy() {
     );
     let finder = "[[source]]\nname = \"b\"\n[source.simulated_direction_finder]\n";
     let scenario = "[scenario]\n";
-    refused_with(
-        &[FRAME, scenario, finder, LOCATOR, ARRAY],
-        "takes snapshots of a [[receiver]] with [receiver.udp]",
-    );
+    let simulated = read(&[FRAME, scenario, finder, LOCATOR, ARRAY].concat()).unwrap();
+    assert!(simulated.sources[0].has_array() && !simulated.sources[0].has_emitter_rows());
+    let Input::Simulated(source) = &simulated.sources[0].input else {
+        panic!("simulated")
+    };
+    let Instrument::DirectionFinder { array: Some(array), .. } = &source.instrument else {
+        panic!("with an array")
+    };
+    assert_eq!(array.antennas_m, [[0.0, 0.0], [0.15, 0.0]]);
     let with = |from: &str, to: &str| ARRAY.replace(from, to);
     for (array, expected) in [
         (

@@ -194,7 +194,8 @@ settings::settings! {
         locator: Option<locating::Settings> = None;
         /// Emitters that the platform dropped at a known place and time.
         dropped: Vec<locating::DroppedEmitter> = Vec::new();
-        /// Antenna array whose snapshots arrive in place of bearings: the keys of `koseki bearings --array`.
+        /// Antenna array whose snapshots arrive in place of bearings: the keys of `koseki bearings --array`. A
+        /// simulated direction finder sends the snapshots of this array.
         array: Option<locating::music::ArraySettings> = None;
         /// Mounting of a direction finder on a platform that moves: its bearings are then from the nose.
         on_board: Option<FinderOnBoardTable> = None;
@@ -522,7 +523,7 @@ impl SourceTable {
             let what = "names emitters for a locator, which is missing; add [source.locator]";
             return Err(SettingsError::new("dropped", what));
         }
-        if self.array.is_some() && self.locator.is_none() {
+        if self.array.is_some() && !has_locator {
             let what = "measures bearings for a locator, which is missing; add [source.locator]";
             return Err(SettingsError::new("array", what));
         }

@@ -95,6 +95,12 @@ impl Source {
         self.delivers == SampleDelivery::Bearings { array: true }
     }
 
+    /// Whether arrival times and fixes of emitters may come in place of its bearings, or beside them.
+    pub fn has_emitter_rows(&self) -> bool {
+        let is_live = matches!(self.input, Input::Live(_));
+        is_live && self.delivers == SampleDelivery::Bearings { array: false }
+    }
+
     /// Whether its tracker publishes places for the sensor's next look.
     pub fn has_cues(&self) -> bool {
         self.delivers == SampleDelivery::Detections { cues: true }
@@ -186,7 +192,12 @@ pub enum Instrument {
     /// A sensor that tracks what it sees.
     Sensor(Box<scenario::SensorSettings>),
     /// A direction finder, whose bearings its adapter locates.
-    DirectionFinder(Box<scenario::DirectionFinderSettings>),
+    DirectionFinder {
+        /// The finder.
+        settings: Box<scenario::DirectionFinderSettings>,
+        /// Array whose snapshots it delivers; `None` if it delivers bearings.
+        array: Option<Box<scenario::ArrayGeometry>>,
+    },
 }
 
 /// A recorded input.

@@ -22,6 +22,8 @@ impl runtime::DeploymentParts for Deployment {
                 Stream::SensorTracks => visit.visit(&messages::sensor_tracks(name), publishers)?,
                 Stream::Detections => visit.visit(&messages::sensor_detections(name), publishers)?,
                 Stream::Bearings => visit.visit(&messages::sensor_bearings(name), publishers)?,
+                Stream::Arrivals => visit.visit(&messages::sensor_arrivals(name), publishers)?,
+                Stream::Fixes => visit.visit(&messages::sensor_fixes(name), publishers)?,
                 Stream::PlatformStates => visit.visit(&messages::platform_states(name), publishers)?,
                 Stream::Cues => visit.visit(&messages::cues(name), publishers)?,
                 Stream::WideArea => visit.visit(&messages::wide_area(name), publishers)?,
@@ -68,6 +70,8 @@ impl Deployment {
                 (Stream::Detections, source.has_detections()),
                 (Stream::Cues, source.has_cues()),
                 (Stream::Bearings, locates),
+                (Stream::Arrivals, source.has_emitter_rows()),
+                (Stream::Fixes, source.has_emitter_rows()),
                 (Stream::PlatformStates, locates),
             ];
             let there = streams.into_iter().filter(|(_, is_there)| *is_there);

@@ -10,19 +10,25 @@
 //! - both, of a reference emitter: `reference_x,reference_y,reference_z`;
 //! - fixes: `time_s,emitter_id,x,y,z` and `Pxx,Pxy,Pyy` or `variance_m2`, the sum of both variances.
 
-use std::io::Read;
+use std::io::{self, Read, Write};
 
 use csv_table::{Cells, Column, CsvError, Table};
 use observations::{Arrival, ArrivalTime, EmitterMeasurement, ReadyFix, Receiver, ReceiverName};
 
 use crate::bearings_csv::BearingColumns;
-use crate::rows::{Columns, RowReader};
+use crate::cells::{Cell, Time};
+use crate::columns::columns;
+use crate::rows::{Columns, Reference, RowReader, RowWriter};
 
 /// Largest standard deviation of a usable time, seconds.
 const SIGMA_MAX_S: f64 = 1.0;
 
 /// Reads measurements of emitters.
 pub type EmitterRowReader<R> = RowReader<R, EmitterColumns>;
+/// Writer of arrival times. Values read back are equal to the last bit.
+pub type ArrivalWriter<W> = RowWriter<Arrival, W>;
+/// Writer of ready-made fixes. Values read back are equal to the last bit.
+pub type FixWriter<W> = RowWriter<ReadyFix, W>;
 
 /// Columns of measurements of emitters.
 #[derive(Debug)]
@@ -30,23 +36,67 @@ pub struct EmitterColumns {
     first_day_ns: i64,
     kind: Option<Column>,
     bearings: Option<BearingColumns>,
-    arrivals: Option<ArrivalColumns>,
+    arrivals: Option<ArrivalPlaces>,
     fixes: Option<FixColumns>,
 }
 
-/// Columns of arrival times.
-#[derive(Debug)]
-struct ArrivalColumns {
-    time: Column,
-    emitter: Column,
-    /// Arrival at one receiver.
-    single: Option<Column>,
-    receiver: Column,
-    position: [Column; 3],
-    /// Difference, second receiver, and its position.
-    difference: Option<(Column, Column, [Column; 3])>,
-    sigma: Column,
-    reference: Option<[Column; 3]>,
+columns! {
+    /// Places of the columns of arrival times.
+    ArrivalPlaces of Arrival: |row|
+    time: Column = "time_s" => Time(row.time_of_measurement_ns),
+    emitter: Column = "emitter_id" => row.emitter_id,
+    kind: Column = "kind" => if second(row).is_some() { "tdoa" } else { "toa" },
+    receiver: Column = "receiver" => first(row).name,
+    single: Option<Column> = "t_s" => second(row).is_none().then(|| time_s(row)),
+    sigma: Column = "sigma_s" => row.sigma_s,
+    position: [Column; 3] = ["px", "py", "pz"] => first(row).position_m,
+    receiver_2: Option<Column> = "receiver_2" => second(row).map(|second| second.name),
+    position_2: Option<[Column; 3]> = ["px_2", "py_2", "pz_2"] => each(second(row).map(|second| second.position_m)),
+    difference: Option<Column> = "tdoa_s" => second(row).is_some().then(|| time_s(row)),
+    reference: Option<[Column; 3]> = ["reference_x", "reference_y", "reference_z"] => each(row.reference_m),
+}
+
+columns! {
+    ReadyFix: |row|
+    "time_s" => Time(row.time_of_measurement_ns),
+    "emitter_id" => row.emitter_id,
+    ["x", "y", "z"] => row.position_m,
+    ["Pxx", "Pxy", "Pyy"] => row.covariance_m2,
+}
+
+impl Cell for ReceiverName {
+    fn write(self, out: &mut impl Write, _: &Reference) -> io::Result<()> {
+        write!(out, "{self}")
+    }
+}
+
+/// The receiver of an arrival, or the first one of a difference.
+fn first(arrival: &Arrival) -> Receiver {
+    match arrival.time {
+        ArrivalTime::At { receiver, .. } => receiver,
+        ArrivalTime::Between { receivers, .. } => receivers[0],
+    }
+}
+
+/// The second receiver of a difference.
+fn second(arrival: &Arrival) -> Option<Receiver> {
+    match arrival.time {
+        ArrivalTime::At { .. } => None,
+        ArrivalTime::Between { receivers, .. } => Some(receivers[1]),
+    }
+}
+
+/// Time of arrival, or difference, seconds.
+fn time_s(arrival: &Arrival) -> f64 {
+    match arrival.time {
+        ArrivalTime::At { t_s, .. } => t_s,
+        ArrivalTime::Between { tdoa_s, .. } => tdoa_s,
+    }
+}
+
+/// Values that are all stated, or none of them.
+fn each(values: Option<[f64; 3]>) -> [Option<f64>; 3] {
+    std::array::from_fn(|axis| values.map(|values| values[axis]))
 }
 
 /// Columns of ready-made fixes.
@@ -77,7 +127,7 @@ impl<R: Read> EmitterRowReader<R> {
             bearings: has_bearings
                 .then(|| BearingColumns::find(&table, first_day_ns))
                 .transpose()?,
-            arrivals: has_arrivals.then(|| ArrivalColumns::find(&table)).transpose()?,
+            arrivals: has_arrivals.then(|| arrival_places(&table)).transpose()?,
             fixes: has_fixes.then(|| FixColumns::find(&table)).transpose()?,
         };
         Ok(Self { table, columns })
@@ -108,23 +158,9 @@ impl Columns for EmitterColumns {
         match row.text(kind)? {
             None | Some("bearing") => self.bearing(row, Some(kind)),
             Some(word @ ("toa" | "tdoa")) => {
-                let missing = || {
-                    row.error(
-                        kind,
-                        format!("needs the column {}", if word == "toa" { "t_s" } else { "tdoa_s" }),
-                    )
-                };
-                let arrivals = self.arrivals.as_ref().ok_or_else(missing)?;
-                let time = match word {
-                    "toa" => arrivals.single(row).transpose(),
-                    _ => arrivals.difference(row).transpose(),
-                };
-                let time = time.ok_or_else(missing)??;
-                Ok(EmitterMeasurement::Arrival(arrivals.read(
-                    row,
-                    time,
-                    self.first_day_ns,
-                )?))
+                let arrivals = self.arrivals.as_ref().ok_or_else(|| missing(row, kind, word))?;
+                let arrival = arrivals.read(row, word, self.first_day_ns)?;
+                Ok(EmitterMeasurement::Arrival(arrival))
             }
             Some(_) => Err(row.error(kind, "is no kind of measurement; there are bearing, toa and tdoa")),
         }
@@ -141,30 +177,29 @@ impl EmitterColumns {
     }
 }
 
-impl ArrivalColumns {
-    fn find<R: Read>(table: &Table<R>) -> Result<Self, CsvError> {
-        let difference = match table.optional("tdoa_s")? {
-            Some(column) => {
-                let second = table.all(["px_2", "py_2", "pz_2"])?;
-                Some((column, table.required("receiver_2")?, second))
-            }
-            None => None,
-        };
-        let has_reference = table.optional("reference_x")?.is_some();
-        let reference = ["reference_x", "reference_y", "reference_z"];
-        Ok(Self {
-            time: table.required("time_s")?,
-            emitter: table.required("emitter_id")?,
-            single: table.optional("t_s")?,
-            receiver: table.required("receiver")?,
-            position: table.all(["px", "py", "pz"])?,
-            difference,
-            sigma: table.required("sigma_s")?,
-            reference: has_reference.then(|| table.all(reference)).transpose()?,
-        })
-    }
+/// A row of this kind lacks the column of its time.
+fn missing(row: Cells<'_>, column: Column, kind: &str) -> CsvError {
+    let time = if kind == "toa" { "t_s" } else { "tdoa_s" };
+    row.error(column, format!("needs the column {time}"))
+}
 
-    fn read(&self, row: Cells<'_>, time: ArrivalTime, first_day_ns: i64) -> Result<Arrival, CsvError> {
+/// Finds the columns of arrival times in the header of a table; a difference needs those of both receivers.
+fn arrival_places<R: Read>(table: &Table<R>) -> Result<ArrivalPlaces, CsvError> {
+    let places = ArrivalPlaces::find(table)?;
+    if places.difference.is_some() {
+        table.required("receiver_2")?;
+        table.all(["px_2", "py_2", "pz_2"])?;
+    }
+    Ok(places)
+}
+
+impl ArrivalPlaces {
+    fn read(&self, row: Cells<'_>, kind: &str, first_day_ns: i64) -> Result<Arrival, CsvError> {
+        let time = match kind {
+            "toa" => self.single(row)?,
+            _ => self.difference(row)?,
+        };
+        let time = time.ok_or_else(|| missing(row, self.kind, kind))?;
         Ok(Arrival {
             time_of_measurement_ns: first_day_ns.saturating_add(row.time_ns(self.time)?),
             emitter_id: row.whole(self.emitter)?,
@@ -182,7 +217,7 @@ impl ArrivalColumns {
     }
 
     fn difference(&self, row: Cells<'_>) -> Result<Option<ArrivalTime>, CsvError> {
-        let Some((column, name, position)) = self.difference else {
+        let (Some(column), Some(name), Some(position)) = (self.difference, self.receiver_2, self.position_2) else {
             return Ok(None);
         };
         let receivers = [
@@ -436,5 +471,49 @@ mod tests {
             };
             assert!(text.contains(expected), "{text}");
         }
+    }
+
+    #[test]
+    fn what_is_written_is_read_again_exactly() {
+        let receiver = |name, east_m| Receiver {
+            name: ReceiverName::new(name).unwrap(),
+            position_m: [east_m, 2.0 / 7.0, -3.0],
+        };
+        let single = Arrival {
+            time_of_measurement_ns: 43_200_123_456_789,
+            emitter_id: 7,
+            time: ArrivalTime::At {
+                receiver: receiver("north-east", 1.0 / 3.0),
+                t_s: 43_200.123_456_789_01,
+            },
+            sigma_s: 0.1 / 3.0,
+            reference_m: Some([1.0, -0.1, 3.0]),
+        };
+        let difference = Arrival {
+            time: ArrivalTime::Between {
+                receivers: [receiver("a", 4.0), receiver("b", -1e-3)],
+                tdoa_s: -1.0 / 7e5,
+            },
+            reference_m: None,
+            ..single
+        };
+        let fix = ReadyFix {
+            time_of_measurement_ns: 5,
+            emitter_id: 9,
+            position_m: [1.0 / 3.0, -2.5, 0.0],
+            covariance_m2: [4.0, -1.0 / 3.0, 9.0],
+        };
+        let mut arrivals = ArrivalWriter::begin(Vec::new(), 5).unwrap();
+        arrivals.write(&single).unwrap();
+        arrivals.write(&difference).unwrap();
+        let mut fixes = FixWriter::begin(Vec::new(), 5).unwrap();
+        fixes.write(&fix).unwrap();
+        let read = |octets: Vec<u8>| -> Vec<EmitterMeasurement> {
+            let reader = EmitterRowReader::new(&octets[..], 5).unwrap();
+            reader.map(Result::unwrap).collect()
+        };
+        let expected = [single, difference].map(EmitterMeasurement::Arrival);
+        assert_eq!(read(arrivals.into_inner()), expected);
+        assert_eq!(read(fixes.into_inner()), [EmitterMeasurement::Fix(fix)]);
     }
 }

@@ -31,9 +31,9 @@ const MAGIC: &[u8; 4] = b"KSNP";
 /// Version of the layout.
 const VERSION: u8 = 1;
 /// Bytes before the samples.
-pub const HEAD_OCTETS: usize = 72;
+const HEAD_OCTETS: usize = 72;
 /// Bytes of a sample.
-pub const SAMPLE_OCTETS: usize = 8;
+const SAMPLE_OCTETS: usize = 8;
 /// Largest number of antennas.
 pub const ANTENNAS_MAX: u16 = 256;
 /// Largest number of samples of a measurement, over all its snapshots and antennas.
@@ -164,6 +164,24 @@ pub fn encode(block: &SnapshotBlock, octets: &mut Vec<u8>) {
     }
     for part in block.samples.iter().flatten() {
         octets.extend_from_slice(&part.to_le_bytes());
+    }
+}
+
+/// Passes the datagrams of a whole measurement to `each`: as many snapshots in each as fit into `octets_max` bytes, at
+/// least one.
+pub fn each_datagram(measurement: &SnapshotBlock, octets_max: usize, mut each: impl FnMut(&[u8])) {
+    let of_snapshot = usize::from(measurement.antennas);
+    let at_once = (octets_max.saturating_sub(HEAD_OCTETS) / (SAMPLE_OCTETS * of_snapshot)).max(1);
+    let mut octets = Vec::with_capacity(octets_max);
+    for (place, samples) in measurement.samples.chunks(at_once * of_snapshot).enumerate() {
+        let part = SnapshotBlock {
+            first: (place * at_once) as u32,
+            samples: samples.to_vec(),
+            ..*measurement
+        };
+        octets.clear();
+        encode(&part, &mut octets);
+        each(&octets);
     }
 }
 

@@ -4,9 +4,10 @@
 //! sample of each antenna. Rows with the same time belong to the same measurement.
 
 use std::f64::consts::TAU;
-use std::io::Read;
+use std::io::{self, Read, Write};
 
 use csv_table::{Cells, Column, CsvError, Table};
+use observations::SnapshotBlock;
 
 use crate::rows::{Columns, RowReader};
 
@@ -27,6 +28,39 @@ pub struct ArraySnapshot {
 
 /// Reads snapshots.
 pub type SnapshotReader<R> = RowReader<R, SnapshotColumns>;
+
+/// Writes the header line of snapshots of so many antennas.
+///
+/// # Errors
+/// If `out` fails.
+pub fn write_header(out: &mut impl Write, antennas: usize) -> io::Result<()> {
+    write!(out, "time_s,px,py,pz,heading_rad,frequency_hz")?;
+    (1..=antennas).try_for_each(|antenna| write!(out, ",re_{antenna},im_{antenna}"))?;
+    writeln!(out)
+}
+
+/// Writes the snapshots of a measurement, a row each; times count from `first_day_ns` (UTC, nanoseconds). Values read
+/// back are equal to the last bit. A platform that the measurement does not state has empty values.
+///
+/// # Errors
+/// If `out` fails.
+pub fn write_rows(out: &mut impl Write, block: &SnapshotBlock, first_day_ns: i64) -> io::Result<()> {
+    for samples in block.samples.chunks(usize::from(block.antennas)) {
+        csv_table::write_time(out, block.time_ns.saturating_sub(first_day_ns))?;
+        match block.platform_m {
+            Some([east, north, up]) => write!(out, ",{east},{north},{up}")?,
+            None => write!(out, ",,,")?,
+        }
+        match block.heading_rad {
+            Some(heading_rad) => write!(out, ",{heading_rad}")?,
+            None => write!(out, ",")?,
+        }
+        write!(out, ",{}", block.frequency_hz)?;
+        samples.iter().flatten().try_for_each(|part| write!(out, ",{part}"))?;
+        writeln!(out)?;
+    }
+    Ok(())
+}
 
 /// Columns of snapshots.
 #[derive(Debug)]
@@ -112,5 +146,36 @@ mod tests {
         }
         let error = SnapshotReader::new(text.as_bytes(), 0, 3).unwrap_err().to_string();
         assert!(error.contains("column re_3 is missing"), "{error}");
+    }
+
+    #[test]
+    fn what_is_written_is_read_again_exactly() {
+        let block = SnapshotBlock {
+            time_ns: 1_500_001_000,
+            total: 2,
+            antennas: 2,
+            frequency_hz: 1e9 / 3.0,
+            platform_m: Some([1.0 / 3.0, -2.0, 3e3]),
+            heading_rad: Some(0.1),
+            samples: vec![[0.1, -0.2], [1e-7, 3.0], [4.0, 5.0], [-6.5, 7.0]],
+            ..SnapshotBlock::default()
+        };
+        let mut octets = Vec::new();
+        write_header(&mut octets, 2).unwrap();
+        write_rows(&mut octets, &block, 1_000).unwrap();
+        let rows: Vec<ArraySnapshot> = SnapshotReader::new(&octets[..], 1_000, 2)
+            .unwrap()
+            .map(Result::unwrap)
+            .collect();
+        assert_eq!(rows.len(), 2);
+        for (row, samples) in rows.iter().zip(block.samples.chunks(2)) {
+            assert_eq!((row.time_ns, row.frequency_hz), (block.time_ns, block.frequency_hz));
+            assert_eq!(
+                (Some(row.platform_m), Some(row.heading_rad)),
+                (block.platform_m, block.heading_rad)
+            );
+            let read: Vec<[f32; 2]> = row.samples.iter().map(|parts| parts.map(|part| part as f32)).collect();
+            assert_eq!(read, samples);
+        }
     }
 }

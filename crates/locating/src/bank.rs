@@ -365,7 +365,7 @@ impl Bank {
                 let slowed = straight.slowed(time_ns, speed_mps);
                 slowed.map(|slowed: Slowed| slowed.log_odds + share.ln())
             };
-            let slowness = self.way.speed_mps().max(settings.slow_sigma_mps) / settings.slow_sigma_mps;
+            let slowness = self.way.speed_mps().max(settings.slow_mps()) / settings.slow_mps();
             let [moving, drifting] = [settings.moving_probability, settings.drifting_probability]
                 .map(|probability| probability / (slowness * slowness));
             let fixed = odds(0.0, (1.0 - moving - drifting).max(0.0) / moving);

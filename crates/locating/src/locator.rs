@@ -6,13 +6,14 @@ use nalgebra::Matrix4;
 use observations::{Arrival, ArrivalTime, Bearing, ReadyFix, Receiver};
 use settings::SettingsError;
 
-use crate::arrivals::{ArrivalOutcome, Arrivals, CLOCKS_MAX, LINES_MAX, Reception, Transmission};
+use crate::arrivals::{ArrivalOutcome, Arrivals, LINES_MAX, Reception, Transmission};
 use crate::bank::{Bank, BankNotes, RawFix};
 use crate::counts::LocatorCounts;
 use crate::cue::{TurnCue, turn_for_range};
 use crate::explanation::{Decision, LocatorDecisionKind};
-use crate::line_of_bearing::LineOfBearing;
+use crate::line_of_bearing::{LineOfBearing, Ray};
 use crate::motion::MotionModel;
+use crate::rejection::{BearingRejection, arrival_fault, fault, is_place};
 use crate::selection::{Fix, Output, Selector};
 use crate::settings::{DroppedEmitter, FilterChoice, Settings};
 use crate::smoother::StartPoint;
@@ -21,10 +22,6 @@ use crate::smoother::StartPoint;
 pub const OWN_NUMBERS: u32 = 1_000_001;
 /// Decisions on one bearing at most.
 const DECISIONS_MAX: usize = 16;
-/// A direction with a greater standard deviation is none, radians.
-const SIGMA_MAX_RAD: f64 = 1.0;
-/// Greatest coordinate of a platform, metres; beyond, differences lose their millimetres.
-const COORDINATE_MAX_M: f64 = 1e9;
 /// Heights are not observed: standard deviation, metres.
 const HEIGHT_SIGMA_M: f64 = 1e4;
 /// An emitter without a range for this long is a reason to turn, seconds; another course is one that differs by so
@@ -84,59 +81,6 @@ impl EmitterReport {
         }
     }
 }
-
-/// Reason why a bearing was rejected.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BearingRejection {
-    /// A value is no number or cannot be.
-    Unusable(&'static str),
-    /// The bearing is older than the emitter's last one.
-    OutOfOrder,
-    /// The bearing is of a new emitter, and there is no place for it.
-    TableFull,
-    /// Another receiver, and there is no place for its clock.
-    ReceiversFull,
-    /// A transmission that one receiver took alone.
-    Alone,
-    /// A transmission at receivers whose clocks are not known yet.
-    ClockUnknown,
-    /// A difference of distances greater than the distance between the receivers.
-    Impossible,
-}
-
-impl std::fmt::Display for BearingRejection {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Unusable(what) => write!(formatter, "{what}"),
-            Self::OutOfOrder => write!(
-                formatter,
-                "is older than the emitter's last bearing; sort the bearings by time"
-            ),
-            Self::TableFull => write!(
-                formatter,
-                "is of a new emitter, and all places are taken; configure a greater emitters_max"
-            ),
-            Self::ReceiversFull => write!(
-                formatter,
-                "is of another receiver, and {CLOCKS_MAX} have a clock already"
-            ),
-            Self::Alone => write!(
-                formatter,
-                "is the only one of its transmission; give the arrivals of a transmission the same time_s"
-            ),
-            Self::ClockUnknown => write!(
-                formatter,
-                "is of receivers whose clocks no reference emitter has shown yet; add rows with reference_x"
-            ),
-            Self::Impossible => write!(
-                formatter,
-                "is farther off than the receivers are apart; check the clocks, the units and the order of receivers"
-            ),
-        }
-    }
-}
-
-impl std::error::Error for BearingRejection {}
 
 /// State of an emitter.
 #[derive(Clone, Debug)]
@@ -297,10 +241,10 @@ impl Locator {
     /// If the fix is unusable; it is counted and changes nothing.
     pub fn fix(&mut self, fix: &ReadyFix) -> Result<Option<EmitterReport>, BearingRejection> {
         self.decisions.clear();
-        let is_place = fix.position_m.iter().all(|value| value.abs() < COORDINATE_MAX_M);
-        let Some(lines) = LineOfBearing::of_fix(fix).filter(|_| is_place) else {
+        let has_place = is_place(&fix.position_m);
+        let Some(lines) = LineOfBearing::of_fix(fix).filter(|_| has_place) else {
             self.counts.unusable += 1;
-            let fault = match is_place {
+            let fault = match has_place {
                 true => "the covariance is not positive definite",
                 false => "the position is no number, or farther away than 1e9 m",
             };
@@ -747,56 +691,15 @@ impl Emitter {
     }
 }
 
-/// Fault of a bearing; `None` if there is none.
-fn fault(bearing: &Bearing) -> Option<&'static str> {
-    let coordinates = bearing.platform_m.iter().all(|value| value.abs() < COORDINATE_MAX_M);
-    let angles = bearing.bearing_rad.is_finite() && bearing.heading_rad.is_none_or(f64::is_finite);
-    if !angles {
-        Some("an angle is no number")
-    } else if !(bearing.sigma_rad > 0.0 && bearing.sigma_rad <= SIGMA_MAX_RAD) {
-        Some("the standard deviation is not between 0 and 1 rad")
-    } else if !coordinates {
-        Some("the platform's position is no number, or farther away than 1e9 m")
-    } else if bearing
-        .frequency_hz
-        .is_some_and(|frequency| !(frequency > 0.0 && frequency.is_finite()))
-    {
-        Some("the frequency is not greater than 0")
-    } else {
-        None
-    }
-}
-
-/// Fault of an arrival; `None` if there is none.
-fn arrival_fault(arrival: &Arrival) -> Option<&'static str> {
-    let is_place = |place: &[f64; 3]| place.iter().all(|value| value.abs() < COORDINATE_MAX_M);
-    let (receivers, time_s) = match &arrival.time {
-        ArrivalTime::At { receiver, t_s } => ([receiver; 2], t_s),
-        ArrivalTime::Between { receivers, tdoa_s } => ([&receivers[0], &receivers[1]], tdoa_s),
-    };
-    if !time_s.is_finite() {
-        Some("the time is no number")
-    } else if !(arrival.sigma_s > 0.0 && arrival.sigma_s.is_finite()) {
-        Some("the standard deviation is not greater than 0")
-    } else if !receivers.iter().all(|receiver| is_place(&receiver.position_m)) {
-        Some("a receiver's position is no number, or farther away than 1e9 m")
-    } else if arrival.reference_m.is_some_and(|place| !is_place(&place)) {
-        Some("the reference emitter's position is no number, or farther away than 1e9 m")
-    } else if matches!(&arrival.time, ArrivalTime::Between { receivers: [one, other], .. } if one.name == other.name) {
-        Some("both receivers are the same")
-    } else {
-        None
-    }
-}
-
+/// A fix for the selection. The direction is from the platform of a bearing: receivers and fixes of others have none.
 fn selectable(raw: &RawFix, after_ns: i64, line: &LineOfBearing) -> Fix {
-    let origin_m = line.origin_m();
-    let from_platform: [f64; 2] = std::array::from_fn(|axis| raw.position_m[axis] - origin_m[axis]);
+    let from_platform =
+        |ray: &Ray| -> [f64; 2] { std::array::from_fn(|axis| raw.position_m[axis] - ray.platform_m[axis]) };
     Fix {
         time_s: after_ns as f64 * 1e-9,
         position_m: [raw.position_m[0], raw.position_m[1], 0.0],
         velocity_mps: [raw.velocity_mps[0], raw.velocity_mps[1], 0.0],
         variance_m2: raw.variance_m2(),
-        direction_rad: Some(from_platform[0].atan2(from_platform[1])),
+        direction_rad: line.ray().map(from_platform).map(|[east, north]| east.atan2(north)),
     }
 }

@@ -51,7 +51,7 @@ impl MotionModel {
             process_noise,
             range_sigma_m: settings.range_sigma_m,
             speed_sigma_mps: settings.speed_sigma_mps,
-            slow_sigma_mps: settings.slow_sigma_mps.min(settings.speed_sigma_mps),
+            slow_sigma_mps: settings.slow_mps(),
             start: None,
         }
     }

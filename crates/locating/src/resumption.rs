@@ -198,7 +198,7 @@ mod tests {
     use std::sync::Arc;
     use std::sync::atomic::Ordering::Relaxed;
 
-    use observations::Bearing;
+    use observations::{Bearing, ReadyFix};
     use rand_chacha::ChaCha8Rng;
     use rand_chacha::rand_core::SeedableRng as _;
     use rand_distr::{Distribution as _, StandardNormal};
@@ -271,37 +271,71 @@ mod tests {
             .collect()
     }
 
+    /// A locator with these settings gives the same reports of `all` if it is killed after each of these numbers of
+    /// them.
+    fn check_successors<M>(
+        settings: Settings,
+        all: &[M],
+        kills: &[usize],
+        take: impl Fn(&mut Locator, &M) -> Option<EmitterReport>,
+    ) {
+        let mut through = Locator::new(settings).unwrap();
+        let whole: Vec<_> = all.iter().map(|measured| take(&mut through, measured)).collect();
+        let (filter, select) = (settings.motion.filter, settings.selection.select);
+        assert!(
+            whole.iter().flatten().count() > 300,
+            "{filter:?} {select:?}: hardly a fix"
+        );
+        for killed_after in kills {
+            let (before, after) = all.split_at(*killed_after);
+            let memory = blank(&settings);
+            let mut kept = begun(&memory, &settings);
+            let mut first = Locator::new(settings).unwrap();
+            for (nth, measured) in before.iter().enumerate() {
+                take(&mut first, measured);
+                first.keep(&mut kept, nth as i64);
+            }
+            let left = read(&memory, &settings).unwrap().unwrap();
+            assert_eq!(left.kept_ns(), *killed_after as i64 - 1);
+            let mut second = Locator::new(settings).unwrap();
+            second.resume(&left);
+            let continued: Vec<_> = after.iter().map(|measured| take(&mut second, measured)).collect();
+            assert!(
+                continued == whole[*killed_after..],
+                "{filter:?} {select:?} after {killed_after}"
+            );
+        }
+    }
+
     #[test]
     fn a_successor_gives_the_same_fixes_to_the_last_bit() {
         let heard = bearings(500, 8.0);
         for filter in FilterChoice::ALL {
             for select in Select::ALL {
-                let settings = few(filter, select);
-                let whole = reports(&mut Locator::new(settings).unwrap(), &heard);
-                assert!(
-                    whole.iter().flatten().count() > 300,
-                    "{filter:?} {select:?}: hardly a fix"
-                );
-                for killed_after in [1, 7, 60, 191, 514, 803] {
-                    let (before, after) = heard.split_at(killed_after);
-                    let memory = blank(&settings);
-                    let mut kept = begun(&memory, &settings);
-                    let mut first = Locator::new(settings).unwrap();
-                    for (nth, bearing) in before.iter().enumerate() {
-                        first.bearing(bearing).unwrap();
-                        first.keep(&mut kept, nth as i64);
-                    }
-                    let left = read(&memory, &settings).unwrap().unwrap();
-                    assert_eq!(left.kept_ns(), killed_after as i64 - 1);
-                    let mut second = Locator::new(settings).unwrap();
-                    second.resume(&left);
-                    let continued = reports(&mut second, after);
-                    assert!(
-                        continued == whole[killed_after..],
-                        "{filter:?} {select:?} after {killed_after}"
-                    );
-                }
+                let take = |locator: &mut Locator, bearing: &Bearing| locator.bearing(bearing).unwrap();
+                check_successors(few(filter, select), &heard, &[1, 7, 60, 191, 514, 803], take);
             }
+        }
+    }
+
+    /// Fixes of others without a filter: the selection is all that is kept.
+    #[test]
+    fn a_successor_selects_fixes_as_they_are_to_the_last_bit() {
+        let fixes: Vec<ReadyFix> = (0..400)
+            .map(|second| {
+                let turn = f64::from(second) / 30.0;
+                let variance_m2 = 2_500.0 + 2_000.0 * (0.7 * turn).sin();
+                ReadyFix {
+                    time_of_measurement_ns: i64::from(second) * 1_000_000_000,
+                    emitter_id: 7,
+                    position_m: [50.0 * turn.sin() + f64::from(second), 80.0 * turn.cos(), 0.0],
+                    covariance_m2: [variance_m2, 300.0, variance_m2],
+                }
+            })
+            .collect();
+        for select in Select::ALL {
+            let take = |locator: &mut Locator, fix: &ReadyFix| locator.fix(fix).unwrap();
+            check_successors(few(FilterChoice::None, select), &fixes, &[1, 7, 60, 191, 350], take);
         }
     }
 

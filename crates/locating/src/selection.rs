@@ -24,8 +24,8 @@
 //!  ┌─────────┐ (minimum: a minimum below it) ┌───────┐ ─────────────┬────────────▶ ┌──────────┐
 //!  │ passing │ ────────────────────────────▶ │ first │              │              │ interval │
 //!  └─────────┘                               └───────┘              │              └──────────┘
-//!       │ steered: below the threshold                              │   staged: minima │ ▲ staged: no
-//!       ▼                                                           │     come often   ▼ │ minimum for long
+//!   │ ▲  ↓ auto: below the threshold, and not falling by a fifth    │   staged: minima │ ▲ staged: no
+//!   ▼ │  ↑ auto: the fixes have left the output                     │     come often   ▼ │ minimum for long
 //!  ┌─────────┐                                                      │              ┌──────────┐
 //!  │ steered │                                                      └────────────▶ │ minimum  │
 //!  └─────────┘                                                        minimum      └──────────┘

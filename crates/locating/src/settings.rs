@@ -32,8 +32,8 @@ settings::settings! {
         /// Standard deviation of an unknown emitter's position about the platform, along each axis.
         range_sigma_m: f64 = 300e3, in [above 0];
         /// Standard deviation of a moving emitter's velocity, along each axis, as long as the bearings do not show a
-        /// greater velocity.
-        slow_sigma_mps: f64 = 2.0, in [above 0];
+        /// greater velocity. The stated errors of emitters that are much faster are too small at first.
+        slow_sigma_mps: Option<f64> = None, in [above 0], usually "2; `speed_sigma_mps` if that is above 30";
         /// Greatest standard deviation of a moving emitter's velocity, along each axis.
         speed_sigma_mps: f64 = 30.0, in [above 0];
         /// Standard deviation of the velocity of an emitter that seems fixed but drifts, along each axis; at most half
@@ -91,6 +91,23 @@ settings::settings! {
         rate_max_deg_per_s: Degrees = Degrees::of_rad(0.02), in [from 0];
         /// Time without bearings after which a new emitter may replace an emitter in a full table.
         silent_max_s: f64 = 600.0, in [above 0];
+    }
+}
+
+/// Greatest standard deviation of the velocity of ships and vehicles, most of which are slow.
+const SURFACE_SIGMA_MPS: f64 = 30.0;
+/// Standard deviation of the velocity of slow ships.
+const SLOW_SIGMA_MPS: f64 = 2.0;
+
+impl EmitterMotionSettings {
+    /// Standard deviation of a moving emitter's velocity before the bearings show a greater one, metres per second. Few
+    /// aircraft are slow: where `speed_sigma_mps` permits aircraft, slow emitters are not expected.
+    pub(crate) fn slow_mps(&self) -> f64 {
+        let usual_mps = match self.speed_sigma_mps > SURFACE_SIGMA_MPS {
+            true => self.speed_sigma_mps,
+            false => SLOW_SIGMA_MPS,
+        };
+        self.slow_sigma_mps.unwrap_or(usual_mps).min(self.speed_sigma_mps)
     }
 }
 

@@ -9,6 +9,8 @@
 #define KOSEKI_SENSOR_TRACK_SCHEMA UINT64_C(0xd57b159a09bf25f1) /* BatchHeader.schema of its slices. */
 #define KOSEKI_SENSOR_DETECTION_SCHEMA UINT64_C(0xb3d1d23463cd8924) /* BatchHeader.schema of its slices. */
 #define KOSEKI_SENSOR_BEARING_SCHEMA UINT64_C(0x91e05a7e1c4e0342) /* BatchHeader.schema of its slices. */
+#define KOSEKI_SENSOR_ARRIVAL_SCHEMA UINT64_C(0x131e74a726730982) /* BatchHeader.schema of its slices. */
+#define KOSEKI_SENSOR_FIX_SCHEMA UINT64_C(0xc19ad4d762f53481) /* BatchHeader.schema of its slices. */
 #define KOSEKI_SENSOR_SPECTRUM_SCHEMA UINT64_C(0x294141f134fd3cce) /* BatchHeader.schema of its slices. */
 #define KOSEKI_PLATFORM_STATE_SCHEMA UINT64_C(0x8d494f0b5412852b) /* BatchHeader.schema of its slices. */
 #define KOSEKI_WIDE_AREA_SCHEMA UINT64_C(0x3b99c7106b96bc51) /* BatchHeader.schema of its slices. */
@@ -55,6 +57,8 @@
 #define KOSEKI_SENSOR_BEARING_HEADING UINT64_C(0x2) /* `heading_rad` is known. */
 #define KOSEKI_SENSOR_BEARING_FREQUENCY UINT64_C(0x4) /* `frequency_hz` was measured. */
 #define KOSEKI_SENSOR_BEARING_PULSE_INTERVAL UINT64_C(0x8) /* `pulse_interval_s` was measured. */
+#define KOSEKI_SENSOR_ARRIVAL_DIFFERENCE UINT64_C(0x1) /* `time_s` is a difference: arrival at the receiver minus arrival at the second one. */
+#define KOSEKI_SENSOR_ARRIVAL_REFERENCE UINT64_C(0x2) /* `reference_m` is known: the transmission is of a reference emitter. */
 #define KOSEKI_PLATFORM_STATE_VELOCITY UINT64_C(0x1) /* `velocity_mps` is known. */
 #define KOSEKI_PLATFORM_STATE_HEADING UINT64_C(0x2) /* `heading_rad` is known. */
 #define KOSEKI_PLATFORM_STATE_ATTITUDE UINT64_C(0x4) /* `pitch_rad` and `roll_rad` are known. */
@@ -146,6 +150,8 @@
 #define KOSEKI_STREAM_ALARMS UINT64_C(0x8) /* Alarms. */
 #define KOSEKI_STREAM_DECISIONS UINT64_C(0x9) /* Decisions of fusion. */
 #define KOSEKI_STREAM_ORDERS UINT64_C(0xa) /* States of orders. */
+#define KOSEKI_STREAM_ARRIVALS UINT64_C(0xb) /* Arrival times of a source. */
+#define KOSEKI_STREAM_FIXES UINT64_C(0xc) /* Ready-made fixes of a source. */
 #define KOSEKI_STEP_BEGIN UINT64_C(0x1) /* Fusion starts from its configuration: `time_ns` is its epoch. */
 #define KOSEKI_STEP_REPORT UINT64_C(0x2) /* The report of `source` with the number `sequence` is worked off, and time has passed up to `time_ns`. */
 #define KOSEKI_STEP_PUBLISHER UINT64_C(0x3) /* The next reports of `source` come from the publisher with the incarnation `time_ns`. */
@@ -485,6 +491,56 @@ static_assert(offsetof(KosekiSensorBearing, pulse_interval_s) == 104, "offset");
 static_assert(offsetof(KosekiSensorBearing, emitter_id) == 112, "offset");
 static_assert(offsetof(KosekiSensorBearing, source) == 116, "offset");
 static_assert(offsetof(KosekiSensorBearing, valid) == 118, "offset");
+
+typedef struct KosekiSensorArrival {
+    int64_t time_of_measurement_ns; /* Time of the transmission, UTC, nanoseconds since 1970. */
+    uint64_t sequence; /* The arrival's sequence number at its publisher. */
+    KosekiStageTimes stages; /* Stages passed so far. */
+    double time_s; /* Arrival by the receiver's clock, seconds since midnight (UTC), or a difference of two arrivals, seconds. */
+    double sigma_s; /* Standard deviation of that, seconds. */
+    double receiver_m[3]; /* Where the receiver is, metres east, north and up. */
+    double receiver_2_m[3]; /* Where the second receiver of a difference is. */
+    double reference_m[3]; /* Where the reference emitter is. */
+    uint8_t receiver[16]; /* Name of the receiver in ASCII, unused bytes 0. */
+    uint8_t receiver_2[16]; /* Name of the second receiver of a difference. */
+    uint32_t emitter_id; /* Number of the transmitter at its source. */
+    uint16_t source; /* Source: its number in the configuration (TI-2). */
+    uint16_t valid; /* Which fields hold something: see `sensor_arrival_bits`. */
+} KosekiSensorArrival;
+static_assert(sizeof(KosekiSensorArrival) == 176, "size");
+static_assert(offsetof(KosekiSensorArrival, time_of_measurement_ns) == 0, "offset");
+static_assert(offsetof(KosekiSensorArrival, sequence) == 8, "offset");
+static_assert(offsetof(KosekiSensorArrival, stages) == 16, "offset");
+static_assert(offsetof(KosekiSensorArrival, time_s) == 48, "offset");
+static_assert(offsetof(KosekiSensorArrival, sigma_s) == 56, "offset");
+static_assert(offsetof(KosekiSensorArrival, receiver_m) == 64, "offset");
+static_assert(offsetof(KosekiSensorArrival, receiver_2_m) == 88, "offset");
+static_assert(offsetof(KosekiSensorArrival, reference_m) == 112, "offset");
+static_assert(offsetof(KosekiSensorArrival, receiver) == 136, "offset");
+static_assert(offsetof(KosekiSensorArrival, receiver_2) == 152, "offset");
+static_assert(offsetof(KosekiSensorArrival, emitter_id) == 168, "offset");
+static_assert(offsetof(KosekiSensorArrival, source) == 172, "offset");
+static_assert(offsetof(KosekiSensorArrival, valid) == 174, "offset");
+
+typedef struct KosekiSensorFix {
+    int64_t time_of_measurement_ns; /* Time of the fix, UTC, nanoseconds since 1970. */
+    uint64_t sequence; /* The fix's sequence number at its publisher. */
+    KosekiStageTimes stages; /* Stages passed so far. */
+    double position_m[3]; /* Position, metres east, north and up. */
+    double covariance_m2[3]; /* Covariance in the plane: east, east with north, north, m². */
+    uint32_t emitter_id; /* Number of the transmitter at its source. */
+    uint16_t source; /* Source: its number in the configuration (TI-2). */
+    uint16_t reserved; /* Reserved, 0. */
+} KosekiSensorFix;
+static_assert(sizeof(KosekiSensorFix) == 104, "size");
+static_assert(offsetof(KosekiSensorFix, time_of_measurement_ns) == 0, "offset");
+static_assert(offsetof(KosekiSensorFix, sequence) == 8, "offset");
+static_assert(offsetof(KosekiSensorFix, stages) == 16, "offset");
+static_assert(offsetof(KosekiSensorFix, position_m) == 48, "offset");
+static_assert(offsetof(KosekiSensorFix, covariance_m2) == 72, "offset");
+static_assert(offsetof(KosekiSensorFix, emitter_id) == 96, "offset");
+static_assert(offsetof(KosekiSensorFix, source) == 100, "offset");
+static_assert(offsetof(KosekiSensorFix, reserved) == 102, "offset");
 
 typedef struct KosekiSensorSpectrum {
     int64_t time_of_measurement_ns; /* Time of measurement, UTC, nanoseconds since 1970. */

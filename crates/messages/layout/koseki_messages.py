@@ -11,6 +11,8 @@ import ctypes
 SENSOR_TRACK_SCHEMA = 0xd57b159a09bf25f1  # BatchHeader.schema of its slices.
 SENSOR_DETECTION_SCHEMA = 0xb3d1d23463cd8924  # BatchHeader.schema of its slices.
 SENSOR_BEARING_SCHEMA = 0x91e05a7e1c4e0342  # BatchHeader.schema of its slices.
+SENSOR_ARRIVAL_SCHEMA = 0x131e74a726730982  # BatchHeader.schema of its slices.
+SENSOR_FIX_SCHEMA = 0xc19ad4d762f53481  # BatchHeader.schema of its slices.
 SENSOR_SPECTRUM_SCHEMA = 0x294141f134fd3cce  # BatchHeader.schema of its slices.
 PLATFORM_STATE_SCHEMA = 0x8d494f0b5412852b  # BatchHeader.schema of its slices.
 WIDE_AREA_SCHEMA = 0x3b99c7106b96bc51  # BatchHeader.schema of its slices.
@@ -57,6 +59,8 @@ SENSOR_BEARING_EMITTER = 0x1  # `emitter_id` is known: the sensor distinguishes 
 SENSOR_BEARING_HEADING = 0x2  # `heading_rad` is known.
 SENSOR_BEARING_FREQUENCY = 0x4  # `frequency_hz` was measured.
 SENSOR_BEARING_PULSE_INTERVAL = 0x8  # `pulse_interval_s` was measured.
+SENSOR_ARRIVAL_DIFFERENCE = 0x1  # `time_s` is a difference: arrival at the receiver minus arrival at the second one.
+SENSOR_ARRIVAL_REFERENCE = 0x2  # `reference_m` is known: the transmission is of a reference emitter.
 PLATFORM_STATE_VELOCITY = 0x1  # `velocity_mps` is known.
 PLATFORM_STATE_HEADING = 0x2  # `heading_rad` is known.
 PLATFORM_STATE_ATTITUDE = 0x4  # `pitch_rad` and `roll_rad` are known.
@@ -148,6 +152,8 @@ STREAM_SYSTEM_TRACKS = 0x7  # System tracks.
 STREAM_ALARMS = 0x8  # Alarms.
 STREAM_DECISIONS = 0x9  # Decisions of fusion.
 STREAM_ORDERS = 0xa  # States of orders.
+STREAM_ARRIVALS = 0xb  # Arrival times of a source.
+STREAM_FIXES = 0xc  # Ready-made fixes of a source.
 STEP_BEGIN = 0x1  # Fusion starts from its configuration: `time_ns` is its epoch.
 STEP_REPORT = 0x2  # The report of `source` with the number `sequence` is worked off, and time has passed up to `time_ns`.
 STEP_PUBLISHER = 0x3  # The next reports of `source` come from the publisher with the incarnation `time_ns`.
@@ -575,6 +581,72 @@ assert SensorBearing.pulse_interval_s.offset == 104
 assert SensorBearing.emitter_id.offset == 112
 assert SensorBearing.source.offset == 116
 assert SensorBearing.valid.offset == 118
+
+
+class SensorArrival(ctypes.Structure):
+    _fields_ = [
+        ("time_of_measurement_ns", ctypes.c_int64),  # Time of the transmission, UTC, nanoseconds since 1970.
+        ("sequence", ctypes.c_uint64),  # The arrival's sequence number at its publisher.
+        ("stages", StageTimes),  # Stages passed so far.
+        ("time_s", ctypes.c_double),  # Arrival by the receiver's clock, seconds since midnight (UTC), or a difference of two arrivals, seconds.
+        ("sigma_s", ctypes.c_double),  # Standard deviation of that, seconds.
+        ("receiver_m", ctypes.c_double * 3),  # Where the receiver is, metres east, north and up.
+        ("receiver_2_m", ctypes.c_double * 3),  # Where the second receiver of a difference is.
+        ("reference_m", ctypes.c_double * 3),  # Where the reference emitter is.
+        ("receiver", ctypes.c_uint8 * 16),  # Name of the receiver in ASCII, unused bytes 0.
+        ("receiver_2", ctypes.c_uint8 * 16),  # Name of the second receiver of a difference.
+        ("emitter_id", ctypes.c_uint32),  # Number of the transmitter at its source.
+        ("source", ctypes.c_uint16),  # Source: its number in the configuration (TI-2).
+        ("valid", ctypes.c_uint16),  # Which fields hold something: see `sensor_arrival_bits`.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "SensorArrival"
+
+
+assert ctypes.sizeof(SensorArrival) == 176
+assert SensorArrival.time_of_measurement_ns.offset == 0
+assert SensorArrival.sequence.offset == 8
+assert SensorArrival.stages.offset == 16
+assert SensorArrival.time_s.offset == 48
+assert SensorArrival.sigma_s.offset == 56
+assert SensorArrival.receiver_m.offset == 64
+assert SensorArrival.receiver_2_m.offset == 88
+assert SensorArrival.reference_m.offset == 112
+assert SensorArrival.receiver.offset == 136
+assert SensorArrival.receiver_2.offset == 152
+assert SensorArrival.emitter_id.offset == 168
+assert SensorArrival.source.offset == 172
+assert SensorArrival.valid.offset == 174
+
+
+class SensorFix(ctypes.Structure):
+    _fields_ = [
+        ("time_of_measurement_ns", ctypes.c_int64),  # Time of the fix, UTC, nanoseconds since 1970.
+        ("sequence", ctypes.c_uint64),  # The fix's sequence number at its publisher.
+        ("stages", StageTimes),  # Stages passed so far.
+        ("position_m", ctypes.c_double * 3),  # Position, metres east, north and up.
+        ("covariance_m2", ctypes.c_double * 3),  # Covariance in the plane: east, east with north, north, m².
+        ("emitter_id", ctypes.c_uint32),  # Number of the transmitter at its source.
+        ("source", ctypes.c_uint16),  # Source: its number in the configuration (TI-2).
+        ("reserved", ctypes.c_uint16),  # Reserved, 0.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "SensorFix"
+
+
+assert ctypes.sizeof(SensorFix) == 104
+assert SensorFix.time_of_measurement_ns.offset == 0
+assert SensorFix.sequence.offset == 8
+assert SensorFix.stages.offset == 16
+assert SensorFix.position_m.offset == 48
+assert SensorFix.covariance_m2.offset == 72
+assert SensorFix.emitter_id.offset == 96
+assert SensorFix.source.offset == 100
+assert SensorFix.reserved.offset == 102
 
 
 class SensorSpectrum(ctypes.Structure):

@@ -163,6 +163,8 @@ pub const ALL: &[Layout] = &[
     crate::SensorTrack::LAYOUT,
     crate::SensorDetection::LAYOUT,
     crate::SensorBearing::LAYOUT,
+    crate::SensorArrival::LAYOUT,
+    crate::SensorFix::LAYOUT,
     crate::SensorSpectrum::LAYOUT,
     crate::PlatformState::LAYOUT,
     crate::WideArea::LAYOUT,
@@ -395,6 +397,11 @@ pub fn code_groups() -> Vec<CodeGroup> {
             "SensorBearingBits",
             "SENSOR_BEARING",
             crate::sensor_bearing_bits::CONSTANTS,
+        ),
+        bits(
+            "SensorArrivalBits",
+            "SENSOR_ARRIVAL",
+            crate::sensor_arrival_bits::CONSTANTS,
         ),
         bits(
             "PlatformStateBits",

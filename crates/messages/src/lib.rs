@@ -41,8 +41,10 @@ mod process_kind;
 mod progress;
 mod registration;
 mod restored;
+mod sensor_arrival;
 mod sensor_bearing;
 mod sensor_detection;
+mod sensor_fix;
 mod sensor_spectrum;
 mod sensor_track;
 mod sensor_uid;
@@ -76,8 +78,10 @@ pub use process_kind::ProcessKind;
 pub use progress::Progress;
 pub use registration::{Bias, BiasKind, ErrorModel, Registration, registration_bits};
 pub use restored::{RESTORED_WORDS, Restored};
+pub use sensor_arrival::{SensorArrival, sensor_arrival_bits};
 pub use sensor_bearing::{SensorBearing, sensor_bearing_bits};
 pub use sensor_detection::{DetectionKind, DetectionMark, Quantity, SensorDetection, sensor_detection_bits};
+pub use sensor_fix::SensorFix;
 pub use sensor_spectrum::{SPECTRUM_DIRECTIONS, SensorSpectrum};
 pub use sensor_track::{SensorTrack, alert_bits, sensor_track_bits};
 pub use sensor_uid::sensor_uid;
@@ -86,8 +90,9 @@ pub use system_track::{CONTRIBUTIONS_MAX, Contribution, MotionMode, SystemTrack,
 pub use target_type::{TYPE_NAME_MAX, TargetType};
 pub use topics::{
     Outgoing, Stream, StreamId, Streamed, Topic, TopicCapacity, TopicName, Visitor, alarms, cues, decisions, event_log,
-    frame_origin, health, order_states, orders, own_tracks, platform_states, progress, restored, sensor_bearings,
-    sensor_detections, sensor_spectrum, sensor_tracks, smoothed_tracks, system_tracks, visit, wide_area,
+    frame_origin, health, order_states, orders, own_tracks, platform_states, progress, restored, sensor_arrivals,
+    sensor_bearings, sensor_detections, sensor_fixes, sensor_spectrum, sensor_tracks, smoothed_tracks, system_tracks,
+    visit, wide_area,
 };
 pub use wide_area::{Cue, WideArea, wide_area_bits};
 pub use work_step::{StepKind, WorkStep, work_step_bits};

@@ -10,8 +10,8 @@ use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 use crate::codes;
 use crate::layout::Sample;
 use crate::{
-    Alarm, Cue, Decision, FrameOrigin, Health, Order, OrderState, PlatformState, Progress, Restored, SensorBearing,
-    SensorDetection, SensorSpectrum, SensorTrack, SystemTrack, WideArea, WorkStep,
+    Alarm, Cue, Decision, FrameOrigin, Health, Order, OrderState, PlatformState, Progress, Restored, SensorArrival,
+    SensorBearing, SensorDetection, SensorFix, SensorSpectrum, SensorTrack, SystemTrack, WideArea, WorkStep,
 };
 
 /// Name of a topic in shared memory.
@@ -68,6 +68,10 @@ codes! {
         Decisions = 9, "decisions";
         /// States of orders.
         Orders = 10, "orders";
+        /// Arrival times of a source.
+        Arrivals = 11, "arrivals";
+        /// Ready-made fixes of a source.
+        Fixes = 12, "fixes";
     }
 }
 
@@ -170,6 +174,8 @@ streamed! {
     SensorTrack: SensorTracks, sensor_tracks, time_of_measurement_ns;
     SensorDetection: Detections, sensor_detections, time_of_measurement_ns;
     SensorBearing: Bearings, sensor_bearings, time_of_measurement_ns;
+    SensorArrival: Arrivals, sensor_arrivals, time_of_measurement_ns;
+    SensorFix: Fixes, sensor_fixes, time_of_measurement_ns;
     PlatformState: PlatformStates, platform_states, time_ns;
     Cue: Cues, cues, time_ns;
     WideArea: WideArea, wide_area, time_of_observation_ns;
@@ -233,8 +239,10 @@ macro_rules! outgoing {
 outgoing!(
     Cue,
     PlatformState,
+    SensorArrival,
     SensorBearing,
     SensorDetection,
+    SensorFix,
     SensorTrack,
     WideArea
 );
@@ -282,6 +290,12 @@ topics! {
 
     /// Bearings of one source whose adapter locates their transmitters, before the resulting tracks.
     sensor_bearings(source_name) -> SensorBearing: "sensor/{source_name}/bearings", 256 slices of 64, 4 to 16;
+
+    /// Arrival times of one source whose adapter locates their transmitters, before the resulting tracks.
+    sensor_arrivals(source_name) -> SensorArrival: "sensor/{source_name}/arrivals", 256 slices of 64, 4 to 16;
+
+    /// Ready-made fixes of one source whose adapter selects or joins them, before the resulting tracks.
+    sensor_fixes(source_name) -> SensorFix: "sensor/{source_name}/fixes", 256 slices of 64, 4 to 16;
 
     /// Spectra of one source that measures bearings with an antenna array. They are computed and published only while
     /// the topic has subscribers, and are not recorded.

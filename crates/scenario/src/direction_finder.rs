@@ -1,18 +1,22 @@
 //! Simulated direction finder: an aircraft on a racetrack that measures bearings of transmitters.
 //!
 //! The flight begins with a leg. The finder measures bearings only; its own position and heading are exact. Some
-//! targets carry a transmitter, each on its own frequency, and the finder distinguishes all transmitters. All
-//! bearings of a period are measured at one time. The model omits the phases of an antenna array: a bearing is the
-//! true bearing with a normal error.
+//! targets carry a transmitter, each on its own frequency, and the finder distinguishes all transmitters. All bearings
+//! of a period are measured at one time. A bearing is the true bearing with a normal error. A finder with an antenna
+//! array delivers snapshots instead ([`ArrayGeometry`]): one measurement for each transmitter, at its frequency.
+
+use std::f64::consts::TAU;
 
 use messages::NS_PER_S;
-use observations::Bearing;
+use observations::{Bearing, SnapshotBlock};
 use rand::RngExt as _;
+use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 use settings::SettingsError;
 
 use crate::path::{ClosedPath, Kinematics, Waypoint};
 use crate::random::{Purpose, stream};
+use crate::simulated_array::ArrayGeometry;
 use crate::target::TargetState;
 use crate::truth::Truth;
 
@@ -50,6 +54,10 @@ settings::settings! {
         transmitting_share: f64 = 1.0, in [0, 1];
         /// Standard deviation of a measured frequency.
         frequency_sigma_hz: f64 = 1e6, in [0, 1e9];
+        /// With `[source.array]`: number of snapshots of a transmitter in a period.
+        snapshots: u32 = 100, in [1, 4000];
+        /// With `[source.array]`: power of a transmitter at one antenna over that of the noise.
+        snr_db: f64 = 10.0, in [-60, 100];
     }
 }
 
@@ -107,6 +115,17 @@ pub struct SimulatedDirectionFinder {
     start_utc_ns: i64,
     /// Number of the next period.
     period: u64,
+    /// Number of the next measurement of an array.
+    measurement: u32,
+}
+
+/// Transmitter that the finder receives.
+#[derive(Clone, Copy, Debug)]
+struct Received {
+    id: u32,
+    /// True bearing with the finder's bias, radians clockwise from north.
+    bearing_rad: f64,
+    frequency_hz: f64,
 }
 
 impl SimulatedDirectionFinder {
@@ -129,6 +148,7 @@ impl SimulatedDirectionFinder {
             source,
             start_utc_ns,
             period: 0,
+            measurement: 0,
         })
     }
 
@@ -158,7 +178,7 @@ impl SimulatedDirectionFinder {
         PlatformPose {
             position_m,
             velocity_mps,
-            heading_rad: velocity_mps[0].atan2(velocity_mps[1]).rem_euclid(std::f64::consts::TAU),
+            heading_rad: velocity_mps[0].atan2(velocity_mps[1]).rem_euclid(TAU),
         }
     }
 
@@ -170,11 +190,70 @@ impl SimulatedDirectionFinder {
     /// Appends the bearings of the next delivery, in the order of the target numbers (which are also the
     /// transmitter numbers), and advances to the next delivery.
     pub fn listen(&mut self, truth: &Truth, out: &mut Vec<Bearing>) {
-        let time_s = self.measured_s();
-        let platform = self.platform_at(time_s);
-        let time_of_measurement_ns = self.start_utc_ns + (time_s * NS_PER_S).round() as i64;
+        let (platform, time_of_measurement_ns) = self.present();
         let settings = &self.settings;
-        for target in truth.at(time_s) {
+        self.each_received(truth, &platform, |received, random| {
+            let errors: [f64; 2] = std::array::from_fn(|_| StandardNormal.sample(random));
+            let bearing_rad = received.bearing_rad + settings.bearing_sigma_rad * errors[0];
+            out.push(Bearing {
+                time_of_measurement_ns,
+                emitter_id: Some(received.id),
+                bearing_rad: bearing_rad.rem_euclid(TAU),
+                sigma_rad: settings.bearing_sigma_rad,
+                platform_m: platform.position_m,
+                heading_rad: Some(platform.heading_rad),
+                frequency_hz: Some(received.frequency_hz + settings.frequency_sigma_hz * errors[1]),
+                pulse_interval_s: None,
+            });
+        });
+        self.period += 1;
+    }
+
+    /// Appends the snapshots of the next delivery at an array, each block a whole measurement, in the order of the
+    /// target numbers, and advances to the next delivery. Measurements of one period are a microsecond apart, since
+    /// each is later than the one before.
+    pub fn take_snapshots(&mut self, array: &ArrayGeometry, truth: &Truth, out: &mut Vec<SnapshotBlock>) {
+        let (platform, mut time_ns) = self.present();
+        let (settings, mut measurement) = (&self.settings, self.measurement);
+        let amplitude = 10.0_f64.powf(settings.snr_db / 20.0);
+        self.each_received(truth, &platform, |received, random| {
+            let direction_rad = received.bearing_rad - platform.heading_rad - array.forward_rad;
+            if !array.receives(direction_rad, received.frequency_hz) {
+                return;
+            }
+            let error: f64 = StandardNormal.sample(random);
+            let mut samples = Vec::with_capacity(settings.snapshots as usize * array.antennas_m.len());
+            let wave = (direction_rad, received.frequency_hz, amplitude);
+            array.measure(wave, settings.snapshots, random, &mut samples);
+            out.push(SnapshotBlock {
+                time_ns,
+                measurement,
+                total: settings.snapshots,
+                first: 0,
+                antennas: array.antennas_m.len() as u16,
+                frequency_hz: received.frequency_hz + settings.frequency_sigma_hz * error,
+                platform_m: Some(platform.position_m),
+                heading_rad: Some(platform.heading_rad),
+                samples,
+            });
+            time_ns += 1_000;
+            measurement = measurement.wrapping_add(1);
+        });
+        self.measurement = measurement;
+        self.period += 1;
+    }
+
+    /// Pose of the platform and time (UTC, nanoseconds) of the next delivery's measurements.
+    fn present(&self) -> (PlatformPose, i64) {
+        let time_s = self.measured_s();
+        let time_ns = self.start_utc_ns + (time_s * NS_PER_S).round() as i64;
+        (self.platform_at(time_s), time_ns)
+    }
+
+    /// Passes the transmitters received in the next delivery to `each`, with the random numbers of their measurement.
+    fn each_received(&self, truth: &Truth, platform: &PlatformPose, mut each: impl FnMut(Received, &mut ChaCha8Rng)) {
+        let settings = &self.settings;
+        for target in truth.at(self.measured_s()) {
             let [east, north] = [0, 1].map(|axis| target.position_m[axis] - platform.position_m[axis]);
             let Some(frequency_hz) = self.transmitter(target.id) else {
                 continue;
@@ -191,20 +270,13 @@ impl SimulatedDirectionFinder {
             if !is_in_reach || !random.random_bool(settings.detection_probability) {
                 continue;
             }
-            let errors: [f64; 2] = std::array::from_fn(|_| StandardNormal.sample(&mut random));
-            let bearing_rad = east.atan2(north) + settings.bearing_bias_rad + settings.bearing_sigma_rad * errors[0];
-            out.push(Bearing {
-                time_of_measurement_ns,
-                emitter_id: Some(target.id),
-                bearing_rad: bearing_rad.rem_euclid(std::f64::consts::TAU),
-                sigma_rad: settings.bearing_sigma_rad,
-                platform_m: platform.position_m,
-                heading_rad: Some(platform.heading_rad),
-                frequency_hz: Some(frequency_hz + settings.frequency_sigma_hz * errors[1]),
-                pulse_interval_s: None,
-            });
+            let received = Received {
+                id: target.id,
+                bearing_rad: east.atan2(north) + settings.bearing_bias_rad,
+                frequency_hz,
+            };
+            each(received, &mut random);
         }
-        self.period += 1;
     }
 
     /// Returns the frequency of the target's transmitter, if any; the same for every finder.
@@ -217,7 +289,7 @@ impl SimulatedDirectionFinder {
 
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::{PI, TAU};
+    use std::f64::consts::PI;
 
     use super::*;
     use crate::settings::ScenarioSettings;
@@ -340,6 +412,62 @@ mod tests {
         assert!((sigma_hz / 2e6 - 1.0).abs() < 0.05, "{sigma_hz}");
         let (bias_rad, sigma_hz) = errors(0.0, 0.0);
         assert!(bias_rad.abs() < 6e-4 && sigma_hz == 0.0, "{bias_rad}, {sigma_hz}");
+    }
+
+    /// Two antennas: the phase between their samples shows the direction, and the seed every sample.
+    #[test]
+    fn snapshots_show_the_direction_of_each_transmitter_in_the_sector() {
+        let (truth, settings) = (
+            truth(),
+            DirectionFinderSettings {
+                course_rad: 1.0,
+                snr_db: 60.0,
+                frequency_sigma_hz: 0.0,
+                detection_probability: 1.0,
+                ..DirectionFinderSettings::default()
+            },
+        );
+        let array = ArrayGeometry {
+            antennas_m: vec![[0.0, 0.0], [0.01, 0.0]],
+            forward_rad: 0.5 * PI,
+            sector_rad: [-0.5 * PI, 0.5 * PI],
+            frequency_max_hz: 8e9,
+        };
+        let (mut finder, mut again) = (finder(&settings), finder(&settings));
+        let (mut bearings, mut blocks, mut same) = (Vec::new(), Vec::new(), Vec::new());
+        finder.clone().listen(&truth, &mut bearings);
+        finder.take_snapshots(&array, &truth, &mut blocks);
+        again.take_snapshots(&array, &truth, &mut same);
+        assert_eq!(blocks, same);
+        assert_eq!(finder.measured_s(), 1.0);
+        let platform = again.platform_at(0.0);
+        let in_sector = bearings.iter().filter(|bearing| {
+            let target = truth.target_at(bearing.emitter_id.expect("known") as usize, 0.0);
+            let [east, north] = [0, 1].map(|axis| target.position_m[axis] - platform.position_m[axis]);
+            // The array looks to the right.
+            let right_rad = east.atan2(north) - platform.heading_rad;
+            right_rad.sin() >= 0.0 && bearing.frequency_hz.expect("measured") <= 8e9
+        });
+        assert_eq!(blocks.len(), in_sector.clone().count());
+        assert!((2..bearings.len()).contains(&blocks.len()), "{}", blocks.len());
+        for (number, (block, bearing)) in blocks.iter().zip(in_sector).enumerate() {
+            assert_eq!(
+                (block.measurement, block.time_ns),
+                (number as u32, 1_000 + 1_000 * number as i64)
+            );
+            assert_eq!((block.total, block.samples.len()), (100, 200));
+            let target = truth.target_at(bearing.emitter_id.expect("known") as usize, 0.0);
+            let [east, north] = [0, 1].map(|axis| target.position_m[axis] - platform.position_m[axis]);
+            let direction_rad = east.atan2(north) - platform.heading_rad - array.forward_rad;
+            let expected_rad = TAU * block.frequency_hz / 299_792_458.0 * 0.01 * direction_rad.sin();
+            for pair in block.samples.chunks(2) {
+                let [a, b] = [pair[0], pair[1]].map(|[re, im]| f64::from(im).atan2(f64::from(re)));
+                // A weak sample of the signal has a large error of phase.
+                if f64::from(pair[0][0]).hypot(f64::from(pair[0][1])) > 500.0 {
+                    assert!((b - a - expected_rad).sin().abs() < 0.02, "{} of {expected_rad}", b - a);
+                }
+            }
+        }
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! Tracks of a source that delivers bearings, arrival times or fixes of emitters: each goes through the locator
 //! ([`locating`], EL).
 //!
-//! A bearing contains the platform's position, and is published with it, before the resulting track. An emitter
+//! A bearing contains the platform's position, and is published with it, before the resulting track. So are arrival
+//! times and fixes, each kind on its topic, in the order in which the locator takes them. An emitter
 //! without sufficient geometry for a fix has no track yet. Nothing waits: a track is as old as its latest bearing. A
 //! silent emitter has no further reports, as with any sensor. Only arrival times wait: for the other receivers of their
 //! transmission, until a later row or half a second without arrivals.
@@ -15,7 +16,7 @@ use estimation::SourceClock;
 use frames::SystemFrame;
 use kept::{Memory, MemoryRefusal};
 use locating::music::ArraySettings;
-use locating::{DroppedEmitter, EmitterMemory, EmitterReport, LeftEmitters, Locator, Settings};
+use locating::{BearingRejection, DroppedEmitter, EmitterMemory, EmitterReport, LeftEmitters, Locator, Settings};
 use messages::{Counter, Counters, SensorTrack};
 use observations::{ArrivalTime, Bearing, EmitterMeasurement, Sampled, SnapshotBlock};
 use platform::{Assumed, BearingRoom, History, Mount, State};
@@ -238,10 +239,16 @@ impl BearingLocator {
             EmitterMeasurement::Arrival(arrival) => self.locator.arrival(arrival),
             EmitterMeasurement::Fix(fix) => self.locator.fix(fix),
         };
+        let stages = ingested(ingested_ns);
+        if let EmitterMeasurement::Arrival(arrival) = measured
+            && !taken.as_ref().is_err_and(BearingRejection::is_of_arrival)
+        {
+            self.arrived_ns = self.received_ns;
+            samples.arrivals.push(arrival.sample(self.source, stages));
+        }
         let Ok(report) = taken else { return };
         let [east, north, _] = match measured {
             EmitterMeasurement::Bearing(bearing) => {
-                let stages = ingested(ingested_ns);
                 samples.bearings.push(bearing.sample(self.source, stages));
                 if time_ns > self.platform_ns {
                     self.platform_ns = time_ns;
@@ -249,14 +256,14 @@ impl BearingLocator {
                 }
                 bearing.platform_m
             }
-            EmitterMeasurement::Arrival(arrival) => {
-                self.arrived_ns = self.received_ns;
-                match arrival.time {
-                    ArrivalTime::At { receiver, .. } => receiver.position_m,
-                    ArrivalTime::Between { receivers, .. } => receivers[0].position_m,
-                }
+            EmitterMeasurement::Arrival(arrival) => match arrival.time {
+                ArrivalTime::At { receiver, .. } => receiver.position_m,
+                ArrivalTime::Between { receivers, .. } => receivers[0].position_m,
+            },
+            EmitterMeasurement::Fix(fix) => {
+                samples.fixes.push(fix.sample(self.source, stages));
+                fix.position_m
             }
-            EmitterMeasurement::Fix(fix) => fix.position_m,
         };
         self.origin_m = [east, north];
         self.publish(report, ingested_ns, samples);

@@ -1,6 +1,8 @@
 //! Samples published by a source.
 
-use messages::{Cue, PlatformState, SensorBearing, SensorDetection, SensorSpectrum, SensorTrack};
+use messages::{
+    Cue, PlatformState, SensorArrival, SensorBearing, SensorDetection, SensorFix, SensorSpectrum, SensorTrack,
+};
 
 /// Samples of a source, each kind in the order of publication.
 #[derive(Debug, Default)]
@@ -11,6 +13,10 @@ pub struct Samples {
     pub platforms: Vec<PlatformState>,
     /// Bearings behind the tracks, to be published before the tracks.
     pub bearings: Vec<SensorBearing>,
+    /// Arrival times behind the tracks, to be published before the tracks.
+    pub arrivals: Vec<SensorArrival>,
+    /// Ready-made fixes behind the tracks, to be published before the tracks.
+    pub fixes: Vec<SensorFix>,
     /// Spectra behind the bearings, if somebody receives them.
     pub spectra: Vec<SensorSpectrum>,
     /// Sensor tracks.
@@ -20,4 +26,12 @@ pub struct Samples {
     pub has_picture: bool,
     /// Search regions for the sensor's next look, to be published after the tracks.
     pub cues: Vec<Cue>,
+}
+
+impl Samples {
+    /// Number of samples of the kind of which there are most.
+    pub fn most(&self) -> usize {
+        let (measured, made) = (self.detections.len().max(self.bearings.len()), self.tracks.len());
+        measured.max(made).max(self.arrivals.len()).max(self.fixes.len())
+    }
 }

@@ -2,7 +2,7 @@
 
 use locating::Settings;
 use messages::Counter;
-use observations::{Arrival, ArrivalTime, EmitterMeasurement, ReadyFix, Receiver, ReceiverName};
+use observations::{Arrival, ArrivalTime, EmitterMeasurement, ReadyFix, Receiver, ReceiverName, Sampled as _};
 use reception::PlausibilityLimits;
 use sources::{BearingLocator, FinderSettings, Samples};
 
@@ -61,6 +61,16 @@ fn a_transmission_waits_for_its_receivers_but_not_for_ever() {
         (track.track_number, track.source, track.time_of_measurement_ns),
         (3, 5, 2 * S)
     );
+    // The topic has every arrival, in the order in which the locator has taken them.
+    let published = samples
+        .arrivals
+        .iter()
+        .map(|sample| Arrival::of_sample(sample).unwrap());
+    let taken = (0..3).flat_map(|second| {
+        let at = corners.into_iter().enumerate();
+        at.map(move |(number, at)| arrival(second, number, at, [1e3, 2e3]))
+    });
+    assert!(published.map(EmitterMeasurement::Arrival).eq(taken));
     let off_m = (track.position_m[0] - 1e3).hypot(track.position_m[1] - 2e3);
     assert!(off_m < 1.0, "{off_m} m off");
     assert!(samples.bearings.is_empty() && samples.platforms.is_empty());
@@ -84,6 +94,8 @@ fn fixes_become_tracks_and_refused_measurements_are_counted() {
     locator.received(9 * S);
     locator.take(&fix(9, 100.0), 0, &mut samples);
     assert_eq!(samples.tracks.len(), 2);
+    let published: Vec<i64> = samples.fixes.iter().map(|fix| fix.time_of_measurement_ns / S).collect();
+    assert_eq!(published, [1, 9], "the fixes that were taken");
     let mut counters = messages::Counters::default();
     locator.count(&mut counters);
     // A fix without a covariance, and a transmission at one receiver.
@@ -91,4 +103,29 @@ fn fixes_become_tracks_and_refused_measurements_are_counted() {
         (counters[Counter::Detections], counters[Counter::DetectionsRejected]),
         (3, 2)
     );
+}
+
+/// The arrival that shows that the transmission before it has one receiver only begins a transmission of its own.
+#[test]
+fn an_arrival_after_a_lonely_one_is_published_and_waits_by_the_clock() {
+    let mut locator = locator();
+    let mut samples = Samples::default();
+    let rejected = |locator: &BearingLocator| {
+        let mut counters = messages::Counters::default();
+        locator.count(&mut counters);
+        counters[Counter::DetectionsRejected]
+    };
+    let lonely = arrival(1, 0, [-10e3, -10e3], [1e3, 2e3]);
+    locator.take(&lonely, 0, &mut samples);
+    locator.received(S);
+    locator.take(&lonely, 0, &mut samples);
+    assert_eq!((samples.arrivals.len(), rejected(&locator)), (2, 1));
+    locator.elapsed(2 * S, 0, &mut samples);
+    assert_eq!(rejected(&locator), 2);
+    let EmitterMeasurement::Arrival(mut unusable) = lonely else {
+        panic!("an arrival")
+    };
+    unusable.sigma_s = -1.0;
+    locator.take(&EmitterMeasurement::Arrival(unusable), 0, &mut samples);
+    assert_eq!((samples.arrivals.len(), rejected(&locator)), (2, 3));
 }

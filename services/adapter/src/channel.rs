@@ -3,8 +3,8 @@
 use bus::{BusError, Mark, Publisher, SharedMemory, Subscriber};
 use deployment::{Process, Source};
 use messages::{
-    Counter, Counters, Cue, NS_PER_S, PlatformState, SensorBearing, SensorDetection, SensorSpectrum, SensorTrack,
-    WideArea,
+    Counter, Counters, Cue, NS_PER_S, PlatformState, SensorArrival, SensorBearing, SensorDetection, SensorFix,
+    SensorSpectrum, SensorTrack, WideArea,
 };
 use observations::{
     EmitterMeasurement, Observation, Sampled, SensorEvent, ServiceMessage, SnapshotBlock, WideAreaReport,
@@ -54,6 +54,8 @@ struct Outlets {
     detections: TopicOutlet<SensorDetection>,
     platforms: TopicOutlet<PlatformState>,
     bearings: TopicOutlet<SensorBearing>,
+    arrivals: TopicOutlet<SensorArrival>,
+    fixes: TopicOutlet<SensorFix>,
     /// Spectra of an antenna array.
     spectra: Option<Publisher<SharedMemory, SensorSpectrum>>,
     tracks: TopicOutlet<SensorTrack>,
@@ -64,6 +66,7 @@ impl Outlets {
     fn open(process: &Process, source: &Source) -> Result<Self, BusError> {
         let (name, uid) = (source.name.as_str(), source.uid);
         let (has_detections, has_bearings) = (source.has_detections(), source.has_bearings());
+        let has_rows = source.has_emitter_rows();
         let spectra = || {
             let publisher = process
                 .bus
@@ -74,6 +77,8 @@ impl Outlets {
             detections: TopicOutlet::open(process, &messages::sensor_detections(name), uid, has_detections)?,
             platforms: TopicOutlet::open(process, &messages::platform_states(name), uid, has_bearings)?,
             bearings: TopicOutlet::open(process, &messages::sensor_bearings(name), uid, has_bearings)?,
+            arrivals: TopicOutlet::open(process, &messages::sensor_arrivals(name), uid, has_rows)?,
+            fixes: TopicOutlet::open(process, &messages::sensor_fixes(name), uid, has_rows)?,
             spectra: source.has_array().then(spectra).transpose()?,
             tracks: TopicOutlet::open(process, &messages::sensor_tracks(name), uid, source.has_tracks())?,
             cues: TopicOutlet::open(process, &messages::cues(name), uid, source.has_cues())?,
@@ -85,6 +90,8 @@ impl Outlets {
         self.detections.send(mark, &mut samples.detections)?;
         self.platforms.send(mark, &mut samples.platforms)?;
         self.bearings.send(mark, &mut samples.bearings)?;
+        self.arrivals.send(mark, &mut samples.arrivals)?;
+        self.fixes.send(mark, &mut samples.fixes)?;
         self.tracks.send(mark, &mut samples.tracks)?;
         self.send_spectra(mark, &mut samples.spectra)?;
         self.cues.send(mark, &mut samples.cues)
@@ -304,13 +311,7 @@ impl SourceChannel {
     }
 
     fn publish_many(&mut self) -> anyhow::Result<()> {
-        let Samples {
-            tracks,
-            bearings,
-            detections,
-            ..
-        } = &self.gathered;
-        let is_full = tracks.len().max(bearings.len()).max(detections.len()) >= GATHERED_MAX;
+        let is_full = self.gathered.most() >= GATHERED_MAX;
         // A picture is published before the following scan.
         match is_full || self.gathered.has_picture {
             true => self.publish(),

@@ -74,7 +74,7 @@ displayed! {
     Alarms: Alarm, |world, (header, alarms), _| world.hear_alarms(header, alarms);
     Decisions: Decision, |world, (_, decisions), _| world.hear_decisions(decisions);
     Orders: OrderState, |world, (_, orders), _| world.observed.take_orders(orders);
-    ; hidden: PlatformStates
+    ; hidden: PlatformStates, Arrivals, Fixes
 }
 
 #[cfg(test)]

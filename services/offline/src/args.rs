@@ -109,6 +109,7 @@ DIR/detections_K.csv     detections of sensor K, the input of its own tracker; t
                          address_probability or code_probability
 DIR/asterix_K.ast        with --asterix, data sent by sensor K: for `koseki decode` and `koseki send`
 DIR/bearings_K.csv       in place of both, bearings of direction finder K, for `koseki locate`; emitter_id is the target's
+DIR/snapshots_K.csv      in place of these, if the finder has an array: for `koseki bearings --array` and `koseki send`
 DIR/wide_area_NAME.csv   counts of the wide-area sensor of this name, for `koseki track --wide-area`
 Times begin at 0. The same scenario and seed give the same bytes.";
 
@@ -318,6 +319,7 @@ Examples:
   koseki locate --bearings arrivals.csv --out fixes.csv                          rows of kind toa or tdoa
   koseki locate --fixes radar.csv --select interval --out smooth.csv             fixes as they are, selected
   koseki locate --bearings flight.csv --fixes radar.csv --out fixes.csv          both in one filter
+  koseki locate --bearings bearings_a.csv --bearings arrivals_a.csv --out f.csv  as a deployment has recorded them
 
 --bearings time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz[,heading_rad,frequency_hz]   a row per bearing, in the order of time
          Radians clockwise from north, metres east, north and up; p is the position of the platform. A file may contain any
@@ -363,9 +365,9 @@ fn locate_examples() -> String {
 /// `koseki locate`.
 #[derive(Debug, Args)]
 pub struct Locate {
-    /// Bearings and arrival times: a CSV file in the order of time
+    /// Bearings and arrival times: a CSV file in the order of time (repeatable)
     #[arg(long, value_name = "FILE", required_unless_present = "fixes")]
-    pub(crate) bearings: Option<PathBuf>,
+    pub(crate) bearings: Vec<PathBuf>,
     /// Ready-made fixes of emitters: a CSV file in the order of time
     #[arg(long, value_name = "FILE")]
     pub(crate) fixes: Option<PathBuf>,

@@ -2,7 +2,8 @@
 //!
 //! The world and its sensors are those of the demonstration (`scenario`), without a clock: the command requests one
 //! delivery after another from each sensor. A run of an hour takes seconds, and the same seed gives the same bytes.
-//! Direction finders write a table of bearings (FM-7), in which a transmitter has the number of its target.
+//! Direction finders write a table of bearings (FM-7), in which a transmitter has the number of its target, or the
+//! snapshots of their antenna arrays (EL-1).
 //! Wide-area sensors write a table of counts (FM-6).
 
 mod on_board;
@@ -16,12 +17,14 @@ use deployment::{Input, Instrument, Source};
 use formats::bearings_csv::BearingWriter;
 use formats::detections_csv::{DetectionWriter, RepliedDetection, RepliedDetectionWriter};
 use formats::sensor_tracks_csv::SensorTrackWriter;
+use formats::snapshots_csv;
 use formats::wide_area_csv::WideAreaWriter;
 use messages::SensorTrack;
 use observations::sensor_id;
 use observations::{Detection, DetectionKind, DetectionPlatform, TransponderReply};
 use scenario::{
-    RadarPlot, SensorSettings, SimulatedDirectionFinder, SimulatedSensor, SimulatedWideAreaSensor, TargetState, Truth,
+    ArrayGeometry, RadarPlot, SensorSettings, SimulatedDirectionFinder, SimulatedSensor, SimulatedWideAreaSensor,
+    TargetState, Truth,
 };
 use simulator::SensorFeed;
 
@@ -96,7 +99,16 @@ pub(crate) fn run(simulate: &Simulate, host: &dyn Host) -> anyhow::Result<()> {
                     write_sensor(host, out, source.number, settings, &mut sensor, &truth, end_s)?;
                 said += &format!("sensor {id} {name}: {reports} reports, {detections} detections\n");
             }
-            Instrument::DirectionFinder(settings) => {
+            Instrument::DirectionFinder {
+                settings,
+                array: Some(array),
+            } => {
+                let mut finder = SimulatedDirectionFinder::new(settings, simulate.seed, source.number, 0)?;
+                observers.finders.push(finder.clone());
+                let measurements = write_snapshots(host, out, source.number, (&mut finder, array), &truth, end_s)?;
+                said += &format!("sensor {id} {name}: {measurements} measurements of its array\n");
+            }
+            Instrument::DirectionFinder { settings, array: None } => {
                 let mut finder = SimulatedDirectionFinder::new(settings, simulate.seed, source.number, 0)?;
                 observers.finders.push(finder.clone());
                 let bearings = write_bearings(host, out, source.number, &mut finder, &truth, end_s)?;
@@ -267,6 +279,33 @@ fn write_bearings(
         count += heard.len() as u64;
     }
     table.into_inner().finish()?;
+    Ok(count)
+}
+
+/// Writes the snapshots of one direction finder's array up to `end_s`; returns the number of measurements.
+fn write_snapshots(
+    host: &dyn Host,
+    folder: &Path,
+    source: u16,
+    (finder, array): (&mut SimulatedDirectionFinder, &ArrayGeometry),
+    truth: &Truth,
+    end_s: f64,
+) -> anyhow::Result<u64> {
+    let path = folder.join(format!("snapshots_{}.csv", sensor_id(source)));
+    let unwritten = || format!("{} cannot be written", path.display());
+    let mut table = host.begin(&path)?;
+    snapshots_csv::write_header(&mut table, array.antennas_m.len()).with_context(unwritten)?;
+    let (mut measured, mut count) = (Vec::new(), 0);
+    while finder.measured_s() <= end_s {
+        host.progress(finder.measured_s() as u64, end_s as u64)?;
+        measured.clear();
+        finder.take_snapshots(array, truth, &mut measured);
+        for measurement in &measured {
+            snapshots_csv::write_rows(&mut table, measurement, 0).with_context(unwritten)?;
+        }
+        count += measured.len() as u64;
+    }
+    table.finish()?;
     Ok(count)
 }
 

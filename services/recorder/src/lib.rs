@@ -10,8 +10,9 @@
 //!   `level_age_s`, the transponder's newest level (hundreds of feet against 1013.25 hPa) and its age.
 //! - `detections_<name>.csv`: exact detections, if an adapter forms a source's tracks from detections. `koseki
 //!   track` forms the same tracks from them (FM-6), and the same cues as in `cues_<name>.csv`.
-//! - `bearings_<name>.csv`: the bearings used from a direction finder, and `platform_states_<name>.csv`: the
-//!   platform's positions. `koseki locate` makes the same fixes from the bearings (FM-7).
+//! - `bearings_<name>.csv`: the bearings used from a direction finder, and `platform_states_<name>.csv`: the platform's
+//!   positions; `arrivals_<name>.csv` and `fixes_<name>.csv`: the arrival times and the ready-made fixes that came
+//!   beside them or in their place. `koseki locate` makes the same fixes from these files (FM-7).
 //! - `wide_area_<name>.csv`: exact reports of wide-area sensors.
 //!
 //! With recorded inputs, neither order depends on scheduling. The files are therefore reproducible: they carry the

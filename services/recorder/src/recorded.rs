@@ -15,10 +15,10 @@ use formats::scan_rows_csv::{EmptyScan, RepliedScanRow, ScanRow};
 use formats::tracks_csv::PlacedTrack;
 use frames::SystemFrame;
 use messages::{
-    Alarm, AlarmEvent, Cue, Decision, OrderState, PlatformState, SensorBearing, SensorDetection, SensorTrack, Stream,
-    Streamed, SystemTrack, WideArea,
+    Alarm, AlarmEvent, Cue, Decision, OrderState, PlatformState, SensorArrival, SensorBearing, SensorDetection,
+    SensorFix, SensorTrack, Stream, Streamed, SystemTrack, WideArea,
 };
-use observations::{Bearing, Sampled as _, SensorEvent, WideAreaReport, sensor_id};
+use observations::{Arrival, Bearing, ReadyFix, Sampled as _, SensorEvent, WideAreaReport, sensor_id};
 
 /// Sample with a row format.
 pub(crate) trait RecordedSample: Streamed + Payload {
@@ -48,6 +48,8 @@ pub(crate) fn for_samples<F: ForSamples>(stream: Stream, task: F) -> F::Done {
         Stream::SensorTracks => task.of::<SensorTrack>("sensor_tracks"),
         Stream::Detections => task.of::<SensorDetection>("detections"),
         Stream::Bearings => task.of::<SensorBearing>("bearings"),
+        Stream::Arrivals => task.of::<SensorArrival>("arrivals"),
+        Stream::Fixes => task.of::<SensorFix>("fixes"),
         Stream::PlatformStates => task.of::<PlatformState>("platform_states"),
         Stream::Cues => task.of::<Cue>("cues"),
         Stream::WideArea => task.of::<WideArea>("wide_area"),
@@ -146,16 +148,26 @@ impl RecordedSample for SensorDetection {
     }
 }
 
-impl RecordedSample for SensorBearing {
-    type Row = Bearing;
+macro_rules! recorded_as_measured {
+    ($($sample:ident: $value:ident;)*) => { $(
+        impl RecordedSample for $sample {
+            type Row = $value;
 
-    fn row(&self, _: u16, _: &SystemFrame) -> Option<Bearing> {
-        Bearing::of_sample(self)
-    }
+            fn row(&self, _: u16, _: &SystemFrame) -> Option<$value> {
+                $value::of_sample(self)
+            }
 
-    fn stated_number(&self) -> u16 {
-        self.source
-    }
+            fn stated_number(&self) -> u16 {
+                self.source
+            }
+        }
+    )* };
+}
+
+recorded_as_measured! {
+    SensorBearing: Bearing;
+    SensorArrival: Arrival;
+    SensorFix: ReadyFix;
 }
 
 impl RecordedSample for PlatformState {

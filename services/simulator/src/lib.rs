@@ -2,9 +2,9 @@
 //! like real sensors.
 //!
 //! Each sensor uses the category of its kind: a radar CAT048 with CAT034, multilateration CAT020 with CAT019, ADS-B
-//! CAT021 with CAT023 (`feed`). A direction finder sends tables of bearings (`direction_finder`). A wide-area
-//! sensor sends tables of counts with the configured delay (`wide_area`). Both send rows in datagrams (`rows`). A ship
-//! sends sentences of NMEA 0183, and its radar rows of detections (`ship`). All
+//! CAT021 with CAT023 (`feed`). A direction finder sends tables of bearings, or the snapshots of its antenna array
+//! (`direction_finder`). A wide-area sensor sends tables of counts with the configured delay (`wide_area`). Both send
+//! rows in datagrams (`rows`). A ship sends sentences of NMEA 0183, and its radar rows of detections (`ship`). All
 //! datagrams go to the adapter of their source at the deployment's own loopback address. A demonstration thus runs
 //! through the same sockets, decoders and checks as a deployment with real sensors. Values that a category cannot
 //! express (a radar's report has no covariance) are missing as in reality. A radar configured for plots sends plots
@@ -35,7 +35,7 @@ use net::{SenderSettings, UdpSender};
 use runtime::{Agent, HealthEntry, Now, Turn};
 use scenario::{ScenarioSettings, Truth};
 
-use crate::direction_finder::DirectionFinder;
+use crate::direction_finder::{ArrayFinder, DirectionFinder};
 use crate::sensor::AsterixSensor;
 use crate::ship::Ship;
 use crate::wide_area::SimulatedWideArea;
@@ -91,7 +91,11 @@ impl Simulator {
                 Instrument::Sensor(settings) => {
                     Box::new(AsterixSensor::new(process, source, settings).with_context(unusable)?)
                 }
-                Instrument::DirectionFinder(settings) => {
+                Instrument::DirectionFinder {
+                    settings,
+                    array: Some(array),
+                } => Box::new(ArrayFinder::new(process, source, settings, array).with_context(unusable)?),
+                Instrument::DirectionFinder { settings, array: None } => {
                     Box::new(DirectionFinder::new(process, source, settings).with_context(unusable)?)
                 }
             });

@@ -57,13 +57,18 @@ impl RowSender {
 
     /// Adds the sender's counts.
     pub(crate) fn count(&self, entry: &mut HealthEntry) {
-        let sent = self.sender.counters();
-        for (counter, count) in [
-            (Counter::RecordsSent, self.rows),
-            (Counter::DatagramsSent, sent.sent),
-            (Counter::SendFailures, sent.failed),
-        ] {
-            entry.counters[counter] += count;
-        }
+        count_sent(self.rows, &self.sender, entry);
+    }
+}
+
+/// Adds the counts of a sender of so many records.
+pub(crate) fn count_sent(records: u64, sender: &UdpSender, entry: &mut HealthEntry) {
+    let sent = sender.counters();
+    for (counter, count) in [
+        (Counter::RecordsSent, records),
+        (Counter::DatagramsSent, sent.sent),
+        (Counter::SendFailures, sent.failed),
+    ] {
+        entry.counters[counter] += count;
     }
 }

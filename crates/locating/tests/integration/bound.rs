@@ -258,12 +258,12 @@ fn sailing(knots: f64, course_deg: f64) -> [f64; 2] {
 
 /// A ship 5 km away in bearing 80 degrees on course 220 degrees at 4 knots, heard every minute by another ship, which
 /// sails 5 knots on course 140 degrees and, from minute 13 to 17, turns to `course_after_deg`. Each bearing with the
-/// truth then.
-fn ships(seed: u64, course_after_deg: f64, minutes: u32) -> Vec<(Bearing, [f64; 2])> {
+/// truth then. Distances and speeds are `scale` times as great: bearings stay the same.
+fn ships(seed: u64, course_after_deg: f64, minutes: u32, scale: f64) -> Vec<(Bearing, [f64; 2])> {
     let mut noise = Noise::new(seed);
     let sigma = f64::to_radians(1.5);
-    let start = sailing(5_000.0 / 0.514_444, 80.0);
-    let velocity = sailing(4.0, 220.0);
+    let start = sailing(scale * 5_000.0 / 0.514_444, 80.0);
+    let velocity = sailing(scale * 4.0, 220.0);
     let (mut own, mut heard) = ([0.0; 2], Vec::new());
     for second in 0..=60 * minutes {
         let time = f64::from(second);
@@ -272,7 +272,7 @@ fn ships(seed: u64, course_after_deg: f64, minutes: u32) -> Vec<(Bearing, [f64; 
             heard.push((bearing(time, own, truth, sigma, sigma * noise.next()), truth));
         }
         let turned = ((time / 60.0 - 13.0) / 4.0).clamp(0.0, 1.0);
-        let way = sailing(5.0, 140.0 + turned * (course_after_deg - 140.0));
+        let way = sailing(scale * 5.0, 140.0 + turned * (course_after_deg - 140.0));
         own = [own[0] + way[0], own[1] + way[1]];
     }
     heard
@@ -280,14 +280,13 @@ fn ships(seed: u64, course_after_deg: f64, minutes: u32) -> Vec<(Bearing, [f64; 
 
 /// Until own ship turns, the range of a ship that may move is not observable: no fix is better than a certain one.
 /// After the turn fixes are as good as the bearings allow (Cramér–Rao bounds without prior knowledge).
-#[test]
-fn a_moving_ship_has_no_fix_until_its_range_is_observable_and_then_a_true_one() {
+fn check_encounter(settings: Settings, scale: f64) {
     const RUNS: u64 = 60;
-    let bounds_m = [(20, 162.0), (22, 73.0), (25, 43.6), (30, 52.4)];
+    let bounds_m = [(20, 162.0), (22, 73.0), (25, 43.6), (30, 52.4)].map(|(k, bound_m)| (k, scale * bound_m));
     let mut sums = [[0.0; 3]; 4];
     for seed in 1..=RUNS {
-        let mut locator = Locator::new(with_filter(FilterChoice::Auto)).unwrap();
-        for (k, (measured, truth)) in ships(seed, 20.0, 30).iter().enumerate() {
+        let mut locator = Locator::new(settings).unwrap();
+        for (k, (measured, truth)) in ships(seed, 20.0, 30, scale).iter().enumerate() {
             let report = locator.bearing(measured).unwrap();
             assert!(k > 14 || report.is_none(), "a fix after {k} minutes");
             let Some(place) = bounds_m.iter().position(|(at, _)| *at == k) else {
@@ -315,11 +314,25 @@ fn a_moving_ship_has_no_fix_until_its_range_is_observable_and_then_a_true_one() 
 }
 
 #[test]
+fn a_moving_ship_has_no_fix_until_its_range_is_observable_and_then_a_true_one() {
+    check_encounter(with_filter(FilterChoice::Auto), 1.0);
+}
+
+/// An emitter at 41 m/s: with a standard deviation of 2 m/s for the velocities of most emitters, its fixes would come
+/// in the second minute, hundred times farther off than stated.
+#[test]
+fn where_aircraft_are_expected_the_same_holds_for_a_fast_emitter() {
+    let mut settings = with_filter(FilterChoice::Auto);
+    settings.motion.speed_sigma_mps = 250.0;
+    check_encounter(settings, 20.0);
+}
+
+#[test]
 fn a_range_that_is_not_observable_names_the_turn_that_would_show_it() {
     let cues = |course_after_deg: f64| {
         let mut locator = Locator::new(with_filter(FilterChoice::Auto)).unwrap();
         let (mut cues, mut fix_at) = (Vec::new(), None);
-        for (k, (measured, _)) in ships(5, course_after_deg, 30).iter().enumerate() {
+        for (k, (measured, _)) in ships(5, course_after_deg, 30, 1.0).iter().enumerate() {
             let report = locator.bearing(measured).unwrap();
             fix_at = fix_at.or(report.map(|_| k));
             for decision in locator.decisions() {

@@ -1,6 +1,6 @@
 //! Ready-made fixes (EL-12): through the filters, joined with bearings, and as they are.
 
-use locating::selection::{AboveThreshold, Select};
+use locating::selection::{AboveThreshold, Select, SelectionInterval};
 use locating::settings::FilterChoice;
 use locating::{BearingRejection, Locator, MotionModel, Settings};
 use observations::ReadyFix;
@@ -58,6 +58,32 @@ fn the_worked_check_holds_for_fixes_as_they_are() {
             assert!((output[axis] - expected[axis]).abs() < 1e-9, "{outputs:?}");
         }
     }
+}
+
+/// Fixes of others have no platform from which a direction could change: intervals of geometry are intervals of time.
+#[test]
+fn intervals_of_geometry_end_by_time_for_fixes_as_they_are() {
+    let selected = |interval: SelectionInterval| {
+        let mut settings = Settings::default();
+        settings.motion.filter = FilterChoice::None;
+        settings.selection.select = Select::Interval;
+        settings.selection.interval = interval;
+        settings.selection.interval_s = 10.0;
+        let mut locator = Locator::new(settings).unwrap();
+        // The direction from the first fix turns by 36° with each of them.
+        let fixes = (0..30).map(|step| {
+            let angle = 0.2 * std::f64::consts::PI * f64::from(step);
+            fix(
+                f64::from(step),
+                [50.0 * angle.sin(), 50.0 * angle.cos()],
+                [25.0, 0.0, 25.0],
+            )
+        });
+        fixes
+            .map(|fix| locator.fix(&fix).unwrap().map(|report| report.output))
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(selected(SelectionInterval::Geometry), selected(SelectionInterval::Time));
 }
 
 #[test]

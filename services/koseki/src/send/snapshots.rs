@@ -1,7 +1,7 @@
 //! Rows of array snapshots (the input of `koseki bearings`) as datagrams for a live direction finder.
 
 use csv_table::CsvError;
-use formats::snapshot_datagram::{HEAD_OCTETS, SAMPLE_OCTETS, encode};
+use formats::snapshot_datagram::each_datagram;
 use formats::snapshots_csv::{ArraySnapshot, SnapshotReader};
 use observations::SnapshotBlock;
 
@@ -38,26 +38,22 @@ pub(super) fn datagrams(content: &[u8], antennas: usize) -> Result<Vec<(i64, Vec
 
 /// Appends the datagrams of one measurement.
 fn push(rows: &[ArraySnapshot], measurement: u32, out: &mut Vec<(i64, Vec<u8>)>) {
-    let antennas = rows[0].samples.len();
-    let at_once = ((DATAGRAM_OCTETS - HEAD_OCTETS) / (SAMPLE_OCTETS * antennas)).max(1);
-    for (place, part) in rows.chunks(at_once).enumerate() {
-        let at = &part[0];
-        let samples = part.iter().flat_map(|row| &row.samples);
-        let block = SnapshotBlock {
-            time_ns: at.time_ns,
-            measurement,
-            total: rows.len() as u32,
-            first: (place * at_once) as u32,
-            antennas: antennas as u16,
-            frequency_hz: at.frequency_hz,
-            platform_m: Some(at.platform_m),
-            heading_rad: Some(at.heading_rad),
-            samples: samples.map(|[re, im]| [*re as f32, *im as f32]).collect(),
-        };
-        let mut octets = Vec::new();
-        encode(&block, &mut octets);
-        out.push((at.time_ns, octets));
-    }
+    let at = &rows[0];
+    let samples = rows.iter().flat_map(|row| &row.samples);
+    let block = SnapshotBlock {
+        time_ns: at.time_ns,
+        measurement,
+        total: rows.len() as u32,
+        first: 0,
+        antennas: at.samples.len() as u16,
+        frequency_hz: at.frequency_hz,
+        platform_m: Some(at.platform_m),
+        heading_rad: Some(at.heading_rad),
+        samples: samples.map(|[re, im]| [*re as f32, *im as f32]).collect(),
+    };
+    each_datagram(&block, DATAGRAM_OCTETS, |octets| {
+        out.push((at.time_ns, octets.to_vec()))
+    });
 }
 
 #[cfg(test)]

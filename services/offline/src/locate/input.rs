@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 use std::io::BufReader;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use formats::emitter_rows_csv::EmitterRowReader;
@@ -39,13 +39,14 @@ struct MeasurementFile<'a> {
 }
 
 impl<'a> MeasurementInput<'a> {
-    /// Opens a file of bearings and arrival times, and a file of fixes.
+    /// Opens files of bearings and arrival times, and a file of fixes. Of rows with the same time, those of the file
+    /// named first come first.
     ///
     /// # Errors
     /// If a file cannot be read, lacks a column or has no usable row.
     pub(super) fn open(
         host: &dyn Host,
-        measurements: Option<&'a Path>,
+        measurements: &'a [PathBuf],
         fixes: Option<&'a Path>,
     ) -> Result<Self, InputError> {
         let mut input = Self {
@@ -55,8 +56,8 @@ impl<'a> MeasurementInput<'a> {
             refusals: SkippedRows::default(),
             has_references: false,
         };
-        for (path, has_fixes) in [(measurements, false), (fixes, true)] {
-            let Some(path) = path else { continue };
+        let measurements = measurements.iter().map(|path| (path.as_path(), false));
+        for (path, has_fixes) in measurements.chain(fixes.map(|path| (path, true))) {
             let file = host.open(path)?;
             input.octets += file.length;
             let reader = EmitterRowReader::new(CountingInput::new(file, Rc::clone(&input.octets_read)), 0);

@@ -43,11 +43,11 @@ pub(crate) fn run(locate: &Locate, host: &dyn Host) -> anyhow::Result<()> {
         ("--explain", locate.explain.as_ref()),
         ("--picture", locate.picture.as_ref()),
     ];
-    let inputs = [&locate.bearings, &locate.fixes, &locate.config, &locate.platform];
-    check_outputs(inputs.into_iter().flatten(), &outputs)?;
+    let inputs = [&locate.fixes, &locate.config, &locate.platform].into_iter().flatten();
+    check_outputs(inputs.chain(&locate.bearings), &outputs)?;
     let (mut settings, mut dropped) = settings(locate, host)?;
     dropped.extend_from_slice(&locate.dropped);
-    let mut input = MeasurementInput::open(host, locate.bearings.as_deref(), locate.fixes.as_deref())?;
+    let mut input = MeasurementInput::open(host, &locate.bearings, locate.fixes.as_deref())?;
     if settings.arrivals.clocks == ClockChoice::Auto && input.has_references {
         settings.arrivals.clocks = ClockChoice::Estimated;
     }
@@ -185,9 +185,8 @@ fn refuse(refusal: BearingRejection, row: Option<&MeasuredRow<'_>>, is_earlier: 
         BearingRejection::ClockUnknown => "unknown clocks",
         BearingRejection::Impossible => "an impossible difference",
     };
-    let is_of_row = matches!(refusal, BearingRejection::Unusable(_) | BearingRejection::ReceiversFull);
     match row {
-        Some(row) if is_earlier && !is_of_row => {
+        Some(row) if is_earlier && !refusal.is_of_arrival() => {
             let why = format!("an arrival before {refusal}");
             refusals.refused(reason, row.path, row.line, why);
         }
@@ -231,7 +230,7 @@ fn settings(locate: &Locate, host: &dyn Host) -> anyhow::Result<(Settings, Vec<D
         let words = FilterChoice::ALL.map(FilterChoice::word);
         settings.motion.filter = FilterChoice::from_word(word).ok_or_else(|| not_known("--filter", word, &words))?;
     }
-    if locate.filter.is_none() && locate.bearings.is_none() && settings.motion.filter == FilterChoice::Auto {
+    if locate.filter.is_none() && locate.bearings.is_empty() && settings.motion.filter == FilterChoice::Auto {
         settings.motion.filter = FilterChoice::None;
     }
     if let Some(word) = &locate.select {
