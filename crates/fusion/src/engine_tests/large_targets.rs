@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use messages::FusionRule;
+use messages::{AXES, FusionRule};
 
 use super::*;
 use crate::settings::RuleName;
@@ -48,7 +48,7 @@ fn followed(size_m: f64, sources: [Reports; 3], seconds: u32) -> (Harness, Vec<f
                 let from = [3000.0 * f64::from(target), 0.0];
                 let seen = [from[0] + along * sin + right * cos, from[1] + along * cos - right * sin];
                 let seen = SensorTrack {
-                    covariance: Covariance::diagonal([sigma_m, sigma_m, 100.0], [1.0, 1.0, 1.0]),
+                    covariance: Covariance::diagonal([sigma_m, sigma_m, 100.0], [sigma_m / 4.0, sigma_m / 4.0, 1.0]),
                     ..report(source, target, time_s, seen, [speed_mps * sin, speed_mps * cos])
                 };
                 if let Some(track) = harness.take(&seen) {
@@ -94,11 +94,14 @@ fn tracks_stay_certain_when_one_point_is_chosen() {
         ..EXACT
     };
     let (harness, _) = followed(20.0, [coarse, EXACT, EXACT], 60);
-    let sigma_m = |track: &SystemTrack| {
-        let [xx, _, _, _, _, _, yy, ..] = track.covariance.upper;
-        (xx + yy).sqrt()
+    let largest = |axis: usize| {
+        let later = harness.published.iter().skip(4 * TARGETS as usize);
+        let variances = later.map(|track| track.covariance.get(axis, axis));
+        variances.fold(0.0, f64::max).sqrt()
     };
-    let later = harness.published.iter().skip(2 * TARGETS as usize).map(sigma_m);
-    let largest_m = later.fold(0.0, f64::max);
-    assert!(largest_m < 40.0, "{largest_m} m");
+    let (largest_m, largest_mps) = (largest(0), largest(AXES));
+    assert!(
+        largest_m < 30.0 && largest_mps < 8.0,
+        "{largest_m} m, {largest_mps} m/s"
+    );
 }
