@@ -6,6 +6,10 @@
 //! estimated relative to it, in a frame that turns with the target's course, and subtracted from their measurements;
 //! all sources thus continue to improve the position, and the point remains when the first source falls silent. When
 //! a source of higher priority has tracked the target for a while, its point is used instead.
+//!
+//! A filter begins anew with the first source's state, unless this state is much less certain than the points are
+//! apart: the filter then keeps its state, with the variance between points added. Measurements of points that are not
+//! estimated yet improve a filter of such uncertainty only.
 
 use messages::{AXES, DecisionKind, NS_PER_S, SensorTrack};
 use serde::{Deserialize, Serialize};
@@ -24,8 +28,7 @@ use crate::tracks::Tracks;
 
 /// Innovations before a detection point is known well enough to be taken off.
 const REPORTS_MIN: u32 = 4;
-/// Variance of a position, in variances between points, from which measurements of unknown points improve the position,
-/// and a filter does not begin anew with it.
+/// Variance of a position above which the distance between points matters little, in variances between points.
 const UNCERTAIN: f64 = 4.0;
 /// Innovations before the filter may go over to a detection point.
 const CHANGE_REPORTS_MIN: u32 = 12;
@@ -183,7 +186,7 @@ impl ReferencePoints {
         }
     }
 
-    /// Whether a position with this variance per axis is so uncertain that the distance between points matters little.
+    /// Returns whether a position with this variance per axis, m², is uncertain: see [`UNCERTAIN`].
     fn is_uncertain(&self, variance_m2: f64) -> bool {
         variance_m2 > UNCERTAIN * self.apart_m2
     }

@@ -70,7 +70,7 @@ impl std::fmt::Display for BearingRejection {
 
 impl std::error::Error for BearingRejection {}
 
-/// Whether a position can be one.
+/// Returns whether all coordinates are numbers within [`COORDINATE_MAX_M`].
 pub(crate) fn is_place(position_m: &[f64; 3]) -> bool {
     position_m.iter().all(|value| value.abs() < COORDINATE_MAX_M)
 }

@@ -11,7 +11,7 @@ use crate::settings::RuleName;
 const POINTS: [[f64; 2]; 3] = [[0.0, 0.0], [1.0, 0.0], [0.5, 0.85]];
 const TARGETS: u32 = 8;
 
-/// What a source reports: from when on, seconds; how often, in whole seconds; standard deviation, metres.
+/// Reports of a source: time of the first one, seconds; period, whole seconds; standard deviation, metres.
 #[derive(Clone, Copy)]
 struct Reports {
     begins_s: f64,
