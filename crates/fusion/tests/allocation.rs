@@ -131,7 +131,7 @@ fn the_engine_and_the_merger_allocate_nothing_once_built() {
 
 /// `cargo test --release -p fusion --test allocation -- --ignored`
 #[test]
-#[ignore = "ten million updates: some ten seconds in a release build, minutes in others; continuous integration runs it"]
+#[ignore = "ten million updates: some ten seconds in a release build, minutes in others; `.ci/campaign endurance` runs it"]
 fn ten_million_updates_allocate_nothing() {
     let settings = Settings {
         rule: RuleSettings::default(),
