@@ -53,6 +53,7 @@ mod live_plots;
 mod live_simulated_array;
 mod live_snapshots;
 mod orders;
+mod planned_stop;
 mod queues;
 mod recording;
 mod replay;

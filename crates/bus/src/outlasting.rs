@@ -9,7 +9,8 @@
 //! Without room for the file, the words are at first in memory of the process alone. Each [`Outlasting::publish`] tries
 //! again to move them into the file.
 //!
-//! Only an orderly end of the instance removes it ([`Root::remove_outlasting`]).
+//! Only an orderly end of the instance removes it ([`Root::remove_outlasting`]), after its last state has become a file
+//! ([`Root::outlasting_file`], [`Root::publish_outlasting`]).
 //!
 //! The machine's death ends this memory. For data that must survive a reboot, the memory is copied to a folder on
 //! disk at times ([`Root::copy_outlasting`]), and restored from this folder ([`Root::revive_outlasting`]). A record
@@ -140,16 +141,35 @@ impl Root {
             // An empty or unreadable copy becomes a blank word, which every reader rejects: a successor needs to know
             // that a copy existed, even if its contents are lost.
             let octets = fs::read(&path).unwrap_or_default();
-            let words = octets.as_chunks::<{ size_of::<u64>() }>().0;
-            let count = words.len().max(1);
-            let memory = self.make_outlasting_as(&format!("{name}.{:08x}{REVIVED}", random()), name, count)?;
-            for (to, word) in memory.words().iter().zip(words) {
-                to.store(u64::from_ne_bytes(*word), Ordering::Relaxed);
-            }
-            memory.publish()?;
+            self.publish_octets(&format!("{name}.{:08x}{REVIVED}", random()), name, &octets)?;
             revived += 1;
         }
         Ok(revived)
+    }
+
+    /// Publishes `octets`, the last state of memory that was published under `name`. Empty octets become one blank word,
+    /// which every reader rejects: a successor needs to know that there was a predecessor.
+    ///
+    /// # Errors
+    /// If there is no memory for it.
+    pub fn publish_outlasting(&self, name: &str, octets: &[u8]) -> Result<(), BusError> {
+        self.publish_octets(&format!("{name}.{:08x}", random()), name, octets)
+    }
+
+    fn publish_octets(&self, file: &str, name: &str, octets: &[u8]) -> Result<(), BusError> {
+        let words = octets.as_chunks::<{ size_of::<u64>() }>().0;
+        let memory = self.make_outlasting_as(file, name, words.len().max(1))?;
+        for (to, word) in memory.words().iter().zip(words) {
+            to.store(u64::from_ne_bytes(*word), Ordering::Relaxed);
+        }
+        memory.publish()
+    }
+
+    /// Returns the file of the memory published under `name`; `None` if nothing is.
+    pub fn outlasting_file(&self, name: &str) -> Option<PathBuf> {
+        fs::read_link(self.outlasting_link(name))
+            .ok()
+            .filter(|path| path.exists())
     }
 
     /// Removes the copies in `folder`.
@@ -163,7 +183,7 @@ impl Root {
     }
 
     /// Names under which something was published.
-    fn outlasting_names(&self) -> Vec<String> {
+    pub fn outlasting_names(&self) -> Vec<String> {
         let links = format!("{}.", self.instance());
         let entries = fs::read_dir(self.base()).into_iter().flatten().flatten();
         let links = entries
@@ -220,6 +240,11 @@ impl Root {
 }
 
 impl Outlasting {
+    /// Whether nothing but the existence of a predecessor is known.
+    pub fn is_blank(&self) -> bool {
+        matches!(self.words(), [only] if only.load(Ordering::Relaxed) == 0)
+    }
+
     /// Returns whether the memory was restored from a copy, and may lack the last records.
     pub fn is_revived(&self) -> bool {
         self.path.to_str().is_some_and(|path| path.ends_with(REVIVED))

@@ -353,6 +353,16 @@ impl Snapshot {
         self.all(RecordKind::Clock).map(|(_, clock)| clock).next()
     }
 
+    /// The first number that is not reserved; `None` if none was reserved yet.
+    pub(crate) fn reserved_numbers(&self) -> Option<u32> {
+        self.all::<u32>(RecordKind::Numbers).map(|(_, number)| number).next()
+    }
+
+    /// The first number that the writing process has given to no target.
+    pub fn first_free_number(&self) -> u32 {
+        self.reserved_numbers().unwrap_or(1)
+    }
+
     /// How far each source's reports had been worked off, by source number.
     pub fn positions(&self) -> impl Iterator<Item = (u16, SourcePosition)> {
         self.all(RecordKind::Positions)

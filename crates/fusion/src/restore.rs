@@ -130,12 +130,8 @@ impl Engine {
             .filter_map(|(_, member)| Some((member, slot_of(member.system_track)?)))
             .collect();
         self.tracks.remember(members);
-        let reserved = snapshot
-            .all::<u32>(RecordKind::Numbers)
-            .map(|(_, number)| number)
-            .next();
         let least = numbers.last().map_or(1, |(number, _)| numbering::following(*number));
-        self.start_numbers_at(reserved.unwrap_or(least));
+        self.start_numbers_at(snapshot.reserved_numbers().unwrap_or(least));
         self.resume_orders(snapshot.all::<OrderRecord>(RecordKind::Orders), sink);
     }
 

@@ -32,8 +32,8 @@ const FURTHER_HEALTH: usize = 5;
 /// Publishers of progress: fusion and the recorder.
 const PROGRESS_PUBLISHERS: usize = 4;
 
-/// Name of fusion's checkpoint memory. The checkpoint outlives every process, the launcher included, and is removed
-/// at an orderly end.
+/// Name of fusion's checkpoint memory. The checkpoint outlives every process, the launcher included. At an orderly end
+/// it becomes a file.
 pub const CHECKPOINT: &str = "checkpoint";
 
 /// Ending of the names of files in the base folder that contain a report in quarantine and the checkpoint before it.

@@ -118,6 +118,11 @@ impl NumberTally {
         self.shown.contains(&address)
     }
 
+    /// Returns the number of addresses shown since [`Self::begin`].
+    pub fn shown_count(&self) -> usize {
+        self.shown.len()
+    }
+
     /// Returns the numbers of confirmed tracks that have not ended.
     pub fn live(&self) -> &BTreeSet<u32> {
         &self.live

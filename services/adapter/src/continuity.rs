@@ -1,7 +1,8 @@
 //! Continuation of a killed adapter's tracks under the same numbers.
 //!
 //! Each source's tracks are kept in memory of their own beside fusion's checkpoint ([`bus::Outlasting`]). Unusable
-//! memory is put aside and reported; track numbers then begin with a number that depends on the time.
+//! memory is put aside and reported; track numbers then begin with a number that depends on the time. Tracks from
+//! before the begin of the simulated world are ended: they have targets of another world.
 
 use std::sync::Arc;
 
@@ -25,7 +26,13 @@ pub(crate) fn go_on(
     let now = Now::read();
     let resumed = match root.outlasting(&name) {
         Ok(Some(memory)) => {
-            let resumed = pipeline.resume(memory.words(), owner, now.utc_ns - max_age_ns);
+            let simulated = process.config.is_simulated();
+            let world_ns = if simulated {
+                process.options.scenario_start_ns
+            } else {
+                i64::MIN
+            };
+            let resumed = pipeline.resume(memory.words(), owner, world_ns.max(now.utc_ns - max_age_ns));
             resumed.map_err(|refused| refused.to_string())
         }
         Ok(None) => Ok(()),

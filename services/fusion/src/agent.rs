@@ -424,6 +424,13 @@ impl<S: Transport> Agent for FusionAgent<S> {
         Ok(if worked { Turn::Worked } else { Turn::Idle(self.idle()) })
     }
 
+    fn close(&mut self, now: Now) -> anyhow::Result<()> {
+        if let Some(keeping) = &mut self.keeping {
+            keeping.close(self.driver.engine_mut(), now);
+        }
+        Ok(())
+    }
+
     fn wait(&mut self, at_most: Duration) -> anyhow::Result<()> {
         self.output.settle();
         let now_ns = mono_ns();

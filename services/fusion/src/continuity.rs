@@ -5,6 +5,8 @@
 //! the topic `system/restored`, for recordings. It then continues the same tracks under the same numbers as a new
 //! epoch, with a checkpoint of its own that is complete before other processes can find it.
 //!
+//! A checkpoint from before the begin of the simulated world has targets of another world: only the numbers go on.
+//!
 //! An unusable checkpoint is put aside and reported. The given track numbers are then unknown: numbering begins at a
 //! place that depends on the time of day, so that no number is repeated within a day.
 
@@ -62,15 +64,18 @@ enum Predecessor {
         /// Reports in which fusion has died.
         suspects: Suspects,
     },
+    /// A previous fusion followed targets of another simulated world: numbers from this one on are free.
+    OfAnotherWorld { first_number: u32 },
     /// A previous fusion existed, but its checkpoint is unusable.
     Refused,
 }
 
 impl FusionStart {
-    /// Looks for the checkpoint of the previous fusion, which no longer writes.
-    pub(crate) fn look(root: &Root, max_age_ns: i64, engine: &Engine, now: Now) -> Self {
+    /// Looks for the checkpoint of the previous fusion, which no longer writes. `world_ns` is the begin of the simulated
+    /// world (UTC, nanoseconds), if there is one.
+    pub(crate) fn look(root: &Root, max_age_ns: i64, world_ns: Option<i64>, engine: &Engine, now: Now) -> Self {
         let layout = engine.checkpoint_layout();
-        let found = find(root, max_age_ns, &layout, now);
+        let found = find(root, max_age_ns, world_ns, &layout, now);
         let last = match &found {
             Predecessor::Tracks { snapshot, .. } => snapshot.clock().map_or(0, |clock| clock.epoch),
             _ => 0,
@@ -151,6 +156,7 @@ impl FusionStart {
                     }
                 }
             }
+            Predecessor::OfAnotherWorld { first_number } => driver.start_numbers_at(*first_number),
             // The given numbers are unknown.
             Predecessor::Refused => driver.start_numbers_at(anew(now.utc_ns)),
         }
@@ -166,7 +172,7 @@ impl FusionStart {
     }
 }
 
-fn find(root: &Root, max_age_ns: i64, layout: &CheckpointLayout, now: Now) -> Predecessor {
+fn find(root: &Root, max_age_ns: i64, world_ns: Option<i64>, layout: &CheckpointLayout, now: Now) -> Predecessor {
     let refused = |reason: String| {
         let aside = root.put_outlasting_aside(CHECKPOINT);
         let aside = aside.map_or_else(String::new, |path| format!(" (put aside: {})", path.display()));
@@ -175,9 +181,18 @@ fn find(root: &Root, max_age_ns: i64, layout: &CheckpointLayout, now: Now) -> Pr
     };
     match root.outlasting(CHECKPOINT) {
         Ok(None) => Predecessor::Nothing,
+        Ok(Some(memory)) if memory.is_blank() => Predecessor::Refused,
         Ok(Some(memory)) => match Snapshot::read(memory.words(), layout) {
             Ok(snapshot) => {
-                let age_ns = snapshot.clock().map(|clock| now.utc_ns.saturating_sub(clock.utc_ns));
+                let written_ns = snapshot.clock().map(|clock| clock.utc_ns);
+                if world_ns.is_some_and(|begin_ns| written_ns.is_none_or(|written_ns| written_ns < begin_ns)) {
+                    let first_number = match memory.is_revived() {
+                        true => anew(now.utc_ns),
+                        false => snapshot.first_free_number(),
+                    };
+                    return Predecessor::OfAnotherWorld { first_number };
+                }
+                let age_ns = written_ns.map(|written_ns| now.utc_ns.saturating_sub(written_ns));
                 let ends = age_ns.is_none_or(|age_ns| age_ns > max_age_ns);
                 let suspects = Suspects::found(memory.words(), &snapshot);
                 if suspects.has_quarantined() {
@@ -256,6 +271,12 @@ impl Keeping {
             self.go_round(engine, now);
             self.publication.tend(now.mono_ns);
         }
+    }
+
+    /// Writes everything learned, at an orderly end.
+    pub(crate) fn close(&mut self, engine: &mut Engine, now: Now) {
+        engine.keep_learned(engine.learned_records());
+        self.note(engine, now);
     }
 
     fn note(&mut self, engine: &mut Engine, now: Now) {

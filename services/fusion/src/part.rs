@@ -85,7 +85,9 @@ impl<'a> FusionPart<'a> {
         let incarnation = self.process.incarnation;
         // Recorded samples are sent again.
         let kept = config.checkpoint.max_age_ns().filter(|_| !config.is_recorded());
-        let start = kept.map(|max_age_ns| FusionStart::look(bus.root(), max_age_ns, &ready.engine, now));
+        let world_ns = config.is_simulated().then_some(self.process.options.scenario_start_ns);
+        let look = |max_age_ns| FusionStart::look(bus.root(), max_age_ns, world_ns, &ready.engine, now);
+        let start = kept.map(look);
         let epoch = start.as_ref().map_or(incarnation, |start| start.epoch);
         if let Some(whole) = start.as_ref().and_then(|start| start.whole(now)) {
             // There is one start, and room for it.
@@ -160,6 +162,13 @@ impl Agent for FusionPart<'_> {
         match &self.state {
             RoleState::Leads { agent, .. } => agent.health(entries),
             RoleState::StandsBy(_) | RoleState::Changes => entries.push(HealthEntry::default()),
+        }
+    }
+
+    fn close(&mut self, now: Now) -> anyhow::Result<()> {
+        match &mut self.state {
+            RoleState::Leads { agent, .. } => agent.close(now),
+            RoleState::StandsBy(_) | RoleState::Changes => Ok(()),
         }
     }
 }

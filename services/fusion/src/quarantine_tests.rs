@@ -77,7 +77,7 @@ impl Site {
         let (config, bus, now) = (&self.config, &self.bus, self.now);
         let ready = Ready::new(config, &config.engine, (Speed::Factor(1.0), None), bus, 1).unwrap();
         let max_age_ns = config.checkpoint.max_age_ns().unwrap();
-        let start = FusionStart::look(bus.root(), max_age_ns, &ready.engine, now);
+        let start = FusionStart::look(bus.root(), max_age_ns, None, &ready.engine, now);
         let mut agent = FusionAgent::begin(ready, config, bus, (1, start.epoch), Arc::clone(&self.queues)).unwrap();
         agent.resume(start, TakeOver::default(), now).unwrap();
         agent

@@ -112,14 +112,14 @@ fn run(command: Command) -> anyhow::Result<()> {
                 launcher: None,
                 instance: demo.instance,
             };
-            launch(&config, options, demo.seconds)
+            launch(&config, options, demo.seconds, false)
         }
         Command::Up(up) => {
             let (config, options) = args::deployment(&up.config, up.shared)?;
             recordings::inspect(&config, &options.data, Depth::Blocks)?;
             display::check_maps(config.parts.display(), &config.frame, &options.data).map_err(Usage)?;
             display::check_views(config.parts.display(), &options.data).map_err(Usage)?;
-            launch(&config, options, up.seconds)
+            launch(&config, options, up.seconds, up.fresh)
         }
         Command::Check(check) => check::run(&check),
         Command::Doctor(doctor) => doctor::run(&doctor),
@@ -220,10 +220,15 @@ fn make_out_folder(config: &Config, options: &Options) -> Result<(), Usage> {
     Ok(())
 }
 
-fn launch(config: &Config, options: Options, run_for: Option<Duration>) -> anyhow::Result<()> {
+fn launch(config: &Config, options: Options, run_for: Option<Duration>, fresh: bool) -> anyhow::Result<()> {
     instances::named(&options.instance)?;
     make_out_folder(config, &options)?;
-    launcher::run(config, config.parts.launcher(), &RunOptions { options, run_for })
+    let orders = RunOptions {
+        options,
+        run_for,
+        fresh,
+    };
+    launcher::run(config, config.parts.launcher(), &orders)
 }
 
 /// Runs one process of a deployment.

@@ -35,19 +35,25 @@ pub(crate) fn run(status: &Status) -> anyhow::Result<()> {
             let root = instances::named(name)?;
             let mut listed = Root::list(root.base())?;
             listed.retain(|instance| instance.root == root);
-            if listed.is_empty() {
-                anyhow::bail!(instances::nothing_runs_as(name));
-            }
             listed
         }
         None => Root::list(bus::base::find())?,
     };
-    let found: Vec<InstanceStatus> = instances.iter().map(InstanceStatus::of).collect::<Result<_, _>>()?;
+    let mut found: Vec<InstanceStatus> = instances.iter().map(InstanceStatus::of).collect::<Result<_, _>>()?;
+    let is_asked = |name: &str| status.instance.as_deref().is_none_or(|asked| asked == name);
+    let ended = launcher::ended_instances(&bus::base::find());
+    let ended = ended.into_iter().filter(|ended| is_asked(&ended.instance));
+    for ended in ended.filter(|ended| !instances.iter().any(|one| one.root.instance() == ended.instance)) {
+        found.push(InstanceStatus::ended(ended)?);
+    }
+    if let (Some(name), true) = (&status.instance, found.is_empty()) {
+        anyhow::bail!(instances::nothing_runs_as(name));
+    }
     if status.json {
         return crate::print(&(serde_json::to_string_pretty(&found)? + "\n"));
     }
-    if found.is_empty() {
-        return crate::print(&format!("nothing runs in {}\n", bus::base::find().display()));
+    if found.iter().all(|status| status.state == InstanceState::Ended) {
+        crate::print(&format!("nothing runs in {}\n", bus::base::find().display()))?;
     }
     crate::print(&found.iter().map(InstanceStatus::text).collect::<String>())
 }
@@ -61,6 +67,9 @@ struct InstanceStatus {
     state: InstanceState,
     /// Process number of the launcher, while it runs.
     pid: Option<u32>,
+    /// File of the last end, from which the next start goes on.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    goes_on_from: Option<PathBuf>,
     processes: Vec<StatusRow>,
     registrations: Vec<RegistrationStatus>,
     alarms: Vec<AlarmStatus>,
@@ -87,6 +96,8 @@ enum InstanceState {
     Killed,
     /// It does not run, and a start was refused.
     Refused,
+    /// It has ended in order, and the next start goes on.
+    Ended,
 }
 
 /// How far the reports of a source lie off.
@@ -115,6 +126,7 @@ impl InstanceStatus {
             folder: instance.root.path().to_owned(),
             state: InstanceState::Runs,
             pid: instance.pid,
+            goes_on_from: None,
             processes: Vec::new(),
             registrations: Vec::new(),
             alarms: Vec::new(),
@@ -166,6 +178,20 @@ impl InstanceStatus {
         Ok(status)
     }
 
+    fn ended(ended: launcher::EndedInstance) -> anyhow::Result<Self> {
+        Ok(Self {
+            folder: instances::named(&ended.instance)?.path().to_owned(),
+            instance: ended.instance,
+            state: InstanceState::Ended,
+            pid: None,
+            goes_on_from: Some(ended.file),
+            processes: Vec::new(),
+            registrations: Vec::new(),
+            alarms: Vec::new(),
+            orders: Vec::new(),
+        })
+    }
+
     fn text(&self) -> String {
         let (name, folder) = (&self.instance, self.folder.display());
         let pid = self.pid.map_or_else(|| "?".to_owned(), |pid| pid.to_string());
@@ -183,7 +209,11 @@ impl InstanceStatus {
                 "instance {name}: does not run; an earlier run was killed, and the next start removes what it left in {folder}\n"
             ),
             InstanceState::Refused => format!("instance {name}: does not run; a start of it was refused\n"),
+            InstanceState::Ended => format!("instance {name}: has ended\n"),
         };
+        if let Some(file) = &self.goes_on_from {
+            text.push_str(&format!("  the next start goes on from {}\n", file.display()));
+        }
         for known in &self.registrations {
             text.push_str(&format!("  registration: source {}: {}\n", known.source, known.text));
             if !known.correction.is_empty() {
@@ -495,6 +525,7 @@ mod tests {
             folder: "/run/koseki/demo".into(),
             state: InstanceState::Runs,
             pid: Some(7),
+            goes_on_from: None,
             processes: Vec::new(),
             registrations: vec![RegistrationStatus {
                 source: 3,

@@ -43,6 +43,7 @@ mod children;
 mod durable;
 mod end;
 pub mod keeper;
+mod last_end;
 mod link;
 mod part;
 mod preflight;
@@ -53,14 +54,17 @@ mod supervisor;
 mod suspicion;
 mod wake;
 
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::Context as _;
+use bus::Root;
 use deployment::Deployment;
 use runtime::instance::{self, Instance};
 use runtime::signals::Stop;
 use runtime::{Now, Options};
 
+pub use last_end::{EndedInstance, ended_instances};
 pub use settings::{Keys, Settings};
 pub use supervisor::ChildRefused;
 
@@ -71,6 +75,8 @@ pub struct RunOptions {
     pub options: Options,
     /// Time to stop, counted from the start of the adapters; `None`: at a request, or when all work is done.
     pub run_for: Option<Duration>,
+    /// Whether nothing of an earlier run goes on.
+    pub fresh: bool,
 }
 
 /// Runs the deployment until a stop request, the end of its time, or the end of all recordings.
@@ -86,21 +92,46 @@ pub fn run(config: &Deployment, settings: &Settings, orders: &RunOptions) -> any
     let processes = part::parts(config).len();
     let instance = Instance::claim(config, &orders.options.instance, processes, &stop, say)?;
     let root = instance.root().clone();
-    let copies = config.checkpoint.copies();
+    let copies = config.checkpoint.copies().map(|(folder, _)| folder);
+    let keeps = config.checkpoint.enabled && !config.is_recorded();
+    // The file of the last end is read before copies: it has the last state, and copies may lack it.
+    let ends: Vec<PathBuf> = [root.base().to_owned()].into_iter().chain(copies.clone()).collect();
+    let begin = || {
+        if orders.fresh {
+            forget(&root, copies.as_deref(), &ends);
+        }
+        if keeps {
+            last_end::take_up(&root, &ends)?;
+        }
+        if let Some(folder) = &copies {
+            durable::revive(&root, folder)?;
+        }
+        if keeps {
+            last_end::note_numbers(&root)?;
+        }
+        Ok(())
+    };
     let result = preflight::check(config)
-        .and_then(|()| match &copies {
-            Some((folder, _)) => durable::revive(&root, folder),
-            None => Ok(()),
-        })
+        .and_then(|()| begin())
         .and_then(|()| with_records(config, orders.clone()))
         .and_then(|orders| {
             supervisor::Supervisor::new((config, settings.watchdog()), &orders, &instance, stop, wake)?.run()
         });
-    let cleared = instance.clear();
-    if let Some((folder, _)) = &copies {
+    if let Some(folder) = &copies {
         root.remove_copies(folder);
     }
-    result.and(cleared)
+    let kept = if keeps { last_end::keep(&root, &ends) } else { Ok(()) };
+    let cleared = instance.clear();
+    result.and(kept).and(cleared)
+}
+
+/// Removes what earlier runs have left for this one.
+fn forget(root: &Root, copies: Option<&Path>, ends: &[PathBuf]) {
+    root.remove_outlasting();
+    if let Some(folder) = copies {
+        root.remove_copies(folder);
+    }
+    last_end::remove(root, ends);
 }
 
 /// Returns the options with a folder for this start in place of the requested folder, if any file is written.

@@ -224,7 +224,10 @@ Examples:
   koseki up config/barcelona.toml --instance b --set fusion.association.use_identity=false
 
 A deployment ends with Ctrl-C (or SIGTERM), after --for, or at the end of all recordings. The launcher restarts dead
-child processes. A second Ctrl-C ends the deployment at once; the next start then removes its shared memory.";
+child processes. A second Ctrl-C ends the deployment at once; the next start then removes its shared memory.
+
+With live inputs, the next start goes on with the track numbers, and within checkpoint.max_age_s with the tracks. With
+--fresh it does not.";
 
 /// `koseki up`.
 #[derive(Debug, Args)]
@@ -235,6 +238,9 @@ pub(crate) struct Up {
     /// Stop after this time, seconds [default: at the end of all recordings, or Ctrl-C]
     #[arg(long = "for", value_name = "SECONDS", value_parser = seconds)]
     pub(crate) seconds: Option<Duration>,
+    /// Begin without the tracks of the last run, and with track numbers that were not given today
+    #[arg(long)]
+    pub(crate) fresh: bool,
     #[command(flatten)]
     pub(crate) shared: DeploymentArgs,
 }
