@@ -81,7 +81,8 @@ fn sources(root: &std::path::Path) -> String {
 #[test]
 fn every_dependency_is_used() {
     let mut unused = Vec::new();
-    for workspace in ["Cargo.toml", "link/Cargo.toml", "c/Cargo.toml", "python/Cargo.toml"] {
+    let workspaces = ["", "lab/", "link/", "c/", "python/"].map(|folder| format!("{folder}Cargo.toml"));
+    for workspace in &workspaces {
         let metadata = MetadataCommand::new()
             .manifest_path(repository(workspace))
             .no_deps()

@@ -260,7 +260,6 @@ fn every_command_has_help_with_examples() {
         "up",
         "check",
         "status",
-        "bench",
         "adapter",
         "fusion",
         "monitor",

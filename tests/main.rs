@@ -32,7 +32,6 @@ mod worth_of_counts;
 
 // Deployments: real processes.
 mod alarms;
-mod bench;
 mod captures;
 mod continuity;
 mod deployment;
@@ -61,7 +60,6 @@ mod supervision;
 mod system_calls;
 mod tap;
 mod top;
-mod torture;
 
 // Recordings of real sensors.
 mod held_out_sensor;

@@ -15,6 +15,7 @@ use crate::common::{repository, texts};
 const ORDER: &[&str] = &[
     "test-support",
     "settings",
+    "command_line",
     "frames",
     "messages",
     "observations",
@@ -57,6 +58,7 @@ const ORDER: &[&str] = &[
     "torture",
     "offline",
     "koseki",
+    "koseki-lab",
 ];
 
 /// Services talk through messages only, never to each other.
@@ -95,6 +97,7 @@ const OUTSIDE: &[&str] = &[
     "torture",
     "offline",
     "koseki",
+    "koseki-lab",
 ];
 
 /// Ways to read a clock.
@@ -139,9 +142,21 @@ const MAY_READ_CLOCKS: &[(&str, &str, &str)] = &[
 /// Crates that may hold `unsafe`, each use with its reason.
 const MAY_BE_UNSAFE: &[&str] = &["bus", "frames", "messages", "net"];
 
+/// The workspace of the product.
 fn workspace() -> Metadata {
+    metadata("Cargo.toml")
+}
+
+/// The same, with the crates of the lab.
+fn workspace_and_lab() -> Metadata {
+    let mut both = workspace();
+    both.packages.extend(metadata("lab/Cargo.toml").packages);
+    both
+}
+
+fn metadata(manifest: &str) -> Metadata {
     MetadataCommand::new()
-        .manifest_path(repository("Cargo.toml"))
+        .manifest_path(repository(manifest))
         .no_deps()
         .other_options(vec!["--offline".to_owned()])
         .exec()
@@ -175,7 +190,7 @@ fn packages(metadata: &Metadata) -> BTreeMap<String, &Package> {
 
 #[test]
 fn dependencies_run_one_way() {
-    let metadata = workspace();
+    let metadata = workspace_and_lab();
     let packages = packages(&metadata);
     let listed: BTreeSet<&str> = ORDER.iter().copied().collect();
     let present: BTreeSet<&str> = packages.keys().map(String::as_str).collect();
@@ -203,7 +218,7 @@ fn property_tests_draw_the_same_cases_in_every_run() {
 
 #[test]
 fn only_the_bus_knows_iceoryx2() {
-    let metadata = workspace();
+    let metadata = workspace_and_lab();
     for (name, package) in packages(&metadata) {
         for dependency in normal_dependencies(package)
             .iter()
@@ -217,7 +232,7 @@ fn only_the_bus_knows_iceoryx2() {
 
 #[test]
 fn pure_crates_have_no_clock_thread_file_or_socket() {
-    let metadata = workspace();
+    let metadata = workspace_and_lab();
     let outside = ["std::fs", "std::net", "std::thread", "SystemTime", "rustix::"];
     let forbidden = [CLOCKS, &outside].concat();
     for (name, package) in packages(&metadata)
@@ -234,7 +249,7 @@ fn pure_crates_have_no_clock_thread_file_or_socket() {
 
 #[test]
 fn unsafe_code_stays_where_it_may_be() {
-    let metadata = workspace();
+    let metadata = workspace_and_lab();
     for (name, package) in packages(&metadata) {
         for source in sources(package) {
             let is_root = ["lib.rs", "main.rs"].contains(&source.path.as_str());
@@ -250,7 +265,7 @@ fn unsafe_code_stays_where_it_may_be() {
 
 #[test]
 fn only_the_runtime_reads_clocks() {
-    let metadata = workspace();
+    let metadata = workspace_and_lab();
     let mut allowed: BTreeSet<&(&str, &str, &str)> = BTreeSet::new();
     for (name, package) in packages(&metadata).into_iter().filter(|(name, _)| name != "runtime") {
         for source in sources(package) {
@@ -277,7 +292,7 @@ fn only_the_runtime_reads_clocks() {
 
 #[test]
 fn modules_do_not_use_each_other_in_circles() {
-    let metadata = workspace();
+    let metadata = workspace_and_lab();
     for (name, package) in packages(&metadata) {
         let cycles = modules::cycles(&sources(package));
         assert!(cycles.is_empty(), "{name}: {cycles:?}");

@@ -1,4 +1,4 @@
-//! Crates that an edit rebuilds, counted from the dependencies that cargo knows.
+//! Crates of the product's workspace that an edit rebuilds, counted from the dependencies that cargo knows.
 
 use std::collections::{BTreeMap, BTreeSet};
 

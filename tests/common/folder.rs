@@ -52,7 +52,7 @@ impl Folder {
 
     /// `koseki` in the folder, with arguments apart by blanks.
     pub(crate) fn command(&self, arguments: &str) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_koseki"));
+        let mut command = super::koseki();
         command.args(arguments.split_whitespace()).current_dir(self.0.path());
         command
     }

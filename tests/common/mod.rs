@@ -1,18 +1,20 @@
 //! Places in which the executable is called, and what is sent to it there.
 
 pub(crate) mod counted_pair;
+pub(crate) mod documented;
 pub(crate) mod folder;
 pub(crate) mod home;
 
 use std::collections::BTreeSet;
-use std::fs;
 use std::net::{SocketAddr, UdpSocket};
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::sync::Mutex;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use frames::{Geodetic, SystemFrame};
 
+pub(crate) use documented::texts;
 pub(crate) use folder::Folder;
 pub(crate) use home::{Home, Running, kill, until};
 pub(crate) use test_support::S;
@@ -20,34 +22,14 @@ pub(crate) use test_support::S;
 /// Latitude and longitude of the origin of the tests' deployments, degrees.
 pub(crate) const PLACE: [f64; 2] = [41.297063, 2.078447];
 
+/// The executable, to be called.
+pub(crate) fn koseki() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_koseki"))
+}
+
 /// A file or folder of the repository, by its path there.
 pub(crate) fn repository(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path)
-}
-
-/// Files of the repository with one of these extensions, by their path there, with their texts.
-pub(crate) fn texts(extensions: &[&str]) -> Vec<(String, String)> {
-    let top = repository("").canonicalize().unwrap();
-    let (mut folders, mut found) = (vec![top.clone()], Vec::new());
-    while let Some(folder) = folders.pop() {
-        for entry in fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
-            let name = path.file_name().unwrap().to_str().unwrap();
-            if path.is_dir() {
-                if !name.starts_with('.') && !["target", "records"].contains(&name) {
-                    folders.push(path);
-                }
-            } else if extensions
-                .iter()
-                .any(|extension| path.extension() == Some(extension.as_ref()))
-            {
-                let inside = path.strip_prefix(&top).unwrap().to_str().unwrap().to_owned();
-                found.push((inside, fs::read_to_string(&path).unwrap()));
-            }
-        }
-    }
-    found.sort();
-    found
 }
 
 /// The time now, nanoseconds since 1970 (UTC).

@@ -135,7 +135,8 @@ fn start_relay<'a>(
     if over_bus {
         arguments.push("--over-bus".into());
     }
-    site.start("the relay", arguments)
+    let itself = std::env::current_exe().context("finding the program of the relay")?;
+    site.start_program(&itself, site.root().instance(), "the relay", arguments)
 }
 
 /// Most reports in a slice, also while warming up.

@@ -1,7 +1,7 @@
-//! The product under test, as far as the bench does not start it as a process.
+//! The product under test: its executable, and what the bench does not start as a process.
 //!
-//! The executable implements the trait. The bench therefore depends on no algorithm and on no configuration, and an
-//! edit there does not rebuild the bench.
+//! The program that runs the bench implements the trait. The bench therefore depends on no algorithm and on no
+//! configuration, and an edit there does not rebuild the bench.
 
 use std::path::Path;
 
@@ -10,6 +10,9 @@ use messages::{SensorDetection, SensorTrack, SystemTrack};
 
 /// Product under test.
 pub trait Product: Sync {
+    /// Executable of the processes.
+    fn executable(&self) -> &Path;
+
     /// Reads `text` as the configuration in the file `path`.
     ///
     /// # Errors

@@ -1,7 +1,7 @@
 //! Deployment of the bench: an exclusive instance, a configuration, and the processes under test.
 //!
-//! Fusion runs as in any deployment: the same executable, a configuration file, topics held by the launcher. The
-//! sources are external: the bench itself publishes them. At any end of a measurement (completion, an error,
+//! Fusion runs as in any deployment: the product's executable, a configuration file, topics held as by the launcher.
+//! The sources are external: the bench itself publishes them. At any end of a measurement (completion, an error,
 //! Ctrl-C, a panic), the bench first stops the processes and then removes every trace of the instance.
 
 use std::ffi::OsString;
@@ -71,7 +71,7 @@ impl BenchSite {
             instance: Some(claimed),
             folder,
             root: Root::new(&instance)?,
-            executable: std::env::current_exe().context("finding this executable")?,
+            executable: product.executable().to_owned(),
             stop: stop.clone(),
         };
         let bus = Bus::open(&site.root, "bench")?;
@@ -91,7 +91,7 @@ impl BenchSite {
         &self.topics.as_ref().expect("they are there until dropped").1
     }
 
-    /// Starts a process of this executable in the instance.
+    /// Starts a process of the product in the instance.
     pub(crate) fn start(&self, name: &'static str, arguments: Vec<OsString>) -> anyhow::Result<Running<'_>> {
         self.start_program(&self.executable, self.root.instance(), name, arguments)
     }

@@ -3,8 +3,7 @@
 //! The connection of hosts needs more than a hundred further crates, which a single machine does not need; therefore
 //! it is built separately.
 
-use std::os::unix::process::CommandExt as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use anyhow::{Context as _, bail};
@@ -13,10 +12,13 @@ use offline::Usage;
 use serde::Deserialize;
 
 use crate::args::{self, LinkArgs, LinkFiles, Serve};
+use crate::programs::{Program, execute};
 
-const PROGRAM: &str = "koseki-link";
-const NOT_THERE: &str = "koseki-link is not at $KOSEKI_LINK, beside koseki, in link/target or in PATH: install the \
-                         package, or build it with cargo build --release --manifest-path link/Cargo.toml";
+const LINK: Program = Program {
+    name: "koseki-link",
+    variable: "KOSEKI_LINK",
+    workspace: "link",
+};
 
 /// Becomes the link, or the command on files of links, that `link` names.
 ///
@@ -25,8 +27,8 @@ const NOT_THERE: &str = "koseki-link is not at $KOSEKI_LINK, beside koseki, in l
 pub(crate) fn run(link: LinkArgs) -> anyhow::Result<()> {
     let LinkArgs { files, serve } = link;
     match (files, serve) {
-        (Some(LinkFiles::Init(passed)), _) => execute(Command::new(program()?).arg("init").args(passed.arguments)),
-        (Some(LinkFiles::Renew(passed)), _) => execute(Command::new(program()?).arg("renew").args(passed.arguments)),
+        (Some(LinkFiles::Init(passed)), _) => execute(Command::new(LINK.path()?).arg("init").args(passed.arguments)),
+        (Some(LinkFiles::Renew(passed)), _) => execute(Command::new(LINK.path()?).arg("renew").args(passed.arguments)),
         (None, Some(serve)) => join(serve),
         (None, None) => {
             let what = "koseki link needs --config with a configuration, or init or renew; --help shows examples";
@@ -35,24 +37,15 @@ pub(crate) fn run(link: LinkArgs) -> anyhow::Result<()> {
     }
 }
 
-fn execute(command: &mut Command) -> anyhow::Result<()> {
-    let refusal = command.exec();
-    Err(refusal).with_context(|| format!("starting {}", command.get_program().display()))
-}
-
 fn join(serve: Serve) -> anyhow::Result<()> {
     let (config, options) = args::deployment(&serve.config, serve.shared)?;
     let name = super::process_name(ProcessKind::Link, serve.name, &config)?;
-    let mut command = Command::new(program()?);
+    let mut command = Command::new(LINK.path()?);
     command.arg("join").arg("--config").arg(&serve.config);
     command.args(["--name", &name, "--instance", &options.instance]);
     command.args(options.overrides.iter().map(|set| format!("--set={set}")));
     command.args(serve.launcher.map(|launcher| format!("--launcher={launcher}")));
     execute(&mut command)
-}
-
-fn program() -> anyhow::Result<PathBuf> {
-    find().context(NOT_THERE)
 }
 
 /// Findings of `koseki-link` about links.
@@ -79,11 +72,14 @@ pub(crate) struct FoundLink {
 /// # Errors
 /// If the program fails, or two configurations are given without the program.
 pub(crate) fn examine(configs: &[&Path], overrides: &[String]) -> anyhow::Result<LinkFindings> {
-    let program = match find() {
+    let program = match LINK.find() {
         Some(program) => program,
-        None if configs.len() > 1 => return Err(Usage(NOT_THERE.to_owned()).into()),
+        None if configs.len() > 1 => return Err(Usage(LINK.not_there()).into()),
         None => {
-            let warnings = vec![format!("{NOT_THERE}; without it, no link starts, and none was checked")];
+            let warnings = vec![format!(
+                "{}; without it, no link starts, and none was checked",
+                LINK.not_there()
+            )];
             return Ok(LinkFindings {
                 warnings,
                 ..LinkFindings::default()
@@ -101,26 +97,4 @@ pub(crate) fn examine(configs: &[&Path], overrides: &[String]) -> anyhow::Result
         bail!("{}: {}", program.display(), error.trim());
     }
     serde_json::from_slice(&output.stdout).with_context(|| format!("reading what {} found", program.display()))
-}
-
-/// Returns the path of the program; `None` if not found.
-pub(crate) fn find() -> Option<PathBuf> {
-    let given = std::env::var_os("KOSEKI_LINK").map(PathBuf::from);
-    let itself = std::env::current_exe().ok();
-    let beside = itself.iter().map(|itself| itself.with_file_name(PROGRAM));
-    // From target/release/koseki of a checkout: three folders up.
-    let built = itself.iter().filter_map(|itself| itself.ancestors().nth(3));
-    let built = built.flat_map(|checkout| {
-        ["release", "debug"].map(|profile| checkout.join("link/target").join(profile).join(PROGRAM))
-    });
-    let path = std::env::var_os("PATH").unwrap_or_default();
-    let path: Vec<PathBuf> = std::env::split_paths(&path)
-        .map(|folder| folder.join(PROGRAM))
-        .collect();
-    given
-        .into_iter()
-        .chain(beside)
-        .chain(built)
-        .chain(path)
-        .find(|program| program.is_file())
 }

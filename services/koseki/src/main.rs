@@ -2,19 +2,17 @@
 //!
 //! The crates of the services contain the processes. This crate contains the command line ([`args`]), the check of
 //! recordings against the configuration ([`recordings`]), and commands: questions ([`check`], [`mod@doctor`],
-//! [`status`], [`top`]), measurements ([`mod@bench`]), faults ([`tested`]), orders ([`order`]), files for the
-//! machine ([`mod@generate`]), and work on files ([`mod@recording_info`], [`decode`], [`encode`], [`bearings`],
-//! [`send`]). Commands on tables are in [`offline`].
+//! [`status`], [`top`]), orders ([`order`]), files for the machine ([`mod@generate`]), and work on files ([`mod@recording_info`], [`decode`], [`encode`], [`bearings`],
+//! [`send`]). Commands on tables are in [`offline`]. What few installations need is
+//! in programs that are built apart from this one, and executed by it ([`programs`], [`link`], [`lab`]).
 //!
 //! Every command ends with exit code 0, with 2 after wrong usage or configuration, or with 1 after a failure while
-//! running or with a result that is worth nothing; the latter two after one line on standard error (FM-16). A judge
-//! without a verdict ends with 3.
+//! running or with a result that is worth nothing; the latter two after one line on standard error (FM-16).
 
 #![forbid(unsafe_code)]
 
 mod args;
 mod bearings;
-mod bench;
 mod check;
 mod check_trackers;
 mod config;
@@ -24,8 +22,10 @@ mod encode;
 mod feed;
 mod generate;
 mod instances;
+mod lab;
 mod link;
 mod order;
+mod programs;
 mod recording_copy;
 mod recording_export;
 mod recording_foxglove;
@@ -35,17 +35,14 @@ mod replay;
 mod send;
 mod status;
 mod tap;
-mod tested;
 mod top;
 
-use std::os::unix::process::CommandExt as _;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
-use anyhow::Context as _;
-use clap::Parser as _;
 use clap::error::ErrorKind;
+use clap::{CommandFactory as _, Parser as _};
 use configuration::BUILT_IN_DEMO;
 use deployment::Process;
 use launcher::RunOptions;
@@ -54,6 +51,7 @@ use offline::{Host, TableCommand, Terminal, Usage};
 use runtime::{Now, Options};
 
 use args::{Cli, Command, Serve};
+use command_line::one_line;
 use config::Config;
 use recordings::{Depth, UnusableRecording};
 
@@ -61,8 +59,6 @@ use recordings::{Depth, UnusableRecording};
 const CODE_FAILED: u8 = 1;
 /// Exit code of wrong usage or configuration.
 const CODE_REFUSED: u8 = 2;
-/// Exit code of a command that judges others, where there is no verdict.
-const CODE_NO_VERDICT: u8 = 3;
 
 fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
@@ -70,7 +66,7 @@ fn main() -> ExitCode {
         Err(error) => return refuse_usage(&error),
     };
     let done = match cli.root {
-        Some(root) => with_root(&root),
+        Some(root) => command_line::with_root(&root).map_err(|refused| Usage(refused).into()),
         None => Ok(()),
     };
     match done.and_then(|()| run(cli.command)) {
@@ -81,19 +77,6 @@ fn main() -> ExitCode {
             ExitCode::from(exit_code(&error))
         }
     }
-}
-
-/// Sets the base folder of instances. Environment variables can only be set for a new program, so that the process
-/// executes itself again, unless the variable has this value already.
-fn with_root(root: &Path) -> anyhow::Result<()> {
-    let root = std::path::absolute(root).map_err(|error| Usage(format!("--root {}: {error}", root.display())))?;
-    if std::env::var_os("KOSEKI_ROOT").is_some_and(|set| set == root.as_os_str()) {
-        return Ok(());
-    }
-    let itself = std::env::current_exe().context("finding the executable")?;
-    let mut again = std::process::Command::new(itself);
-    let refusal = again.args(std::env::args_os().skip(1)).env("KOSEKI_ROOT", &root).exec();
-    Err(refusal).context("starting with another base folder")
 }
 
 fn run(command: Command) -> anyhow::Result<()> {
@@ -144,9 +127,8 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::OnTables(command) => command.run(&Terminal::reading(config::read)),
         Command::Bearings(bearings) => bearings::run(&bearings),
         Command::Send(send) => send::run(&send),
-        Command::Torture(torture) => tested::run(&torture),
-        Command::Bench(what) => bench::run(what),
-        Command::BenchRelay(relay) => bench_service::relay::run(&relay.options()),
+        Command::Torture(passed) => lab::run("torture", passed),
+        Command::Bench(passed) => lab::run("bench", passed),
         Command::Keeper(serve) => run_service(ProcessKind::Keeper, serve, |process, _| launcher::keeper::run(process)),
         Command::Adapter(serve) => run_service(ProcessKind::Adapter, serve, |process, config| {
             adapter::run(process, &config.processing)
@@ -278,16 +260,8 @@ fn process_name(kind: ProcessKind, given: Option<String>, config: &Config) -> Re
 }
 
 fn exit_code(error: &anyhow::Error) -> u8 {
-    let refused = offline::is_refused(error)
-        || error.is::<UnusableRecording>()
-        || error.is::<bench_service::MeasurementRefusal>()
-        || error.is::<torture::Refused>()
-        || error.is::<launcher::ChildRefused>();
-    match () {
-        () if refused => CODE_REFUSED,
-        () if error.is::<torture::OwnFailure>() => CODE_NO_VERDICT,
-        () => CODE_FAILED,
-    }
+    let refused = offline::is_refused(error) || error.is::<UnusableRecording>() || error.is::<launcher::ChildRefused>();
+    if refused { CODE_REFUSED } else { CODE_FAILED }
 }
 
 /// Help and version go to standard output; everything else is one line, with a hint where to read on.
@@ -298,7 +272,9 @@ fn refuse_usage(error: &clap::Error) -> ExitCode {
             Err(_) => ExitCode::from(CODE_FAILED),
         };
     }
-    runtime::notice(format_args!("koseki: {}", args::usage_line(error)));
+    let words: Vec<String> = std::env::args().collect();
+    let line = command_line::usage_line(error, &Cli::command(), &words);
+    runtime::notice(format_args!("koseki: {line}"));
     ExitCode::from(CODE_REFUSED)
 }
 
@@ -311,8 +287,4 @@ fn print(text: &str) -> anyhow::Result<()> {
 fn show(json: Option<serde_json::Value>, text: impl FnOnce() -> String) -> anyhow::Result<()> {
     let terminal: &dyn Host = &Terminal::default();
     terminal.show(json, text)
-}
-
-fn one_line(text: &str) -> String {
-    text.lines().map(str::trim).collect::<Vec<_>>().join(" ")
 }

@@ -6,6 +6,8 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, Command, Parser, Subcommand};
+use command_line::refusal;
+use command_line::values::above_zero;
 use formats::cues_csv::CueRow;
 use formats::rows::Row as _;
 use locating::DroppedEmitter;
@@ -14,7 +16,7 @@ use messages::Decision;
 use crate::files::Usage;
 use crate::locate_columns::{DECISION_COLUMNS, FIX_COLUMNS};
 use crate::score_args::{SCORE_EXAMPLES, Score};
-use crate::values::{above_zero, refresh, seconds, whole_second};
+use crate::values::{refresh, seconds, whole_second};
 use smooth::SMOOTH_EXAMPLES;
 
 pub use smooth::Smooth;
@@ -70,19 +72,6 @@ impl TableCommand {
         let line = CommandLine::try_parse_from(words).map_err(|error| Usage(refusal(&error)))?;
         Ok(line.command)
     }
-}
-
-/// Returns the reason for rejected command words, on one line.
-pub fn refusal(error: &clap::Error) -> String {
-    let text = error.to_string();
-    let words: Vec<&str> = text
-        .lines()
-        .take_while(|line| !line.starts_with("Usage:"))
-        .filter(|line| !line.trim().is_empty() && !line.starts_with("For more information"))
-        .map(str::trim)
-        .collect();
-    let words = words.join(" ");
-    words.strip_prefix("error: ").unwrap_or(&words).to_owned()
 }
 
 const SIMULATE_EXAMPLES: &str = "\

@@ -24,7 +24,7 @@ mod terminal;
 mod track;
 pub mod values;
 
-pub use args::{Smooth, TableCommand, refusal};
+pub use args::{Smooth, TableCommand};
 pub use files::{InputError, OutputFile, Usage, check_outputs, is_same_file, open};
 pub use host::{Host, TableInput, TableOutput};
 pub use reading::SkippedRows;

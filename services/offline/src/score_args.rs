@@ -4,10 +4,11 @@ use std::path::PathBuf;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser as _};
 use clap::{Args, Subcommand};
+use command_line::values::{above_zero, finite, not_negative};
 use frames::Geodetic;
 use scoring::{CardReference, SURVEILLANCE_STANDARDS};
 
-use crate::values::{above_zero, finite, not_negative, whole_second};
+use crate::values::whole_second;
 
 pub(crate) const SCORE_EXAMPLES: &str = "\
 Examples:

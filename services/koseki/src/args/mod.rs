@@ -1,8 +1,6 @@
 //! The command line: commands, options, defaults and help texts.
 
 mod bearings;
-mod bench;
-mod bench_tracker;
 mod decode;
 mod encode;
 mod feed;
@@ -11,7 +9,6 @@ mod recording;
 mod replay;
 mod send;
 mod tap;
-mod usage;
 mod values;
 
 use std::ffi::OsString;
@@ -27,8 +24,6 @@ use crate::instances;
 
 use bearings::BEARINGS_EXAMPLES;
 pub(crate) use bearings::MeasureBearings;
-use bench::BENCH_EXAMPLES;
-pub(crate) use bench::{BenchCommand, BenchRelay};
 use decode::DECODE_EXAMPLES;
 pub(crate) use decode::DecodeArgs;
 use encode::ENCODE_EXAMPLES;
@@ -46,8 +41,6 @@ use send::SEND_EXAMPLES;
 pub(crate) use send::{Retime, Send};
 use tap::TAP_EXAMPLES;
 pub(crate) use tap::{Tap, TapFormat, TapSocket};
-use torture::Torture;
-pub(crate) use usage::usage_line;
 use values::{interval, speed};
 
 /// Default folder of recordings.
@@ -145,15 +138,12 @@ pub(crate) enum Command {
     /// Send a recording to the network with the original timing
     #[command(after_help = SEND_EXAMPLES)]
     Send(Send),
-    /// Measure latency and throughput of the real processes, beside a bare relay on the same machine
-    #[command(after_help = BENCH_EXAMPLES, subcommand)]
-    Bench(BenchCommand),
-    /// Inject random faults into a separate deployment, and judge the effects on a subscriber
-    #[command(after_help = torture::EXAMPLES)]
-    Torture(Torture),
-    /// The bare relay of `koseki bench`
-    #[command(hide = true)]
-    BenchRelay(BenchRelay),
+    /// Measure latency and throughput of the real processes, beside a bare relay (by koseki-lab)
+    #[command(disable_help_flag = true)]
+    Bench(PassedOn),
+    /// Inject random faults into a separate deployment, and judge the effects on a subscriber (by koseki-lab)
+    #[command(disable_help_flag = true)]
+    Torture(PassedOn),
     /// The launcher's anchor process, which holds the topics open
     #[command(hide = true)]
     Keeper(Serve),
@@ -444,8 +434,8 @@ Examples:
 `koseki link init --help` and `koseki link renew --help` show the options of these commands.
 
 `koseki up` starts a link for each [[link]] of the configuration. The program koseki-link is built separately
-(cargo build --release --manifest-path link/Cargo.toml). Search order: $KOSEKI_LINK, the folder of koseki, link/target of
-the checkout in which koseki was built, PATH. docs/hosts.md describes links.";
+(cargo build --release --manifest-path link/Cargo.toml). Search order: $KOSEKI_LINK, the folder of koseki, link/target and
+target of the checkout in which koseki was built, PATH. docs/hosts.md describes links.";
 
 /// `koseki adapter`, `fusion`, `monitor`, `recorder`, `gateway`, `link`, `simulator`.
 #[derive(Debug, Args)]
@@ -487,7 +477,7 @@ pub(crate) enum LinkFiles {
     Renew(PassedOn),
 }
 
-/// Arguments for koseki-link.
+/// Arguments for koseki-link or koseki-lab.
 #[derive(Debug, Args)]
 pub(crate) struct PassedOn {
     /// Arguments; --help shows them
@@ -591,5 +581,27 @@ mod tests {
     #[test]
     fn the_definitions_are_consistent() {
         Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn wrong_usage_is_one_line() {
+        let cases: [&[&str]; 7] = [
+            &["koseki", "score"],
+            &["koseki", "score", "--truth", "a.csv"],
+            &["koseki", "score", "tracks", "--truth", "a.csv"],
+            &[
+                "koseki", "score", "--truth", "a.csv", "--tracks", "b.csv", "--t0", "0.5",
+            ],
+            &["koseki"],
+            &["koseki", "upp"],
+            &["koseki", "up", "a.toml", "--speed", "fast"],
+        ];
+        for case in cases {
+            let error = Cli::try_parse_from(case).unwrap_err();
+            let words: Vec<String> = case.iter().map(|word| (*word).to_owned()).collect();
+            let line = command_line::usage_line(&error, &Cli::command(), &words);
+            assert_eq!(line.lines().count(), 1, "{line}");
+            assert!(!line.contains("error:") && line.contains("--help"), "{line}");
+        }
     }
 }

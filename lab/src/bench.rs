@@ -1,9 +1,10 @@
 //! `koseki bench`: runs a measurement, and prints the results.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use bench_service::{MeasurementOutcome, Product};
+use configuration::Config;
 use deployment::Deployment;
 use messages::{SensorDetection, SensorTrack, SystemTrack};
 use observations::{Sampled as _, SensorEvent};
@@ -11,13 +12,18 @@ use sources::{Pipeline, Samples};
 use tracking::wide_area::arrivals::Arrivals;
 
 use crate::args::BenchCommand;
-use crate::config::Config;
-use crate::print;
+use crate::{print, product};
 
-/// This executable, as the product under test.
-struct Itself;
+/// Koseki: its processes, and the engines that stand in them.
+struct Koseki {
+    executable: PathBuf,
+}
 
-impl Product for Itself {
+impl Product for Koseki {
+    fn executable(&self) -> &Path {
+        &self.executable
+    }
+
     fn deployment(&self, path: &Path, text: &str) -> anyhow::Result<Deployment> {
         Ok(Config::parse(path, text, &[])?.deployment)
     }
@@ -74,27 +80,33 @@ impl bench_service::Engine for FusionEngine {
 /// # Errors
 /// If the arguments are invalid, the machine cannot run the measurement, or a process fails.
 pub(crate) fn run(what: BenchCommand) -> anyhow::Result<()> {
+    let koseki = || product::koseki().map(|executable| Koseki { executable });
     match what {
         BenchCommand::Latency(latency) => {
             let (settings, sweep, outputs) = latency.orders();
-            show(&bench_service::latency(&Itself, &settings, sweep, &outputs)?)
+            show(&bench_service::latency(&koseki()?, &settings, sweep, &outputs)?)
         }
         BenchCommand::Throughput(throughput) => {
             let (settings, probe_seconds, outputs) = throughput.orders();
-            show(&bench_service::throughput(&Itself, &settings, probe_seconds, &outputs)?)
+            show(&bench_service::throughput(
+                &koseki()?,
+                &settings,
+                probe_seconds,
+                &outputs,
+            )?)
         }
         BenchCommand::Engine(engine) => {
             let (settings, outputs) = engine.orders();
-            print(&bench_service::engine(&Itself, &settings, &outputs)?)
+            print(&bench_service::engine(&koseki()?, &settings, &outputs)?)
         }
         BenchCommand::Floor(floor) => {
             let (settings, outputs) = floor.orders();
-            print(&bench_service::floor(&Itself, &settings, &outputs)?)
+            print(&bench_service::floor(&koseki()?, &settings, &outputs)?)
         }
-        BenchCommand::Tracker(tracker) => print(&bench_service::tracker(&Itself, &tracker.orders())?),
+        BenchCommand::Tracker(tracker) => print(&bench_service::tracker(&koseki()?, &tracker.orders())?),
         BenchCommand::Watch(watch) => {
             let (settings, with, json) = watch.orders();
-            print(&bench_service::watch(&Itself, &settings, with, json.as_deref())?)
+            print(&bench_service::watch(&koseki()?, &settings, with, json.as_deref())?)
         }
         BenchCommand::Compare(compare) => {
             print(&bench_service::compare(&compare.before, &compare.after, compare.force)?)

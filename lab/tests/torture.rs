@@ -2,7 +2,7 @@
 //!
 //! The command plants defects in records itself (`--self-test`). Those that are caused in a live deployment, by a hand
 //! of which the command knows nothing, are a campaign of some five minutes:
-//! `cargo test -p koseki --test integration caused_from_outside -- --ignored --nocapture --test-threads 1`.
+//! `cargo test --manifest-path lab/Cargo.toml caused_from_outside -- --ignored --nocapture --test-threads 1`.
 
 use std::fs;
 use std::os::unix::fs::FileExt as _;

@@ -91,7 +91,7 @@ impl Deployment {
             return Ok(true);
         }
         let Some((probe, begun)) = &mut self.probe else {
-            let mut command = Command::new(std::env::current_exe()?);
+            let mut command = Command::new(&self.executable);
             command
                 .args(["tap", "--count=1"])
                 .arg(format!("--instance={INSTANCE}"))

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use bench_service::relay::RelayOptions;
 use bench_service::{Extra, Flood, OutputFiles, Settings, Wait};
 use clap::{Args, Subcommand, ValueEnum};
-use offline::values::above_zero;
+use command_line::values::above_zero;
 use runtime::cores::Placement;
 
-use super::bench_tracker::{TRACKER_EXAMPLES, TrackerArgs};
+use super::tracker::{TRACKER_EXAMPLES, TrackerArgs};
 
 /// Rates of a sweep, reports per second.
 const SWEEP: [f64; 9] = [1e3, 2e3, 5e3, 10e3, 20e3, 50e3, 100e3, 200e3, 500e3];

@@ -50,6 +50,8 @@ const RESOURCES_S: f64 = 15.0;
 /// Deployment under test, as its file describes it.
 #[derive(Debug)]
 pub struct Tested {
+    /// Executable of the deployment's processes.
+    pub executable: PathBuf,
     /// File of the configuration.
     pub path: PathBuf,
     /// The deployment.

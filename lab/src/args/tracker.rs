@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use bench_service::{TrackerBench, TrackerLoad};
 use clap::Args;
-use offline::values::above_zero;
+use command_line::values::above_zero;
 
 pub(super) const TRACKER_EXAMPLES: &str = "\
 Examples:

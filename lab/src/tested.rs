@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use configuration::BUILT_IN_TORTURE;
+use configuration::{BUILT_IN_TORTURE, Config};
 use messages::NS_PER_S;
 use torture::{Tested, Torture};
 
-use crate::config::Config;
+use crate::product;
 
 /// Runs the command.
 ///
@@ -22,6 +22,7 @@ fn read(torture: &Torture) -> anyhow::Result<Tested> {
     let settings = &config.engine;
     let fresh_ns = settings.sources.iter().map(|source| source.fresh_ns).max();
     Ok(Tested {
+        executable: product::koseki()?,
         path: path.to_owned(),
         terminate_s: settings.life.terminate_ns(fresh_ns.unwrap_or_default()) as f64 / NS_PER_S,
         deployment: config.deployment,

@@ -50,6 +50,7 @@ pub(crate) struct Broken(String);
 pub(crate) struct Deployment {
     folder: TempDir,
     root: Root,
+    executable: PathBuf,
     command: Vec<String>,
     launcher: Child,
     starts: usize,
@@ -79,6 +80,7 @@ impl Deployment {
     /// If the configuration cannot be used, or the deployment does not start.
     pub(crate) fn start(torture: &Torture, tested: Tested, stop: Stop) -> anyhow::Result<Self> {
         let Tested {
+            executable,
             path,
             deployment: config,
             terminate_s,
@@ -112,10 +114,11 @@ impl Deployment {
         for set in &torture.set {
             command.push(format!("--set={set}"));
         }
-        let launcher = launch(&folder, &command, 0)?;
+        let launcher = launch(&executable, &folder, &command, 0)?;
         let mut deployment = Self {
             folder,
             root,
+            executable,
             command,
             launcher,
             starts: 1,
@@ -262,7 +265,7 @@ impl Deployment {
         self.launcher.kill()?;
         self.launcher.wait()?;
         self.is_spoilt = false;
-        self.launcher = launch(&self.folder, &self.command, self.starts)?;
+        self.launcher = launch(&self.executable, &self.folder, &self.command, self.starts)?;
         self.starts += 1;
         self.until_it_runs()
     }
@@ -473,9 +476,9 @@ fn is_fusion(name: &str) -> bool {
     matches!(name, "fusion" | "standby")
 }
 
-fn launch(folder: &TempDir, arguments: &[String], start: usize) -> anyhow::Result<Child> {
+fn launch(executable: &Path, folder: &TempDir, arguments: &[String], start: usize) -> anyhow::Result<Child> {
     let said = File::create(folder.path().join(format!("said{start}")))?;
-    let child = Command::new(std::env::current_exe()?)
+    let child = Command::new(executable)
         .args(arguments)
         .env("KOSEKI_ROOT", folder.path().join("koseki"))
         .stdin(Stdio::null())

@@ -1,0 +1,129 @@
+//! Messages about wrong usage, each in one line.
+
+use clap::Command;
+use clap::error::{ContextKind, ErrorKind};
+
+/// Joins the lines of a message.
+pub fn one_line(text: &str) -> String {
+    text.lines().map(str::trim).collect::<Vec<_>>().join(" ")
+}
+
+/// Returns the reason for rejected command words, on one line.
+pub fn refusal(error: &clap::Error) -> String {
+    let text = error.to_string();
+    let words: Vec<&str> = text
+        .lines()
+        .take_while(|line| !line.starts_with("Usage:"))
+        .filter(|line| !line.trim().is_empty() && !line.starts_with("For more information"))
+        .map(str::trim)
+        .collect();
+    let words = words.join(" ");
+    words.strip_prefix("error: ").unwrap_or(&words).to_owned()
+}
+
+/// Returns clap's message about wrong usage of `program` in one line. `words` are the command line, with the program.
+pub fn usage_line(error: &clap::Error, program: &Command, words: &[String]) -> String {
+    let first = words.get(1).and_then(|word| program.find_subcommand(word));
+    if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+        let within = first.filter(|command| command.has_subcommands());
+        let shown = within
+            .unwrap_or(program)
+            .get_subcommands()
+            .filter(|command| !command.is_hide_set());
+        let commands: Vec<&str> = shown.map(Command::get_name).collect();
+        let name = within.map_or_else(String::new, |command| format!(" {}", command.get_name()));
+        return format!(
+            "a command is missing; there are {} (see `koseki{name} --help`)",
+            commands.join(", ")
+        );
+    }
+    let what = unknown_option(error, program, words).unwrap_or_else(|| refusal(error));
+    match first {
+        Some(command) => format!("{what} (see `koseki {} --help`)", command.get_name()),
+        None => format!("{what} (see `koseki --help`)"),
+    }
+}
+
+/// Returns the message about an unknown option of the command in `words`, with the nearest known option.
+fn unknown_option(error: &clap::Error, program: &Command, words: &[String]) -> Option<String> {
+    let found = error
+        .get(ContextKind::InvalidArg)
+        .filter(|_| error.kind() == ErrorKind::UnknownArgument)?;
+    let found = found.to_string();
+    let name = found.strip_prefix("--")?;
+    let mut command = program;
+    for word in words.iter().skip(1) {
+        command = command.find_subcommand(word).unwrap_or(command);
+    }
+    let options: Vec<&str> = command.get_arguments().filter_map(clap::Arg::get_long).collect();
+    let meant = settings::nearest(name, &options).map_or_else(String::new, |near| format!("; did you mean --{near}?"));
+    Some(format!("unexpected argument '{found}' found{meant}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Arg;
+
+    use super::*;
+
+    fn program() -> Command {
+        let score = Command::new("score")
+            .subcommand(Command::new("tracks"))
+            .subcommand(Command::new("hidden").hide(true))
+            .subcommand_required(true)
+            .arg_required_else_help(true);
+        let speed = Arg::new("speed").long("speed").value_parser(["1", "max"]);
+        let options = ["for", "instance"].map(|name| Arg::new(name).long(name));
+        let up = Command::new("up")
+            .arg(Arg::new("config").required(true))
+            .args(options)
+            .arg(speed);
+        Command::new("koseki")
+            .subcommands([up, score])
+            .subcommand_required(true)
+            .arg_required_else_help(true)
+    }
+
+    fn line(words: &[&str]) -> String {
+        let error = program().try_get_matches_from(words).unwrap_err();
+        let words: Vec<String> = words.iter().map(|word| (*word).to_owned()).collect();
+        usage_line(&error, &program(), &words)
+    }
+
+    #[test]
+    fn an_unknown_option_comes_with_the_nearest() {
+        let said_of = |option: &str| line(&["koseki", "up", "a.toml", option, "5"]);
+        let see = "(see `koseki up --help`)";
+        let for_what = format!("unexpected argument '--fr' found; did you mean --for? {see}");
+        assert_eq!(said_of("--fr"), for_what);
+        let instance = format!("unexpected argument '--instnce' found; did you mean --instance? {see}");
+        assert_eq!(said_of("--instnce"), instance);
+        let unlike = format!("unexpected argument '--standby' found {see}");
+        assert_eq!(said_of("--standby"), unlike);
+    }
+
+    #[test]
+    fn wrong_usage_is_one_line() {
+        let cases: [(&[&str], &str); 5] = [
+            (
+                &["koseki"],
+                "a command is missing; there are up, score (see `koseki --help`)",
+            ),
+            (
+                &["koseki", "score"],
+                "a command is missing; there are tracks (see `koseki score --help`)",
+            ),
+            (&["koseki", "upp"], "(see `koseki --help`)"),
+            (&["koseki", "up"], "(see `koseki up --help`)"),
+            (
+                &["koseki", "up", "a.toml", "--speed", "fast"],
+                "(see `koseki up --help`)",
+            ),
+        ];
+        for (words, end) in cases {
+            let line = line(words);
+            assert_eq!(line.lines().count(), 1, "{line}");
+            assert!(!line.contains("error:") && line.ends_with(end), "{line}");
+        }
+    }
+}
