@@ -85,16 +85,16 @@ pub(crate) fn run(what: BenchCommand) -> anyhow::Result<()> {
         }
         BenchCommand::Engine(engine) => {
             let (settings, outputs) = engine.orders();
-            print(&bench_service::engine(&Itself, &settings, &outputs)?)
+            show(&bench_service::engine(&Itself, &settings, &outputs)?)
         }
         BenchCommand::Floor(floor) => {
             let (settings, outputs) = floor.orders();
-            print(&bench_service::floor(&Itself, &settings, &outputs)?)
+            show(&bench_service::floor(&Itself, &settings, &outputs)?)
         }
         BenchCommand::Tracker(tracker) => print(&bench_service::tracker(&Itself, &tracker.orders())?),
         BenchCommand::Watch(watch) => {
             let (settings, with, json) = watch.orders();
-            print(&bench_service::watch(&Itself, &settings, with, json.as_deref())?)
+            show(&bench_service::watch(&Itself, &settings, with, json.as_deref())?)
         }
         BenchCommand::Compare(compare) => {
             print(&bench_service::compare(&compare.before, &compare.after, compare.force)?)
