@@ -123,11 +123,11 @@ impl Words {
     fn of(source: u16, target: u64, scan: u64) -> Self {
         let mut words = Self(u64::from(source) << 52 ^ target << 26 ^ scan);
         // Reports with neighbouring numbers would share most of their words.
-        words.0 = words.next();
+        words.0 = words.word();
         words
     }
 
-    fn next(&mut self) -> u64 {
+    fn word(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mixed = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -139,7 +139,7 @@ impl Words {
     fn noise(&mut self) -> f64 {
         /// Standard deviation of the sum of four uniform integers of 16 bits.
         const SIGMA: f64 = 37_837.227_237_2;
-        let word = self.next();
+        let word = self.word();
         let sum: u64 = (0..4).map(|quarter| word >> (16 * quarter) & 0xffff).sum();
         (sum as f64 - 2.0 * 65_535.0) / SIGMA
     }
