@@ -97,16 +97,16 @@ pub(crate) fn run(what: BenchCommand) -> anyhow::Result<()> {
         }
         BenchCommand::Engine(engine) => {
             let (settings, outputs) = engine.orders();
-            print(&bench_service::engine(&koseki()?, &settings, &outputs)?)
+            show(&bench_service::engine(&koseki()?, &settings, &outputs)?)
         }
         BenchCommand::Floor(floor) => {
             let (settings, outputs) = floor.orders();
-            print(&bench_service::floor(&koseki()?, &settings, &outputs)?)
+            show(&bench_service::floor(&koseki()?, &settings, &outputs)?)
         }
         BenchCommand::Tracker(tracker) => print(&bench_service::tracker(&koseki()?, &tracker.orders())?),
         BenchCommand::Watch(watch) => {
             let (settings, with, json) = watch.orders();
-            print(&bench_service::watch(&koseki()?, &settings, with, json.as_deref())?)
+            show(&bench_service::watch(&koseki()?, &settings, with, json.as_deref())?)
         }
         BenchCommand::Compare(compare) => {
             print(&bench_service::compare(&compare.before, &compare.after, compare.force)?)

@@ -12,16 +12,16 @@ use crate::outputs::OutputFiles;
 use crate::product::Product;
 use crate::progress::say;
 use crate::recorder::histogram;
-use crate::report::BenchReport;
+use crate::report::{BenchReport, MeasurementOutcome};
 use crate::settings::Settings;
 use crate::text;
 
 /// Measures the engine of `product`; the rate of `settings` only sets the time between reports. Returns the text to
-/// show.
+/// show, and the reason if the figures are unreliable.
 ///
 /// # Errors
 /// If the settings are invalid, or a file cannot be written.
-pub fn run(product: &dyn Product, settings: &Settings, outputs: &OutputFiles) -> anyhow::Result<String> {
+pub fn run(product: &dyn Product, settings: &Settings, outputs: &OutputFiles) -> anyhow::Result<MeasurementOutcome> {
     settings.check_without_cores()?;
     outputs.check()?;
     let stop = Stop::on_signals_to_clear_up()?;
@@ -60,7 +60,10 @@ pub fn run(product: &dyn Product, settings: &Settings, outputs: &OutputFiles) ->
         ..BenchReport::default()
     };
     outputs.write(&report, &[], Some(&single))?;
-    Ok(shown(&report, &runs))
+    Ok(MeasurementOutcome {
+        text: shown(&report, &runs),
+        failure: report.failure(),
+    })
 }
 
 /// Returns medians over the runs.

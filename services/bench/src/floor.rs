@@ -16,7 +16,7 @@ use crate::measure::{self, LoadPlan, MeasurementResult};
 use crate::outputs::OutputFiles;
 use crate::product::Product;
 use crate::progress::say;
-use crate::report::{BenchReport, LayerFigures};
+use crate::report::{BenchReport, LayerFigures, MeasurementOutcome};
 use crate::settings::Settings;
 use crate::site::BenchSite;
 use crate::text;
@@ -31,11 +31,11 @@ const LAYERS: [(&str, &str, Measurement); 4] = [
     ("fusion", "loop and engine", measure::pipeline),
 ];
 
-/// Measures all layers; returns the text to show.
+/// Measures all layers; returns the text to show, and the reason if the figures are unreliable.
 ///
 /// # Errors
 /// If the settings are invalid, a process fails, or a file cannot be written.
-pub fn run(product: &dyn Product, settings: &Settings, outputs: &OutputFiles) -> anyhow::Result<String> {
+pub fn run(product: &dyn Product, settings: &Settings, outputs: &OutputFiles) -> anyhow::Result<MeasurementOutcome> {
     settings.check()?;
     outputs.check()?;
     let stop = Stop::on_signals_to_clear_up()?;
@@ -84,7 +84,10 @@ pub fn run(product: &dyn Product, settings: &Settings, outputs: &OutputFiles) ->
         ..BenchReport::default()
     };
     outputs.write(&report, &[], Some(&single))?;
-    Ok(shown(&report))
+    Ok(MeasurementOutcome {
+        text: shown(&report),
+        failure: report.failure(),
+    })
 }
 
 fn layer(name: &str, runs: &[Figures]) -> LayerFigures {

@@ -71,7 +71,11 @@ pub fn run(
     Ok(MeasurementOutcome {
         text: text::latency(&report),
         // A sweep continues until reports are lost.
-        failure: report.failure().filter(|_| !sweep),
+        failure: if sweep {
+            report.engine_failure()
+        } else {
+            report.failure()
+        },
     })
 }
 

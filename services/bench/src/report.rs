@@ -15,6 +15,10 @@ use crate::memory::ProcessMemory;
 use crate::settings::Settings;
 use crate::verdict::FigureVerdict;
 
+/// Share of the engine's updates that chance may make odd: with 16 sources, 6 of 98,000 have been. A part of the reports
+/// that is rejected is larger.
+const ODD_SHARE_MAX: f64 = 1e-3;
+
 /// Contents of the file. The top-level figures are those of the first rate; `points` has all rates.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BenchReport {
@@ -215,15 +219,40 @@ pub struct LayerFigures {
 }
 
 impl BenchReport {
-    /// Returns the reason why the figures are unreliable, if any: unanswered reports are in no figure.
+    /// Returns the reasons why the figures are unreliable, if any: unanswered reports are in no figure, and those that
+    /// fusion rejects cost less than others.
     pub(crate) fn failure(&self) -> Option<String> {
         let runs = self.points.iter().flat_map(|point| &point.runs);
         let accounts = || runs.clone().map(|run| &run.account);
         let unanswered: u64 = accounts().map(|account| account.unanswered).sum();
         let sent: u64 = accounts().map(|account| account.sent).sum();
-        let (unanswered_text, sent) = (count(unanswered), count(sent));
-        (unanswered > 0).then(|| {
-            format!("{unanswered_text} of {sent} reports were not answered: the figures cover the other reports only")
+        let of_pipeline = (unanswered > 0).then(|| {
+            let (unanswered, sent) = (count(unanswered), count(sent));
+            format!("{unanswered} of {sent} reports were not answered: the figures cover the other reports only")
+        });
+        let layers = self.layers.iter().filter(|layer| layer.unanswered > 0);
+        let of_layers = layers.map(|layer| {
+            let unanswered = count(layer.unanswered);
+            format!(
+                "{}: {unanswered} reports were not answered: its figures cover the others only",
+                layer.name
+            )
+        });
+        joined(of_pipeline.into_iter().chain(of_layers).chain(self.engine_failure()))
+    }
+
+    /// Returns the reason why the figures of the engine alone are unreliable, if any.
+    pub(crate) fn engine_failure(&self) -> Option<String> {
+        let passes = [self.engine.single, self.engine.paced];
+        let odd: u64 = passes.iter().map(|pass| pass.lost).sum();
+        let updates: u64 = passes.iter().map(|pass| pass.count).sum();
+        (odd as f64 > ODD_SHARE_MAX * updates as f64).then(|| {
+            format!(
+                "{} of {} updates of the engine did not yield exactly one confirmed state: its figures are not those of \
+                 accepted reports",
+                count(odd),
+                count(updates)
+            )
         })
     }
 
@@ -245,6 +274,12 @@ impl BenchReport {
         serde_json::from_str(&text)
             .with_context(|| format!("{}: not a file that `koseki bench --json` writes", path.display()))
     }
+}
+
+/// Returns all reasons as one, if there are any.
+fn joined(reasons: impl Iterator<Item = String>) -> Option<String> {
+    let reasons: Vec<_> = reasons.collect();
+    (!reasons.is_empty()).then(|| reasons.join("; "))
 }
 
 #[cfg(test)]
@@ -303,5 +338,49 @@ mod tests {
             failure.starts_with("16,000 of 40,000 reports were not answered"),
             "{failure}"
         );
+    }
+    #[test]
+    fn an_unanswered_layer_is_a_failure_by_its_name() {
+        let layer = |name: &str, unanswered| LayerFigures {
+            name: name.to_owned(),
+            unanswered,
+            ..LayerFigures::default()
+        };
+        let report = |relay, fusion| BenchReport {
+            layers: vec![layer("ring", 0), layer("relay", relay), layer("fusion", fusion)],
+            ..BenchReport::default()
+        };
+        assert_eq!(report(0, 0).failure(), None);
+        let failure = report(17_845, 2).failure().unwrap();
+        assert!(failure.contains("relay: 17,845 reports were not answered"), "{failure}");
+        assert!(
+            failure.contains("fusion: 2 reports") && !failure.contains("ring"),
+            "{failure}"
+        );
+    }
+
+    #[test]
+    fn updates_of_the_engine_without_one_confirmed_state_are_a_failure() {
+        let report = |of_single, of_paced| {
+            let figures = |lost| Figures {
+                count: 1_000,
+                lost,
+                ..Figures::default()
+            };
+            BenchReport {
+                engine: EngineTimes {
+                    single: figures(of_single),
+                    paced: figures(of_paced),
+                    ..EngineTimes::default()
+                },
+                ..BenchReport::default()
+            }
+        };
+        assert_eq!(report(0, 0).failure(), None);
+        assert_eq!(report(1, 1).failure(), None, "chance");
+        for (single, paced, odd) in [(3, 0, "3"), (0, 4, "4"), (3, 4, "7")] {
+            let failure = report(single, paced).failure().unwrap();
+            assert!(failure.starts_with(&format!("{odd} of 2,000 updates")), "{failure}");
+        }
     }
 }

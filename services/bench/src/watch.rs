@@ -11,7 +11,7 @@ use std::ffi::OsString;
 use anyhow::Context as _;
 use runtime::signals::Stop;
 use serde::Serialize;
-use telemetry::table::{Align, TextTable, duration};
+use telemetry::table::{Align, TextTable, count, duration};
 
 use crate::figures::{Figures, Ratio};
 use crate::links::{LinkAccount, LinkWithMirrors};
@@ -19,6 +19,7 @@ use crate::machine::{self, MachineFacts};
 use crate::measure::{self, LoadPlan};
 use crate::product::Product;
 use crate::progress::say;
+use crate::report::MeasurementOutcome;
 use crate::settings::{Flood, MeasurementRefusal, Settings};
 use crate::site::{BenchSite, FusionProcess, Running};
 use crate::subscribers::Subscribers;
@@ -84,7 +85,8 @@ struct WatchResult<'a> {
     carried: &'a [LinkAccount],
 }
 
-/// Measures `settings.runs` pairs of runs of `product`. Returns the text to show.
+/// Measures `settings.runs` pairs of runs of `product`. Returns the text to show, and the reason if the figures are
+/// unreliable.
 ///
 /// # Errors
 /// If the machine cannot do it, a process fails, or the file cannot be written.
@@ -93,7 +95,7 @@ pub fn run(
     settings: &Settings,
     with: Extra,
     json: Option<&std::path::Path>,
-) -> anyhow::Result<String> {
+) -> anyhow::Result<MeasurementOutcome> {
     settings.check()?;
     if let Extra::Flood(factor) = with {
         let flooded = Settings {
@@ -154,7 +156,19 @@ pub fn run(
         std::fs::write(path, serde_json::to_string_pretty(&watched)? + "\n")
             .with_context(|| format!("writing {}", path.display()))?;
     }
-    Ok(shown(&watched))
+    Ok(MeasurementOutcome {
+        text: shown(&watched),
+        failure: failure(&pairs),
+    })
+}
+
+/// Returns the reason why the figures are unreliable, if any: unanswered reports are in no figure.
+fn failure(pairs: &[(Figures, Figures)]) -> Option<String> {
+    let unanswered: u64 = pairs.iter().map(|(on, off)| on.lost + off.lost).sum();
+    (unanswered > 0).then(|| {
+        let unanswered = count(unanswered);
+        format!("{unanswered} reports were not answered: the figures cover the other reports only")
+    })
 }
 
 /// Executes one measurement of a fresh fusion, with or without the addition.
@@ -253,4 +267,20 @@ fn shown(watched: &WatchResult<'_>) -> String {
         text.push_str(&table.to_string());
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unanswered_reports_on_either_side_are_a_failure() {
+        let figures = |lost| Figures {
+            lost,
+            ..Figures::default()
+        };
+        assert_eq!(failure(&[(figures(0), figures(0))]), None);
+        let failure = failure(&[(figures(2), figures(0)), (figures(0), figures(3))]).unwrap();
+        assert!(failure.starts_with("5 reports were not answered"), "{failure}");
+    }
 }

@@ -131,6 +131,30 @@ impl<S: Transport> FusionAgent<S> {
         Self::begin(ready, config, bus, (incarnation, incarnation), queues)
     }
 
+    /// As [`Self::new`], but with the tracks of the checkpoint of the previous fusion, if there was one, and with a
+    /// checkpoint for a successor, unless `config` has none.
+    ///
+    /// # Errors
+    /// If a setting is invalid, a topic cannot be opened, or the machine has no memory for the checkpoint.
+    pub fn resumed(
+        config: &Deployment,
+        settings: &Settings,
+        speed: Speed,
+        bus: &Bus<S>,
+        incarnation: u64,
+        queues: Arc<Queues>,
+        now: Now,
+    ) -> anyhow::Result<Self> {
+        let Some(max_age_ns) = config.checkpoint.max_age_ns() else {
+            return Self::new(config, settings, speed, bus, incarnation, queues);
+        };
+        let ready = Ready::new(config, settings, (speed, config.fusion.core), bus, incarnation)?;
+        let start = FusionStart::look(bus.root(), max_age_ns, None, &ready.engine, now);
+        let mut agent = Self::begin(ready, config, bus, (incarnation, start.epoch), queues)?;
+        agent.resume(start, TakeOver::default(), now)?;
+        Ok(agent)
+    }
+
     /// Begins to fuse, as `epoch`.
     ///
     /// # Errors

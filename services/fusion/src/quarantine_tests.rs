@@ -14,8 +14,7 @@ use runtime::instance::CHECKPOINT;
 use runtime::{Agent as _, HealthEntry, Now, Speed, Turn};
 use test_support::S;
 
-use crate::agent::{FusionAgent, Ready};
-use crate::continuity::{FusionStart, TakeOver};
+use crate::agent::FusionAgent;
 
 const DAY: i64 = 16_931 * 86_400 * S;
 /// Epoch of the source's publisher.
@@ -74,13 +73,9 @@ impl Site {
 
     /// A fusion that resumes from what the one before has left.
     fn start(&self) -> FusionAgent<SharedMemory> {
-        let (config, bus, now) = (&self.config, &self.bus, self.now);
-        let ready = Ready::new(config, &config.engine, (Speed::Factor(1.0), None), bus, 1).unwrap();
-        let max_age_ns = config.checkpoint.max_age_ns().unwrap();
-        let start = FusionStart::look(bus.root(), max_age_ns, None, &ready.engine, now);
-        let mut agent = FusionAgent::begin(ready, config, bus, (1, start.epoch), Arc::clone(&self.queues)).unwrap();
-        agent.resume(start, TakeOver::default(), now).unwrap();
-        agent
+        let (config, speed) = (&self.config, Speed::Factor(1.0));
+        let queues = Arc::clone(&self.queues);
+        FusionAgent::resumed(config, &config.engine, speed, &self.bus, 1, queues, self.now).unwrap()
     }
 
     /// Ends `agent` as a kill does while it works off the report with this number of the source.
