@@ -230,13 +230,8 @@ fn a_clock_that_is_off_is_told_and_a_wild_one_isolates_its_source() {
     running.stop();
 }
 
-/// Runs a deployment for a while; nothing that it did was an alarm.
-fn assert_no_alarm(arguments: &[&str]) {
-    let home = Home::new();
-    let mut command = arguments.to_vec();
-    command.extend(["--instance", "test", "--out", "out", "--set", "monitor.files=true"]);
-    let output = home.run(&command);
-    assert_eq!(output.status.code(), Some(0), "{output:?}");
+/// The report of a run has no alarm but those of the machine.
+pub(crate) fn assert_no_alarm(home: &Home) {
     let report: serde_json::Value =
         serde_json::from_slice(&std::fs::read(home.path("out/latest/report.json")).unwrap()).unwrap();
     let alarms = report["alarms"].as_array().unwrap();
@@ -244,20 +239,25 @@ fn assert_no_alarm(arguments: &[&str]) {
     assert!(alarms.iter().all(is_of_machine), "{alarms:#?}");
 }
 
+/// The demonstration and two examples, side by side: they mostly wait. `live_on_board` runs the third for longer.
 #[test]
-fn the_demonstration_raises_no_alarm() {
-    assert_no_alarm(&["demo", "--for", "15"]);
-}
-
-#[test]
-fn the_examples_raise_no_alarm() {
-    for (name, seconds) in [
-        ("config/maritime.toml", "8"),
-        ("config/wide-area.toml", "8"),
-        // Its radar turns slowly, and tracks need some turns.
-        ("config/on-board.toml", "24"),
-    ] {
-        let config = repository(name);
-        assert_no_alarm(&["up", config.to_str().unwrap(), "--for", seconds]);
-    }
+fn the_demonstration_and_the_examples_raise_no_alarm() {
+    let examples = ["config/maritime.toml", "config/wide-area.toml"].map(repository);
+    let [maritime, wide_area] = examples.each_ref().map(|path| path.to_str().unwrap());
+    let runs = [
+        ["demo", "--for", "15"].to_vec(),
+        ["up", maritime, "--for", "8"].to_vec(),
+        ["up", wide_area, "--for", "8"].to_vec(),
+    ];
+    std::thread::scope(|scope| {
+        for run in runs {
+            scope.spawn(move || {
+                let home = Home::new();
+                let options = ["--instance", "test", "--out", "out", "--set", "monitor.files=true"];
+                let output = home.run(&[run, options.to_vec()].concat());
+                assert_eq!(output.status.code(), Some(0), "{output:?}");
+                assert_no_alarm(&home);
+            });
+        }
+    });
 }

@@ -9,6 +9,7 @@ use std::time::Duration;
 
 use serde_json::Value;
 
+use crate::alarms::assert_no_alarm;
 use crate::common::{Home, PLACE, free_address, repository, until, utc_ns};
 use crate::joint_tracker::{assert_equal, common_columns, free, tracked_again};
 
@@ -207,7 +208,8 @@ fn live_detections_on_board_give_the_tracks_of_their_recording_and_of_track_with
     home.assert_nothing_is_left("test");
 }
 
-/// The shipped ship runs by itself: its sentences place the radar's detections, and each target has a track.
+/// The shipped ship runs by itself: its sentences place the radar's detections, each target has a track, and nothing is
+/// an alarm.
 #[test]
 fn a_simulated_ship_tracks_its_targets_live() {
     let home = Home::new();
@@ -223,9 +225,12 @@ fn a_simulated_ship_tracks_its_targets_live() {
         "3",
         "--out",
         "out",
+        "--set",
+        "monitor.files=true",
     ];
     let (status, said) = home.start(&arguments).end();
     assert_eq!(status.code(), Some(0), "{said}");
+    assert_no_alarm(&home);
     let (_, tracks) = tracked_again(&home, "sea");
     assert_equal(&tracks);
     let rows = &tracks[0];

@@ -5,7 +5,8 @@
 //! whoever reads the addresses knows which reports belong together, whether or not fusion was allowed to use them.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use std::sync::OnceLock;
 
 use adapter::recorded_source::RecordedSource;
 use configuration::Config;
@@ -92,8 +93,8 @@ fn parse_time(text: &str) -> i64 {
     whole.parse::<i64>().unwrap() * S + format!("{fraction:0<9}").parse::<i64>().unwrap()
 }
 
-fn read_system_tracks(folder: &Path) -> Vec<Row> {
-    let mut reader = csv::Reader::from_path(folder.join("system_tracks.csv")).unwrap();
+fn read_system_tracks(files: &Files) -> Vec<Row> {
+    let mut reader = csv::Reader::from_reader(&files["system_tracks.csv"][..]);
     let headers = reader.headers().unwrap().clone();
     let column = |name: &str| {
         headers
@@ -269,37 +270,48 @@ fn start(home: &Home, data: &Path, more: &[&str]) -> Running {
     home.start(&[&up, more].concat())
 }
 
-/// A home with what a replay of the recordings wrote, and the folder of that.
-fn replay(data: &Path, more: &[&str]) -> (Home, PathBuf) {
+/// Files of a run, by their names.
+type Files = BTreeMap<String, Vec<u8>>;
+
+/// What a replay of the recordings at full speed writes.
+fn replay(data: &Path, more: &[&str]) -> Files {
     let home = Home::new();
-    let (status, said) = start(&home, data, more).end();
+    let (status, said) = start(&home, data, &[&["--speed", "max"], more].concat()).end();
     assert!(status.success(), "{said}");
     home.assert_nothing_is_left(INSTANCE);
-    let out = home.path("out/latest");
-    (home, out)
+    files_of(&home.path("out/latest"))
 }
 
-fn bytes_of(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+/// The same of a replay that nothing disturbs: several tests compare others with it.
+fn undisturbed(data: &Path) -> &'static Files {
+    static FILES: OnceLock<Files> = OnceLock::new();
+    FILES.get_or_init(|| replay(data, &[]))
+}
+
+fn files_of(folder: &Path) -> Files {
     let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     files
-        .filter(|path| path.extension().is_some_and(|extension| extension == "csv"))
-        // Alarms speak of the machine and of its time, which differ from run to run.
-        .filter(|path| !path.ends_with("alarms.csv") && !path.ends_with("orders.csv"))
+        .filter(|path| path.is_file())
         .map(|path| {
-            (
-                path.file_name().unwrap().to_str().unwrap().to_owned(),
-                std::fs::read(&path).unwrap(),
-            )
+            let bytes = std::fs::read(&path).unwrap();
+            (path.file_name().unwrap().to_str().unwrap().to_owned(), bytes)
         })
         .collect()
+}
+
+/// The tables, without alarms and orders: these have the machine and its time in them, which differ from run to run.
+fn tables(files: &Files) -> BTreeMap<&str, &[u8]> {
+    let is_table = |name: &str| name.ends_with(".csv") && !["alarms.csv", "orders.csv"].contains(&name);
+    let files = files.iter().map(|(name, bytes)| (name.as_str(), &bytes[..]));
+    files.filter(|(name, _)| is_table(name)).collect()
 }
 
 #[test]
 fn with_identity_every_aircraft_has_one_track_and_nothing_is_lost() {
     let Some(data) = recordings("lebl2016") else { return };
     let inputs = decode_inputs(&data);
-    let (_running, out) = replay(&data, &["--speed", "max"]);
-    let rows = read_system_tracks(&out);
+    let files = undisturbed(&data);
+    let rows = read_system_tracks(files);
 
     let (mut one_track, mut radar_joined) = (Share::default(), Share::default());
     at_whole_seconds(&inputs, &rows, |moment| {
@@ -320,8 +332,8 @@ fn with_identity_every_aircraft_has_one_track_and_nothing_is_lost() {
     check_addresses(&rows);
     check_contributions(&inputs, &rows);
     check_midnight(&inputs, &rows);
-    check_nothing_lost(&inputs, &out);
-    check_registration(&out);
+    check_nothing_lost(&inputs, files);
+    check_registration(files);
 }
 
 fn judge_radar(moment: &Moment<'_>, address: u32, mlat: &SensorTrack, share: &mut Share) {
@@ -427,12 +439,12 @@ fn check_midnight(inputs: &Inputs, rows: &[Row]) {
 }
 
 /// What the adapters published is what fusion took and the recorder wrote, report by report.
-fn check_nothing_lost(inputs: &Inputs, out: &Path) {
+fn check_nothing_lost(inputs: &Inputs, files: &Files) {
     for (index, name) in ["radar", "multilateration", "ads-b"].iter().enumerate() {
-        let mut reader = csv::Reader::from_path(out.join(format!("sensor_tracks_{name}.csv"))).unwrap();
+        let mut reader = csv::Reader::from_reader(&files[&format!("sensor_tracks_{name}.csv")][..]);
         assert_eq!(reader.records().count(), inputs.reports[index].len(), "{name}");
     }
-    let report: serde_json::Value = serde_json::from_slice(&std::fs::read(out.join("report.json")).unwrap()).unwrap();
+    let report: serde_json::Value = serde_json::from_slice(&files["report.json"]).unwrap();
     assert_eq!(
         report["alarms"].as_array().map(Vec::len),
         Some(0),
@@ -448,8 +460,8 @@ fn check_nothing_lost(inputs: &Inputs, out: &Path) {
 
 /// What fusion says of the radar is what the recordings say: the mean, over the 29 aircraft that both see moving, of
 /// the differences between radar reports and multilateration is 6.1 m east and 5.1 m north.
-fn check_registration(out: &Path) {
-    let report: serde_json::Value = serde_json::from_slice(&std::fs::read(out.join("report.json")).unwrap()).unwrap();
+fn check_registration(files: &Files) {
+    let report: serde_json::Value = serde_json::from_slice(&files["report.json"]).unwrap();
     let registration = &report["sources"][RADAR]["registration"];
     for (axis, expected_m) in [6.1, 5.1].into_iter().enumerate() {
         let offset_m = registration["offset_m"][axis].as_f64().unwrap();
@@ -461,9 +473,7 @@ fn check_registration(out: &Path) {
 fn without_identity_position_and_motion_join_the_same_reports() {
     let Some(data) = recordings("lebl2016") else { return };
     let inputs = decode_inputs(&data);
-    let hidden = ["--speed", "max", "--set", "fusion.association.use_identity=false"];
-    let (_running, out) = replay(&data, &hidden);
-    let rows = read_system_tracks(&out);
+    let rows = read_system_tracks(&replay(&data, &["--set", "fusion.association.use_identity=false"]));
     let address_of: BTreeMap<(u32, i64), u32> = inputs.reports[MLAT]
         .iter()
         .map(|report| {
@@ -499,12 +509,14 @@ fn without_identity_position_and_motion_join_the_same_reports() {
     joined.at_least("reports within 60 m are joined", 0.90, 10_000);
 }
 
-/// Each file twice at full speed, and once at a speed at which the processes wait for each other in other ways.
+/// At full speed, and at a speed at which the processes wait for each other in other ways.
 #[test]
 fn the_files_are_the_same_in_every_run_and_at_every_speed() {
     let Some(data) = recordings("lebl2016") else { return };
-    let start = |home: &Home, speed: &str| start(home, &data, &["--speed", speed]);
-    let files = files_at(&["max", "max", "600"], &start);
+    let files = undisturbed(&data);
+    let slower = files_at("600", &|home, speed| start(home, &data, &["--speed", speed]));
+    assert_equal(files, &slower);
+    let files = tables(files);
     assert_eq!(files.len(), 4, "{:?}", files.keys());
     assert!(files.values().all(|bytes| bytes.len() > 1_000_000));
     golden("replay_2016.txt", &hashes(&files));
@@ -544,36 +556,37 @@ fn the_files_of_a_busy_day_are_the_same_in_every_run_and_at_every_speed() {
         ];
         home.start(&[&up[..], &["--speed", speed]].concat())
     };
-    let files = files_at(&["max", "max", "1000", "1000"], &start);
+    let [files, slower] = ["max", "1000"].map(|speed| files_at(speed, &start));
+    assert_equal(&files, &slower);
+    let files = tables(&files);
     assert_eq!(files.len(), 3, "{:?}", files.keys());
     golden("replay_2020.txt", &hashes(&files));
 }
 
-/// The files of replays at these speeds, which must not differ.
-fn files_at(speeds: &[&str], start: &dyn Fn(&Home, &str) -> Running) -> BTreeMap<String, Vec<u8>> {
-    let mut files: Option<BTreeMap<String, Vec<u8>>> = None;
-    for speed in speeds {
-        let home = Home::new();
-        let (status, said) = start(&home, speed).end();
-        assert!(status.success(), "{said}");
-        home.assert_nothing_is_left(INSTANCE);
-        let found = bytes_of(&home.path("out/latest"));
-        if let Some(files) = &files {
-            assert!(found.keys().eq(files.keys()), "{speed}: {:?}", found.keys());
-            let differ = found.iter().find(|(name, bytes)| files[*name] != **bytes);
-            assert!(
-                differ.is_none(),
-                "{} differs in a run at speed {speed}",
-                differ.unwrap().0
-            );
-        }
-        files = Some(found);
-    }
-    files.expect("a speed")
+/// The files of a replay at this speed.
+fn files_at(speed: &str, start: &dyn Fn(&Home, &str) -> Running) -> Files {
+    let home = Home::new();
+    let (status, said) = start(&home, speed).end();
+    assert!(status.success(), "{said}");
+    home.assert_nothing_is_left(INSTANCE);
+    files_of(&home.path("out/latest"))
+}
+
+/// Two runs have the same tables.
+fn assert_equal(first: &Files, second: &Files) {
+    let (first, second) = (tables(first), tables(second));
+    assert!(
+        first.keys().eq(second.keys()),
+        "{:?}, {:?}",
+        first.keys(),
+        second.keys()
+    );
+    let differs = first.iter().find(|(name, bytes)| second[*name] != **bytes);
+    assert!(differs.is_none(), "{} differs", differs.unwrap().0);
 }
 
 /// A line about the states in each of these files.
-fn hashes(files: &BTreeMap<String, Vec<u8>>) -> String {
+fn hashes(files: &BTreeMap<&str, &[u8]>) -> String {
     let state = ["time_s", "x", "y", "z", "vx", "vy", "vz", "state", "address"];
     let mut out = String::new();
     for (name, bytes) in files {
@@ -581,7 +594,7 @@ fn hashes(files: &BTreeMap<String, Vec<u8>>) -> String {
         out += &hash_of_columns(&format!("{name}, states"), text, state);
         out += &hash_of_columns(&format!("{name}, covariances"), text, COVARIANCE);
     }
-    let fused = std::str::from_utf8(&files["system_tracks.csv"]).unwrap();
+    let fused = std::str::from_utf8(files["system_tracks.csv"]).unwrap();
     let of_fusion = [
         "system_track_id",
         "sources",
@@ -597,7 +610,7 @@ fn hashes(files: &BTreeMap<String, Vec<u8>>) -> String {
 #[test]
 fn what_died_with_a_recorder_is_counted_and_nothing_is_written_twice() {
     let Some(data) = recordings("lebl2016") else { return };
-    let (_whole, undisturbed) = replay(&data, &["--speed", "max"]);
+    let undisturbed = undisturbed(&data);
     let home = Home::new();
     // More than a minute: on a busy machine, too, all kills come before the recordings end.
     let running = start(&home, &data, &["--speed", "100"]);
@@ -630,8 +643,8 @@ fn what_died_with_a_recorder_is_counted_and_nothing_is_written_twice() {
     let mut missing = 0;
     for name in ["radar", "multilateration", "ads-b"] {
         let file = format!("sensor_tracks_{name}.csv");
-        let (whole, found) = (undisturbed.join(&file), home.path("out/latest").join(&file));
-        let [whole, found] = [whole, found].map(|path| std::fs::read_to_string(path).unwrap());
+        let whole = std::str::from_utf8(&undisturbed[&file]).unwrap();
+        let found = home.read(&format!("out/latest/{file}"));
         let mut rest = whole.lines();
         // In the same order, each at most once.
         for row in found.lines() {
@@ -655,7 +668,6 @@ fn what_died_with_a_recorder_is_counted_and_nothing_is_written_twice() {
 #[test]
 fn a_killed_adapter_leaves_no_trace_in_the_files() {
     let Some(data) = recordings("lebl2016") else { return };
-    let (_whole, undisturbed) = replay(&data, &["--speed", "max"]);
     let home = Home::new();
     let running = start(&home, &data, &["--speed", "1500"]);
     for name in ["multilateration", "radar"] {
@@ -671,10 +683,7 @@ fn a_killed_adapter_leaves_no_trace_in_the_files() {
     let (status, said) = running.end();
     assert!(status.success(), "{said}");
     home.assert_nothing_is_left(INSTANCE);
-    assert!(
-        bytes_of(&undisturbed) == bytes_of(&home.path("out/latest")),
-        "the files differ"
-    );
+    assert_equal(undisturbed(&data), &files_of(&home.path("out/latest")));
     assert!(
         home.read("out/latest/report.json").contains("SIGKILL"),
         "the report says so"

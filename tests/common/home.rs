@@ -19,6 +19,8 @@ use super::folder::Folder;
 
 /// Far longer than anything takes, so that only a real hang ends it.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(90);
+/// Between two looks at whether a condition holds: many tests wait at once, and looking costs them processor time.
+const PAUSE: Duration = Duration::from_millis(10);
 
 /// A folder for instances and files of one test.
 pub(crate) struct Home(Folder, Seen);
@@ -142,6 +144,7 @@ impl Home {
                 };
             }
             assert!(start.elapsed() < PATIENCE, "no {name}: {status}");
+            thread::sleep(PAUSE);
         }
     }
 
@@ -221,7 +224,7 @@ impl Drop for Home {
         }
         let start = Instant::now();
         while !self.processes().is_empty() && start.elapsed() < PATIENCE {
-            thread::sleep(Duration::from_millis(2));
+            thread::sleep(PAUSE);
         }
         for name in self.shared_memory() {
             let _ = fs::remove_file(Path::new("/dev/shm").join(name));
@@ -267,7 +270,7 @@ impl Running {
         while !self.said().contains(words) {
             assert!(start.elapsed() < PATIENCE, "not said: {words}\n{}", self.said());
             self.seen.look(&self.base);
-            thread::sleep(Duration::from_millis(2));
+            thread::sleep(PAUSE);
         }
     }
 
@@ -316,6 +319,6 @@ pub(crate) fn until(what: &str, mut condition: impl FnMut() -> bool) {
     let start = Instant::now();
     while !condition() {
         assert!(start.elapsed() < PATIENCE, "never happened: {what}");
-        thread::sleep(Duration::from_millis(2));
+        thread::sleep(PAUSE);
     }
 }
