@@ -195,8 +195,18 @@ fn what_was_compared_is_printed_and_nothing_else_counts() {
     assert_eq!(figures, [Some(5.0), Some(5.0), Some(1.0)]);
     assert_eq!((&found["spurious"], &found["false_per_s"]), (&0.into(), &0.0.into()));
     let compared = &found["compared"];
-    let counts = ["first_s", "last_s", "seconds", "seconds_without_truth", "pairs", "pairs_without_height"];
-    assert_eq!(counts.map(|word| compared[word].as_i64().unwrap()), [43_210, 43_239, 29, 1, 29, 29]);
+    let counts = [
+        "first_s",
+        "last_s",
+        "seconds",
+        "seconds_without_truth",
+        "pairs",
+        "pairs_without_height",
+    ];
+    assert_eq!(
+        counts.map(|word| compared[word].as_i64().unwrap()),
+        [43_210, 43_239, 29, 1, 29, 29]
+    );
     assert_eq!(found, files.json("score --json --truth unix.csv --tracks radar.csv"));
     let text = String::from_utf8(files.run("score --truth truth.csv --tracks radar.csv").stdout).unwrap();
     for expected in [
@@ -217,7 +227,10 @@ fn what_was_compared_is_printed_and_nothing_else_counts() {
     // The simulation that the tracks are not of.
     let files = Folder::with(&[
         ("truth.csv", &format!("time_s,target_id,{header}\n{truth}")),
-        ("early.csv", &format!("time_s,system_track_id,{header}\n10,1,0,0,0,0,0,0\n")),
+        (
+            "early.csv",
+            &format!("time_s,system_track_id,{header}\n10,1,0,0,0,0,0,0\n"),
+        ),
     ]);
     let line = files.refusal("score --truth truth.csv --tracks early.csv");
     assert!(line.contains("no second is common to both"), "{line}");
