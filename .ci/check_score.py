@@ -3,6 +3,8 @@
 
 usage: check_score.py TRUTH TRACKS CARD.json [--reference truth] [--areas FILE --origin LATITUDE,LONGITUDE] [--t0 10] [--settle 25]
                       [--gate 250] [--max-age 1] [--phases-tool phases.py] [--least LINES]
+Files are in metres, with times from a midnight; t0 is 10 s after the first row of the truth unless given. Seconds without truth, heights
+and velocities that a side does not know are not compared.
 CARD.json is what `koseki score --json` printed with the same options. Nothing of Koseki is used here: another reader, another
 assignment (scipy), another division into phases, limits typed from the sources again. Figures agree within 1e-6 of their size: both sides
 compute with doubles, in another order. The covariance is not moved: tracks must have rows at whole seconds (`koseki fuse --refresh 1`).
@@ -33,9 +35,11 @@ def rows(path, valid_velocity=False):
                 upper = np.triu_indices(6)
                 covariance[upper] = [float(row[name]) for name in COVARIANCE]
                 covariance.T[upper] = covariance[upper]
-            found.append(dict(id=int(row[number]), t=float(row["time_s"]), x=np.array([float(row[c]) for c in ("x", "y", "z")]),
-                              v=np.array([float(row[c]) for c in ("vx", "vy", "vz")]), P=covariance,
-                              address=int(row["address"], 16) if row.get("address") else None, high=row.get("height_valid") != "0"))
+            high, moves = row.get("height_valid") != "0", row.get("velocity_valid") != "0"
+            number_of = lambda name: float(row[name]) if high or name not in ("z", "vz") else 0.0
+            found.append(dict(id=int(row[number]), t=float(row["time_s"]), x=np.array([number_of(c) for c in ("x", "y", "z")]),
+                              v=np.array([number_of(c) if moves else 0.0 for c in ("vx", "vy", "vz")]), P=covariance, moves=moves,
+                              address=int(row["address"], 16) if row.get("address") else None, high=high))
     return found
 
 
@@ -100,27 +104,33 @@ def nees(error, P):
 
 
 def compare(truth, tracks, options):
-    """errors of pairs, target-seconds, track-seconds"""
-    paths = {}
+    """errors of pairs, target-seconds, track-seconds, number of seconds"""
+    paths, first = {}, {}
     for second in sorted(truth):
         for number, row in truth[second].items():
-            paths.setdefault(number, []).append((second, row["v"]))
-    phases, first = {}, {}
+            first.setdefault(number, second)
+            if row["moves"]:
+                paths.setdefault(number, []).append((second, row["v"]))
+    phases = {}
     for number, path in paths.items():
         t, v = np.array([second for second, _ in path], float), np.array([velocity for _, velocity in path])
         plane, rate = stages(t, v[:, :2], 0.5), stages(t, v[:, 2:], 0.3)
         if options.phases_tool:
             check_phases(options.phases_tool, t, v, plane, rate)
-        first[number] = path[0][0]
         for (second, velocity), p, r in zip(path, plane, rate):
             phases[second, number] = {"all", PLANE[p], RATE[r], "climb" if abs(velocity[2]) > 2 else "level"}
-    errors, targets, shown = [], [], []
+    errors, targets, shown, seconds = [], [], [], 0
+    place = lambda row: row["x"] if row["high"] else np.r_[row["x"][:2], math.nan]
     for second in range(options.t0, options.last + 1):
         T, Y = truth.get(second, {}), tracks.get(second, {})
+        if not T:
+            continue
+        seconds += 1
         a, b = sorted(T), sorted(Y)
         pairs = {}
         if a and b:
-            d = np.linalg.norm(np.array([T[i]["x"] for i in a])[:, None] - np.array([Y[j]["x"] for j in b])[None], axis=2)
+            apart = np.array([place(T[i]) for i in a])[:, None] - np.array([place(Y[j]) for j in b])[None]
+            d = np.linalg.norm(np.nan_to_num(apart), axis=2)
             for i, j in zip(*linear_sum_assignment(np.minimum(d, options.gate) ** 2)):
                 if d[i, j] < options.gate:
                     pairs[a[i]] = b[j]
@@ -128,10 +138,10 @@ def compare(truth, tracks, options):
             if second - first[i] >= options.settle:
                 targets.append((i, second, T[i]["x"][:2], i in pairs))
                 if i in pairs:
-                    errors.append(error_of(T[i], Y[pairs[i]], phases[second, i]))
+                    errors.append(error_of(T[i], Y[pairs[i]], phases.get((second, i), {"all"})))
         taken = set(pairs.values())
         shown += [(j, Y[j]["x"][:2], j in taken) for j in b]
-    return errors, targets, shown
+    return errors, targets, shown, seconds
 
 
 def check_phases(tool, t, v, plane, rate):
@@ -146,16 +156,18 @@ def error_of(target, track, phases):
     e, w = track["x"] - target["x"], track["v"] - target["v"]
     speed = math.hypot(*target["v"][:2])
     course = lambda v: math.degrees(math.atan2(v[0], v[1]))
-    high, P = target["high"] and track["high"], track["P"]
+    high, moves, P = target["high"] and track["high"], target["moves"] and track["moves"], track["P"]
     known = bool(np.isfinite(P).all())
     group = lambda error, at, counts=True: nees(error, P[np.ix_(at, at)]) if known and counts else math.nan
     u = target["v"][:2] / speed if speed else None
     return dict(place=target["x"][:2], phases=phases, target_speed=speed, position=math.hypot(*e[:2]),
                 along=e[:2] @ u if speed else math.nan, across=e[0] * u[1] - e[1] * u[0] if speed else math.nan,
-                height=e[2] if high else math.nan, speed=math.hypot(*track["v"][:2]) - speed, velocity=math.hypot(*w[:2]),
-                heading_deg=(course(track["v"]) - course(target["v"]) + 180) % 360 - 180 if speed > 3 else math.nan,
-                climb=w[2] if high else math.nan, nees_position=group(e[:2], [0, 1]), nees_velocity=group(w[:2], [3, 4]),
-                nees_height=group(e[2:], [2], high), nees_climb=group(w[2:], [5], high), right=right(target["address"], track["address"]))
+                height=e[2] if high else math.nan, speed=math.hypot(*track["v"][:2]) - speed if moves else math.nan,
+                velocity=math.hypot(*w[:2]) if moves else math.nan,
+                heading_deg=(course(track["v"]) - course(target["v"]) + 180) % 360 - 180 if speed > 3 and moves else math.nan,
+                climb=w[2] if high and moves else math.nan, nees_position=group(e[:2], [0, 1]),
+                nees_velocity=group(w[:2], [3, 4], moves), nees_height=group(e[2:], [2], high),
+                nees_climb=group(w[2:], [5], high and moves), right=right(target["address"], track["address"]))
 
 
 def right(target, track):
@@ -252,7 +264,8 @@ class Part:
         return sum(value < 0 for value in balance.values()) * 3600 / self.seconds
 
     def speeds(self):
-        good = [abs(error["speed"]) <= max(5, 0.1 * error["target_speed"]) for error in self.errors]
+        known = [error for error in self.errors if math.isfinite(error["speed"])]
+        good = [abs(error["speed"]) <= max(5, 0.1 * error["target_speed"]) for error in known]
         return sum(good) / len(good) if good else None
 
 
@@ -356,7 +369,8 @@ def main():
     parser.add_argument("--areas")
     parser.add_argument("--origin")
     parser.add_argument("--phases-tool")
-    for name, value in (("t0", 10), ("settle", 25), ("gate", 250), ("max-age", 1), ("least", 0)):
+    parser.add_argument("--t0", type=int)
+    for name, value in (("settle", 25), ("gate", 250), ("max-age", 1), ("least", 0)):
         parser.add_argument(f"--{name}", type=type(value), default=value)
     options = parser.parse_args()
     if options.phases_tool:
@@ -370,8 +384,10 @@ def main():
     truth_rows = rows(options.truth, not is_truth)
     truth = pictures(truth_rows, 1e-3, not is_truth)
     options.last = max(truth) if not is_truth else math.floor(max(row["t"] for row in truth_rows))
+    if options.t0 is None:
+        options.t0 = min(truth) + 10 if min(truth) + 10 <= options.last else min(truth)
     tracks = pictures(rows(options.tracks), options.max_age, False)
-    errors, targets, shown = compare(truth, tracks, options)
+    errors, targets, shown, seconds = compare(truth, tracks, options)
     areas = [(None, None, None)]
     if options.areas:
         to_local = local([float(number) for number in options.origin.split(",")])
@@ -386,7 +402,7 @@ def main():
     for (name, kind, polygons), theirs in zip(areas, [card, *card.get("areas", [])]):
         within = (lambda place: True) if polygons is None else (lambda place: inside(polygons, place))
         part = Part([error for error in errors if within(error["place"])], [target for target in targets if within(target[2])],
-                    [track for track in shown if within(track[1])], options.last - options.t0 + 1, is_truth)
+                    [track for track in shown if within(track[1])], seconds, is_truth)
         where = name or "everything"
         compared.same(f"{where}.targets", part.targets, theirs["targets"])
         compared.same(f"{where}.target_seconds", part.target_seconds, theirs["target_seconds"])

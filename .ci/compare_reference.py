@@ -26,6 +26,10 @@ def unsigned_4_bits(ours, reference, group):
     return near(ours, reference % 16)
 
 
+def signed_level(ours, reference, group):
+    return near(ours, reference if reference < 2048 else reference - 4096)
+
+
 def air_speed(ours, reference, group):
     return near(ours, reference * (0.001 if group['IM'] else 2 ** -14))
 
@@ -38,6 +42,7 @@ KNOWN = {
     (10, '210/AY'): (quadruple, 'LSB is 2^-2 m/s2: changes of velocity agree; the definition says 2^-4'),
     (21, '090/PA'): (unsigned_4_bits, 'a category from 0 to 9, which the definition has signed'),
     (21, '150/AS'): (air_speed, 'the reference gives the number sent where the LSB depends on another element'),
+    (48, '090/FL'): (signed_level, "two's complement as in edition 1.32; the definitions before it state no sign"),
     (62, '380/IAS/IAS'): (air_speed, 'the reference gives the number sent where the LSB depends on another element'),
 }
 UNDEFINED_CHARACTER = 'the reference leaves out or passes on codes without a character, ours shows them'

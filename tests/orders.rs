@@ -273,6 +273,7 @@ fn two_operators_at_once_are_told_apart_in_the_record() {
     const EACH: usize = 8;
     let home = Home::new();
     let demo = home.demo_with(&RECORDED);
+    obeyed(&home, "rule name=best-source");
     std::thread::scope(|scope| {
         for (operator, source) in [("anna", "radar-west"), ("ben", "radar-east")] {
             let home = &home;
@@ -284,7 +285,7 @@ fn two_operators_at_once_are_told_apart_in_the_record() {
         }
     });
     let last = in_force(&home);
-    assert_eq!(last.len(), 2, "{last:?}");
+    assert_eq!(last.len(), 3, "{last:?}");
     demo.stop();
     let rows = fs::read_to_string(home.path("out/latest/orders.csv")).unwrap();
     let given: Vec<&str> = rows.lines().filter(|row| row.contains(",in-force,k,")).collect();

@@ -165,6 +165,77 @@ fn a_scorecard_has_every_line_of_every_standard_with_a_verdict() {
     );
 }
 
+/// A recording counts seconds of the day; the truth has gaps, and the radar no heights.
+#[test]
+fn what_was_compared_is_printed_and_nothing_else_counts() {
+    let header = "x,y,z,vx,vy,vz";
+    let truth: String = (0..40)
+        .filter(|second| *second != 30)
+        .map(|second| format!("{},1,{},0,3000,100,0,0\n", 43_200 + second, 100 * second))
+        .collect();
+    let track = |second: i32| format!("{},8,{},4,0,100,0,0,confirmed,0\n", 43_200 + second, 100 * second + 3);
+    let tracks: String = (-300..300).map(track).collect();
+    let since_1970: String = truth
+        .lines()
+        .map(|row| {
+            let (time, rest) = row.split_once(',').unwrap();
+            format!("{},{rest}\n", 1_767_139_200 + time.parse::<i64>().unwrap())
+        })
+        .collect();
+    let files = Folder::with(&[
+        ("truth.csv", &format!("time_s,target_id,{header}\n{truth}")),
+        ("unix.csv", &format!("time_s,target_id,{header}\n{since_1970}")),
+        (
+            "radar.csv",
+            &format!("time_s,sensor_track_id,{header},state,height_valid\n{tracks}"),
+        ),
+    ]);
+    let found = files.json("score --json --truth truth.csv --tracks radar.csv");
+    let figures = ["gospa", "rmse_pos", "completeness"].map(|word| found[word].as_f64());
+    assert_eq!(figures, [Some(5.0), Some(5.0), Some(1.0)]);
+    assert_eq!((&found["spurious"], &found["false_per_s"]), (&0.into(), &0.0.into()));
+    let compared = &found["compared"];
+    let counts = [
+        "first_s",
+        "last_s",
+        "seconds",
+        "seconds_without_truth",
+        "pairs",
+        "pairs_without_height",
+    ];
+    assert_eq!(
+        counts.map(|word| compared[word].as_i64().unwrap()),
+        [43_210, 43_239, 29, 1, 29, 29]
+    );
+    assert_eq!(found, files.json("score --json --truth unix.csv --tracks radar.csv"));
+    let text = String::from_utf8(files.run("score --truth truth.csv --tracks radar.csv").stdout).unwrap();
+    for expected in [
+        "Compared: 29 whole seconds from 43210 s to 43239 s, 1 targets (target-seconds: 29), 1 tracks",
+        "1 seconds in between without a row of the truth are left out.",
+        "29 pairs have no height on one side: the plane alone is compared.",
+    ] {
+        assert!(text.contains(expected), "{expected}:\n{text}");
+    }
+    for (arguments, expected) in [
+        ("--truth radar.csv --tracks radar.csv", "--reference independent"),
+        ("--truth radar.csv --tracks truth.csv", "column target_id is missing"),
+    ] {
+        let line = files.refusal(&format!("score {arguments}"));
+        assert!(line.contains(expected), "{arguments}: {line}");
+    }
+    files.succeed("score --truth radar.csv --reference independent --tracks truth.csv --settle 0");
+    // The simulation that the tracks are not of.
+    let files = Folder::with(&[
+        ("truth.csv", &format!("time_s,target_id,{header}\n{truth}")),
+        (
+            "early.csv",
+            &format!("time_s,system_track_id,{header}\n10,1,0,0,0,0,0,0\n"),
+        ),
+    ]);
+    let line = files.refusal("score --truth truth.csv --tracks early.csv");
+    assert!(line.contains("no second is common to both"), "{line}");
+}
+
 #[test]
 fn the_page_of_a_scorecard_stands_alone() {
     let files = flight();

@@ -249,6 +249,7 @@
 #define KOSEKI_REFUSAL_UNKNOWN_QNH UINT64_C(0x16) /* The configuration has no `[[qnh]]` of this name. */
 #define KOSEKI_REFUSAL_TAKES_NO_DESIGNATIONS UINT64_C(0x17) /* The tracker has no sensor that takes orders. */
 #define KOSEKI_REFUSAL_NO_PLACE UINT64_C(0x18) /* The text is no place. */
+#define KOSEKI_REFUSAL_UNUSED_BY_RULE UINT64_C(0x19) /* The rule in force uses no such value. */
 
 typedef struct KosekiStageTimes {
     int64_t ingested_ns; /* The adapter had the report's last byte. */

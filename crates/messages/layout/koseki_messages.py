@@ -251,6 +251,7 @@ REFUSAL_BUSY = 0x15  # Fusion still publishes the previous snapshot or states.
 REFUSAL_UNKNOWN_QNH = 0x16  # The configuration has no `[[qnh]]` of this name.
 REFUSAL_TAKES_NO_DESIGNATIONS = 0x17  # The tracker has no sensor that takes orders.
 REFUSAL_NO_PLACE = 0x18  # The text is no place.
+REFUSAL_UNUSED_BY_RULE = 0x19  # The rule in force uses no such value.
 
 
 class StageTimes(ctypes.Structure):

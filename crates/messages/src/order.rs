@@ -84,6 +84,8 @@ codes! {
         TakesNoDesignations = 23, "takes-no-designations";
         /// The text is no place.
         NoPlace = 24, "no-place";
+        /// The rule in force uses no such value.
+        UnusedByRule = 25, "unused-by-rule";
     }
 }
 
@@ -373,6 +375,10 @@ impl Refusal {
                     .to_owned()
             }
             Self::NoPlace => format!("\"{}\" is no place; {}", order.name(), DesignatedPlace::FORM),
+            Self::UnusedByRule => format!(
+                "the rule in force chooses no best source, so {word} would have no effect; it serves the rule \
+                 \"best-source\" (order: rule name=best-source)"
+            ),
             Self::Busy => "fusion still publishes the previous snapshot; send it again in a second".to_owned(),
         }
     }

@@ -183,7 +183,7 @@ pub(super) fn flight_status(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use asterix::categories::{CAT034, CAT034_V1_29, CAT048_V1_31, CAT048_V1_32, CAT062};
+    use asterix::categories::{CAT034, CAT034_V1_29, CAT048, CAT062};
     use asterix::field::{field, whole};
 
     fn ticks(utc_ns: i64) -> Vec<u8> {
@@ -245,13 +245,11 @@ mod tests {
 
     #[test]
     fn heights_beyond_the_documents_limits_have_no_number() {
-        const LEVEL: Field = field(&[&CAT048_V1_32], &["090", "FL"]);
-        const LEVEL_WITHOUT_SIGN: Field = field(&[&CAT048_V1_31], &["090", "FL"]);
+        const LEVEL: Field = field(CAT048, &["090", "FL"]);
         const HEIGHT: Field = field(CAT062, &["130"]);
         assert_eq!(number_within(LEVEL, LEVELS_M, -457.3), None);
         assert_eq!(number_within(LEVEL, LEVELS_M, -457.1), Some(-60));
         assert_eq!(number_within(LEVEL, LEVELS_M, 10_668.0), Some(1400));
-        assert_eq!(number_within(LEVEL_WITHOUT_SIGN, LEVELS_M, -457.1), None);
         assert_eq!(number_within(HEIGHT, HEIGHTS_M, -457.1), Some(-240));
         assert_eq!(number_within(HEIGHT, HEIGHTS_M, 46_000.0), None);
         assert_eq!(number_within(HEIGHT, HEIGHTS_M, f64::NAN), None);

@@ -76,6 +76,11 @@ impl Continuity {
         }
     }
 
+    /// Passes over a second that is not compared: an error does not move from before it to behind it.
+    pub(crate) fn pause(&mut self) {
+        self.errors_m.clear();
+    }
+
     /// Adds the next second: the targets and the displayed tracks, each with its own number.
     pub(crate) fn add(&mut self, targets: &[KinematicState<3>], tracks: &[KinematicState<3>]) {
         let mut pairs = self.pairs_that_stay(targets, tracks);
@@ -112,6 +117,7 @@ impl Continuity {
     /// Returns the pairs of the previous second that are near enough to stay, as places of target and track.
     fn pairs_that_stay(&self, targets: &[KinematicState<3>], tracks: &[KinematicState<3>]) -> Vec<(usize, usize)> {
         let place: FxHashMap<i64, usize> = tracks.iter().map(|track| track.id).zip(0..).collect();
+        let [targets_m, tracks_m] = [targets, tracks].map(positions);
         let mut taken = FxHashSet::default();
         let mut pairs = Vec::new();
         for (target, state) in targets.iter().enumerate() {
@@ -119,7 +125,7 @@ impl Continuity {
             let Some(&track) = before.and_then(|followed| place.get(&followed.track?)) else {
                 continue;
             };
-            let near = distance(&state.position_m, &tracks[track].position_m) < self.gate_m;
+            let near = distance(&targets_m[target], &tracks_m[track]) < self.gate_m;
             // The track of a returning target may belong to another target by now.
             if near && taken.insert(track) {
                 pairs.push((target, track));
@@ -186,7 +192,10 @@ impl Continuity {
 
     fn measure_direction(&mut self, pairs: &[(&KinematicState<3>, &KinematicState<3>)]) {
         let course = |state: &KinematicState<3>| state.velocity_mps[0].atan2(state.velocity_mps[1]);
-        for (target, track) in pairs {
+        let known = pairs
+            .iter()
+            .filter(|(target, track)| target.has_velocity && track.has_velocity);
+        for (target, track) in known {
             if target.velocity_mps[0].hypot(target.velocity_mps[1]) > self.moving_mps {
                 let angle = course(track) - course(target);
                 self.found.angles_rad.push((angle + PI).rem_euclid(TAU) - PI);

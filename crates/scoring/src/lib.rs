@@ -19,6 +19,7 @@
 
 mod accuracy;
 pub mod assignment;
+mod basis;
 mod bound;
 mod continuity;
 mod fixes;
@@ -35,13 +36,16 @@ mod statistics;
 mod words;
 
 pub use accuracy::{AccuracyReport, AccuracySums, PictureTarget, PictureTrack};
+pub use basis::FileBasis;
 pub use fixes::{
     BroadsideFigures, CaseSettings, CourseFigures, FIX_WORDS, FixCase, FixError, FixFigures, FixInputError, FixRuns,
     FixScore,
 };
 pub use near::PointPair;
 pub use numbers::NumberTally;
-pub use picture::{PICTURE_WORDS, PictureError, PictureScore, PictureSettings, ShownState, Timeline, score_picture};
+pub use picture::{
+    Compared, PICTURE_WORDS, PictureError, PictureScore, PictureSettings, ShownState, Timeline, score_picture,
+};
 pub use resolution::{
     ConfirmedTracks, NoTruthSince, PooledResolutionScore, RESOLUTION_WORDS, ResolutionScore, ResolutionSettings,
     TargetsByTime,

@@ -1,6 +1,7 @@
 //! Pairs of near points from two sets.
 //!
-//! One set is sorted by the first coordinate; for each point of the other set, the search covers only a strip.
+//! One set is sorted by the first coordinate; for each point of the other set, the search covers only a strip. A
+//! coordinate other than the first may be NaN, not known: a pair is then compared in the others.
 
 /// Point of each set, and their distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,10 +38,10 @@ pub(crate) fn near_pairs<const D: usize>(targets: &[[f64; D]], tracks: &[[f64; D
     pairs
 }
 
-/// Returns the distance of two points.
+/// Returns the distance of two points in the coordinates that both have.
 pub(crate) fn distance<const D: usize>(one: &[f64; D], other: &[f64; D]) -> f64 {
     let squares = one.iter().zip(other).map(|(one, other)| (one - other) * (one - other));
-    squares.sum::<f64>().sqrt()
+    squares.filter(|square| !square.is_nan()).sum::<f64>().sqrt()
 }
 
 #[cfg(test)]

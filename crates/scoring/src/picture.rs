@@ -5,20 +5,24 @@
 //! its causes ([`crate::gospa`]), the accuracy of the tracks paired with a target, and the continuity of each
 //! target's track (pairs carried from second to second).
 //!
-//! Limits: a target absent from the truth at a whole second does not exist in that second. Only numbers distinguish
-//! tracks, so a file with the tracks of several sensors is not one picture.
+//! What is not known is not compared. A second without any row of the truth is left out: a truth does not state whether
+//! the sky was empty or nobody looked. If a target or a track has no height or no velocity, the pair is compared in the
+//! rest. [`Compared`] states what remained.
+//!
+//! Limits: a target absent from the truth at a whole second does not exist in that second, if others do. Only numbers
+//! distinguish tracks, so a file with the tracks of several sensors is not one picture.
 
 use std::io::Read;
 
 use csv_table::CsvError;
 use messages::Covariance;
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 use serde::Serialize;
 use thiserror::Error;
 
+use crate::basis::FileBasis;
 use crate::continuity::Continuity;
 use crate::gospa::Metric;
-use crate::near::distance;
 use crate::normalised::{covariance_after, normalised_square};
 use crate::states::{Instant, KinematicState, PictureSeries, StateFilter, StateRows, Walk, positions};
 use crate::statistics::{mean, quantile, root_mean, standard_deviation};
@@ -30,6 +34,11 @@ const ROUNDING_S: f64 = 1e-9;
 const TRUTH_AGE_MAX_S: f64 = 1e-3;
 /// Columns that identify targets or tracks; the first in a file counts.
 const IDS: [&str; 3] = ["target_id", "system_track_id", "sensor_track_id"];
+/// The same for a truth: the tracks of a sensor are none.
+const TRUTH_IDS: [&str; 2] = [IDS[0], IDS[1]];
+/// Seconds after the begin of the truth that are not compared by default: sensors need several looks before tracks are
+/// confirmed.
+const BEGIN_S: i64 = 10;
 
 /// Settings of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,7 +74,14 @@ impl Default for PictureSettings {
 #[derive(Clone, Debug)]
 pub struct Timeline {
     age_max_s: f64,
+    /// Whether a second without states is one of which nothing is known.
+    has_gaps: bool,
+    basis: FileBasis,
     pictures: PictureSeries<3>,
+    /// Earliest time of any row.
+    begin_s: Option<f64>,
+    /// Rows that no whole second shows.
+    between: u64,
     /// Latest time of any row.
     end_s: Option<f64>,
     /// Latest time of each track, for the rate of updates.
@@ -77,12 +93,24 @@ pub struct Timeline {
 }
 
 impl Timeline {
-    /// Reads a truth file: `time_s,target_id,x,y,z,vx,vy,vz` by name; other columns are ignored.
+    /// Reads a truth file: `time_s,target_id,x,y,z,vx,vy,vz` by name; other columns are ignored. In place of x and y,
+    /// a file may have `latitude,longitude`, degrees, with `height_m` above the ellipsoid; velocities are optional
+    /// there. Times may count from 1970.
     ///
     /// # Errors
     /// If a column is missing, a value is invalid for its column, or the input fails.
     pub fn truth(input: impl Read) -> Result<Self, CsvError> {
-        Self::read(input, IDS[0], TRUTH_AGE_MAX_S)
+        Self::truth_on(FileBasis::default(), input)
+    }
+
+    /// Reads a truth file on the basis of other tracks ([`Timeline::basis`]).
+    ///
+    /// # Errors
+    /// As [`Timeline::truth`], and if the places of the files have no frame in common.
+    pub fn truth_on(basis: FileBasis, input: impl Read) -> Result<Self, CsvError> {
+        let mut timeline = Self::of_truth();
+        timeline.basis = read_states((input, basis), (&TRUTH_IDS, IDS[0]), |state| timeline.keep(state))?;
+        Ok(timeline)
     }
 
     /// Reads tracks with a display time of `age_max_s` seconds: columns as in a truth file, but with
@@ -92,26 +120,60 @@ impl Timeline {
     /// # Errors
     /// As [`Timeline::truth`].
     pub fn tracks(input: impl Read, age_max_s: f64) -> Result<Self, CsvError> {
-        Self::read(input, IDS[1], age_max_s)
+        Self::tracks_on(FileBasis::default(), input, age_max_s)
     }
 
-    fn read(input: impl Read, usual_id: &'static str, age_max_s: f64) -> Result<Self, CsvError> {
+    /// Reads tracks on a given basis.
+    ///
+    /// # Errors
+    /// As [`Timeline::truth_on`].
+    pub fn tracks_on(basis: FileBasis, input: impl Read, age_max_s: f64) -> Result<Self, CsvError> {
         let mut timeline = Self::empty(age_max_s);
-        read_states(input, usual_id, |state| timeline.keep(state))?;
+        timeline.basis = read_states((input, basis), (&IDS, IDS[1]), |state| timeline.keep(state))?;
         Ok(timeline)
+    }
+
+    /// Returns the basis on which another file is read for a comparison with this one.
+    pub fn basis(&self) -> FileBasis {
+        self.basis.for_another(self.begin_s)
     }
 
     /// Creates an empty timeline of targets.
     pub(crate) fn of_truth() -> Self {
-        Self::empty(TRUTH_AGE_MAX_S)
+        Self {
+            has_gaps: true,
+            ..Self::empty(TRUTH_AGE_MAX_S)
+        }
     }
 
-    /// Reads the states of targets in the order of the rows.
+    /// Reads the states of targets in the order of the rows; returns what they refer to.
     ///
     /// # Errors
-    /// As [`Timeline::truth`].
-    pub(crate) fn each_state(input: impl Read, take: impl FnMut(KinematicState<3>)) -> Result<(), CsvError> {
-        read_states(input, IDS[0], take)
+    /// As [`Timeline::truth_on`].
+    pub(crate) fn each_state(
+        basis: FileBasis,
+        input: impl Read,
+        take: impl FnMut(KinematicState<3>),
+    ) -> Result<FileBasis, CsvError> {
+        read_states((input, basis), (&IDS, IDS[0]), take)
+    }
+
+    /// Replaces what the times and places refer to.
+    pub(crate) fn with_basis(self, basis: FileBasis) -> Self {
+        Self { basis, ..self }
+    }
+
+    /// Returns the first second that is compared with this truth by default: 10 s after its begin, or the begin of a
+    /// truth that is no longer than that. `None` without rows.
+    pub fn compared_from_s(&self) -> Option<i64> {
+        let (first_s, last_s) = (self.first_second()?, self.last_second()?);
+        let usual_s = first_s + BEGIN_S;
+        Some(if usual_s <= last_s { usual_s } else { first_s })
+    }
+
+    /// Whether a second with these states can be compared.
+    pub(crate) fn knows(&self, states: &[KinematicState<3>]) -> bool {
+        !self.has_gaps || !states.is_empty()
     }
 
     /// Returns the first whole second with a displayed state; `None` if there is none.
@@ -122,6 +184,21 @@ impl Timeline {
     /// Returns the last whole second reached by the rows; `None` without rows.
     pub fn last_second(&self) -> Option<i64> {
         self.end_s.map(|end_s| end_s.floor() as i64)
+    }
+
+    /// Checks that a picture of these tracks can show anything in the time of this truth.
+    ///
+    /// # Errors
+    /// If both have rows, and no time in common.
+    pub fn check_times(&self, tracks: &Self) -> Result<(), PictureError> {
+        let span_s = |timeline: &Self| Some([timeline.begin_s?, timeline.end_s?]);
+        let (Some(truth_s), Some(tracks_s)) = (span_s(self), span_s(tracks)) else {
+            return Ok(());
+        };
+        let is_common = tracks_s[0] <= truth_s[1] && truth_s[0] <= tracks_s[1] + tracks.age_max_s;
+        is_common
+            .then_some(())
+            .ok_or(PictureError::NoCommonTime { truth_s, tracks_s })
     }
 
     /// Returns the first and the last second of a comparison with this truth, the last one by default its end.
@@ -141,6 +218,10 @@ impl Timeline {
     pub fn empty(age_max_s: f64) -> Self {
         Self {
             age_max_s,
+            has_gaps: false,
+            basis: FileBasis::default(),
+            begin_s: None,
+            between: 0,
             // Of two rows at one time, the later row counts.
             pictures: PictureSeries::new(|state, kept| state.time_s >= kept.time_s),
             end_s: None,
@@ -166,7 +247,7 @@ impl Timeline {
             velocity_mps: state.velocity_mps,
             covariance: Some(state.covariance),
             address: None,
-            has_height: true,
+            has_height: state.has_height,
             has_velocity: true,
         };
         self.keep(counted);
@@ -185,21 +266,25 @@ impl Timeline {
             let seconds = second as f64 - state.time_s;
             let covariance = state.covariance.map(|stated| covariance_after(&stated, seconds));
             self.pictures.keep(second, KinematicState { covariance, ..state });
+        } else {
+            self.between += 1;
         }
+        self.begin_s = Some(self.begin_s.map_or(state.time_s, |begin_s| begin_s.min(state.time_s)));
         self.end_s = Some(self.end_s.map_or(state.time_s, |end_s| end_s.max(state.time_s)));
     }
 }
 
+/// Reads states; the first of `ids` in the header identifies them. Returns what they refer to.
 fn read_states(
-    input: impl Read,
-    usual_id: &'static str,
+    (input, basis): (impl Read, FileBasis),
+    (ids, usual): (&[&'static str], &'static str),
     mut take: impl FnMut(KinematicState<3>),
-) -> Result<(), CsvError> {
-    let mut rows = StateRows::<_, 3>::new(input, &IDS, usual_id, StateFilter::NotUnconfirmed)?;
+) -> Result<FileBasis, CsvError> {
+    let mut rows = StateRows::<_, 3>::new(input, ids, usual, StateFilter::NotUnconfirmed)?.on(basis);
     while let Some(state) = rows.next()? {
         take(state);
     }
-    Ok(())
+    Ok(rows.basis())
 }
 
 /// State of a confirmed or coasted track.
@@ -215,6 +300,8 @@ pub struct ShownState {
     pub velocity_mps: [f64; 3],
     /// Covariance of position and velocity.
     pub covariance: Covariance,
+    /// Whether the height is known.
+    pub has_height: bool,
 }
 
 /// Returns the first whole second at which a state of `time_s` is visible.
@@ -242,6 +329,59 @@ pub enum PictureError {
         /// The last second.
         last_s: i64,
     },
+    /// The truth has no row at any second of the interval.
+    #[error(
+        "the truth has no row at a whole second from {first_s} s to {last_s} s; rows at other times are compared with \
+         --reference independent"
+    )]
+    NoTruthAt {
+        /// The first second.
+        first_s: i64,
+        /// The last second.
+        last_s: i64,
+    },
+    /// The tracks have other times than the truth.
+    #[error(
+        "the truth lasts from {} s to {} s, the tracks from {} s to {} s: no second is common to both",
+        truth_s[0], truth_s[1], tracks_s[0], tracks_s[1]
+    )]
+    NoCommonTime {
+        /// First and last time of the truth.
+        truth_s: [f64; 2],
+        /// First and last time of the tracks.
+        tracks_s: [f64; 2],
+    },
+}
+
+/// What a comparison had to compare.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Compared {
+    /// First whole second that was compared.
+    pub first_s: i64,
+    /// Last such second.
+    pub last_s: i64,
+    /// Number of compared seconds.
+    pub seconds: u64,
+    /// Seconds between the first and the last for which the truth has no row.
+    pub seconds_without_truth: u64,
+    /// Rows of the truth that are not at a whole second.
+    pub truth_rows_between: u64,
+    /// Number of targets.
+    pub targets: u64,
+    /// Number of their seconds.
+    pub target_seconds: u64,
+    /// Number of tracks.
+    pub tracks: u64,
+    /// Number of their seconds.
+    pub track_seconds: u64,
+    /// Tracks that are shown in other seconds only.
+    pub tracks_elsewhere: u64,
+    /// Targets and tracks that GOSPA pairs, over the seconds.
+    pub pairs: u64,
+    /// Pairs in which a height is not known: they are compared in the plane.
+    pub pairs_without_height: u64,
+    /// Pairs in which a velocity is not known.
+    pub pairs_without_velocity: u64,
 }
 
 /// Quality of a picture. Averages are over seconds.
@@ -286,6 +426,9 @@ pub struct PictureScore {
     /// states a covariance.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub nees_pos: Option<f64>,
+    /// What was compared.
+    #[serde(skip)]
+    pub compared: Compared,
 }
 
 /// Meanings of the words of a [`PictureScore`].
@@ -328,12 +471,22 @@ pub fn score_picture(
     settings: &PictureSettings,
 ) -> Result<PictureScore, PictureError> {
     let (first_s, last_s) = truth.span(settings.first_s, settings.last_s)?;
-    let (mut truth, mut tracks) = (TimelinePass::new(truth), TimelinePass::new(tracks));
+    let (mut targets, mut shown) = (TimelinePass::new(truth), TimelinePass::new(tracks));
     let mut sums = PictureSums::new(settings);
     for second in first_s..=last_s {
-        sums.add(&truth.at(second), &tracks.at(second));
+        let (targets, shown) = (targets.at(second), shown.at(second));
+        match truth.knows(&targets) {
+            true => sums.add(second, &targets, &shown),
+            false => sums.pass_over(),
+        }
     }
-    Ok(sums.score())
+    if sums.compared.seconds == 0 {
+        return Err(PictureError::NoTruthAt { first_s, last_s });
+    }
+    let mut score = sums.score();
+    score.compared.truth_rows_between = if truth.has_gaps { truth.between } else { 0 };
+    score.compared.tracks_elsewhere = (tracks.updated_s.len() as u64).saturating_sub(score.compared.tracks);
+    Ok(score)
 }
 
 /// Pass through a timeline.
@@ -369,6 +522,11 @@ struct PictureSums {
     missed: Vec<f64>,
     false_tracks: Vec<f64>,
     continuity: Continuity,
+    /// Targets so far.
+    targets: FxHashSet<i64>,
+    compared: Compared,
+    /// Seconds without truth since the last compared second.
+    passed: u64,
 }
 
 impl PictureSums {
@@ -385,10 +543,20 @@ impl PictureSums {
             missed: Vec::new(),
             false_tracks: Vec::new(),
             continuity: Continuity::new(settings.gate_m, settings.moving_mps),
+            targets: FxHashSet::default(),
+            compared: Compared::default(),
+            passed: 0,
         }
     }
 
-    fn add(&mut self, targets: &[KinematicState<3>], tracks: &[KinematicState<3>]) {
+    /// Passes over a second without truth.
+    fn pass_over(&mut self) {
+        self.continuity.pause();
+        // Those before the first compared second are not between.
+        self.passed += u64::from(self.compared.seconds > 0);
+    }
+
+    fn add(&mut self, second: Instant, targets: &[KinematicState<3>], tracks: &[KinematicState<3>]) {
         let found = self.metric.compare(&positions(targets), &positions(tracks));
         let distances = [
             found.gospa_m(),
@@ -402,17 +570,47 @@ impl PictureSums {
         }
         for pair in &found.pairs {
             let (target, track) = (&targets[pair.target], &tracks[pair.track]);
-            let velocity = distance(&target.velocity_mps, &track.velocity_mps);
             self.position_squares_m2.push(pair.distance_m * pair.distance_m);
-            self.velocity_squares_m2ps2.push(velocity * velocity);
-            let error_m = std::array::from_fn(|axis| track.position_m[axis] - target.position_m[axis]);
-            let covariance = track.covariance.as_ref();
-            self.normalised_squares
-                .extend(covariance.and_then(|covariance| normalised_square(error_m, covariance, [0, 1, 2])));
+            let [have_height, have_velocity] = [
+                target.has_height && track.has_height,
+                target.has_velocity && track.has_velocity,
+            ];
+            if have_velocity {
+                let mut apart = [0, 1, 2].map(|axis| track.velocity_mps[axis] - target.velocity_mps[axis]);
+                if !have_height {
+                    apart[2] = 0.0;
+                }
+                self.velocity_squares_m2ps2
+                    .push(apart.iter().map(|speed| speed * speed).sum());
+            }
+            let [east, north, up] = [0, 1, 2].map(|axis| track.position_m[axis] - target.position_m[axis]);
+            let square = track.covariance.as_ref().and_then(|covariance| match have_height {
+                true => normalised_square([east, north, up], covariance, [0, 1, 2]),
+                false => normalised_square([east, north], covariance, [0, 1]),
+            });
+            self.normalised_squares.extend(square);
+            self.compared.pairs += 1;
+            self.compared.pairs_without_height += u64::from(!have_height);
+            self.compared.pairs_without_velocity += u64::from(!have_velocity);
         }
+        self.note(second, targets, tracks);
         self.missed.push(found.missed as f64);
         self.false_tracks.push(found.false_tracks as f64);
         self.continuity.add(targets, tracks);
+    }
+
+    /// Records that a second was compared.
+    fn note(&mut self, second: Instant, targets: &[KinematicState<3>], tracks: &[KinematicState<3>]) {
+        let compared = &mut self.compared;
+        if compared.seconds == 0 {
+            compared.first_s = second;
+        }
+        compared.last_s = second;
+        compared.seconds += 1;
+        compared.seconds_without_truth += std::mem::take(&mut self.passed);
+        compared.target_seconds += targets.len() as u64;
+        compared.track_seconds += tracks.len() as u64;
+        self.targets.extend(targets.iter().map(|target| target.id));
     }
 
     fn score(mut self) -> PictureScore {
@@ -438,6 +636,11 @@ impl PictureSums {
             nees_pos: mean(&self.normalised_squares),
             spurious: self.continuity.spurious(),
             system_tracks: self.continuity.tracks(),
+            compared: Compared {
+                targets: self.targets.len() as u64,
+                tracks: self.continuity.tracks(),
+                ..self.compared
+            },
         }
     }
 }

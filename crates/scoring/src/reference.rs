@@ -11,6 +11,7 @@ use std::io::Read;
 
 use csv_table::CsvError;
 
+use crate::basis::FileBasis;
 use crate::picture::Timeline;
 use crate::states::KinematicState;
 
@@ -23,13 +24,21 @@ impl Timeline {
     /// # Errors
     /// As [`Timeline::truth`].
     pub fn reference(input: impl Read) -> Result<Self, CsvError> {
+        Self::reference_on(FileBasis::default(), input)
+    }
+
+    /// Reads trajectories on the basis of other tracks ([`Timeline::basis`]).
+    ///
+    /// # Errors
+    /// As [`Timeline::truth_on`].
+    pub fn reference_on(basis: FileBasis, input: impl Read) -> Result<Self, CsvError> {
         let mut by_target: BTreeMap<i64, Vec<KinematicState<3>>> = BTreeMap::new();
-        Self::each_state(input, |state| {
+        let basis = Self::each_state(basis, input, |state| {
             if state.has_velocity {
                 by_target.entry(state.id).or_default().push(state);
             }
         })?;
-        let mut timeline = Self::of_truth();
+        let mut timeline = Self::of_truth().with_basis(basis);
         for states in by_target.values_mut() {
             states.sort_by(|one, other| one.time_s.total_cmp(&other.time_s));
             for state in at_whole_seconds(states) {

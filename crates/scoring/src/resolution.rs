@@ -85,8 +85,6 @@ impl TargetsByTime {
 #[derive(Clone, Debug)]
 pub struct ConfirmedTracks {
     pictures: PictureSeries<2>,
-    /// Tracks confirmed at any time.
-    ids: BTreeSet<i64>,
 }
 
 impl ConfirmedTracks {
@@ -100,11 +98,9 @@ impl ConfirmedTracks {
         let mut rows = StateRows::<_, 2>::new(input, &ids, ids[0], StateFilter::Confirmed)?;
         let mut tracks = Self {
             pictures: PictureSeries::new(supersedes),
-            ids: BTreeSet::new(),
         };
         let times_s = &truth.times_s;
         while let Some(state) = rows.next()? {
-            tracks.ids.insert(state.id);
             let seen = times_s.partition_point(|time_s| time_s + ROUNDING_S <= state.time_s);
             tracks.pictures.keep(seen as Instant, state);
         }
@@ -143,9 +139,9 @@ pub struct ResolutionScore {
     pub delay_s: f64,
     /// Share of the earlier times with several tracks near targets; `None` without such times.
     pub several_before: Option<f64>,
-    /// Tracks that were never near a target.
+    /// Tracks that were never near a target when shown at a time of the truth.
     pub false_tracks: u64,
-    /// Total number of tracks.
+    /// Number of tracks shown at a time of the truth.
     pub tracks: u64,
 }
 
@@ -203,10 +199,11 @@ impl ResolutionScore {
             return Err(NoTruthSince { since_s });
         };
         let mut found = ResolutionSums::default();
-        let (mut walk, mut ever_near) = (tracks.pictures.walk(), BTreeSet::new());
+        let (mut walk, mut ever_shown, mut ever_near) = (tracks.pictures.walk(), BTreeSet::new(), BTreeSet::new());
         for (place, (&time_s, targets)) in truth.times_s.iter().zip(&truth.targets_m).enumerate() {
             let shown = walk.at(place as Instant, time_s, |of_s| time_s - of_s <= AGE_MAX_S);
             let near = Nearness::new(targets, &shown, settings.gate_m);
+            ever_shown.extend(shown.iter().map(|track| track.id));
             ever_near.extend(near.tracks.iter().map(|track| shown[*track].id));
             if place < first {
                 found.add_early(&near);
@@ -221,8 +218,8 @@ impl ResolutionScore {
             target_share: share(found.shares, found.times),
             delay_s: found.delay_s.unwrap_or(last_s - since_s),
             several_before: (found.early > 0).then(|| share(found.early_several as f64, found.early)),
-            false_tracks: (tracks.ids.len() - ever_near.len()) as u64,
-            tracks: tracks.ids.len() as u64,
+            false_tracks: (ever_shown.len() - ever_near.len()) as u64,
+            tracks: ever_shown.len() as u64,
         })
     }
 

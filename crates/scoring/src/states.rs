@@ -13,9 +13,14 @@ use csv_table::{COVARIANCE_COLUMNS, Cells, Column, CsvError, Table};
 use messages::{COVARIANCE_LEN, Covariance};
 use rustc_hash::FxHashMap;
 
+use crate::basis::{DegreeColumns, FileBasis};
+
 /// Columns of positions and velocities, by dimension.
 const POSITION: [&str; 3] = ["x", "y", "z"];
 const VELOCITY: [&str; 3] = ["vx", "vy", "vz"];
+
+/// Number of horizontal axes.
+const PLANE: usize = 2;
 
 /// Number of an instant, in the order of time: whole seconds or places in a list.
 pub(crate) type Instant = i64;
@@ -62,15 +67,25 @@ pub(crate) enum StateFilter {
 pub(crate) struct StateRows<R, const D: usize> {
     table: Table<R>,
     counted: StateFilter,
+    basis: FileBasis,
     time: Column,
     id: Column,
-    position: [Column; D],
-    velocity: [Column; D],
+    place: PlaceColumns<D>,
+    /// Optional beside places in degrees.
+    velocity: Option<[Column; D]>,
     state: Option<Column>,
     covariance: Option<[Column; COVARIANCE_LEN]>,
     address: Option<Column>,
     height_valid: Option<Column>,
     velocity_valid: Option<Column>,
+}
+
+/// Columns of a place.
+#[derive(Clone, Copy, Debug)]
+enum PlaceColumns<const D: usize> {
+    /// Metres; some files state the place in degrees, too.
+    Metres([Column; D], Option<DegreeColumns>),
+    Degrees(DegreeColumns),
 }
 
 impl<R: Read, const D: usize> StateRows<R, D> {
@@ -94,12 +109,17 @@ impl<R: Read, const D: usize> StateRows<R, D> {
             Some(id) => id,
             None => table.required(usual)?,
         };
+        let place = PlaceColumns::find(&table)?;
         Ok(Self {
             counted,
+            basis: FileBasis::default(),
             time: table.required("time_s")?,
             id,
-            position: columns(&table, POSITION)?,
-            velocity: columns(&table, VELOCITY)?,
+            velocity: match place {
+                PlaceColumns::Metres(..) => Some(columns(&table, VELOCITY)?),
+                PlaceColumns::Degrees(_) => columns(&table, VELOCITY).ok(),
+            },
+            place,
             state: match counted {
                 StateFilter::NotUnconfirmed => table.optional("state")?,
                 StateFilter::Confirmed => Some(table.required("state")?),
@@ -110,6 +130,16 @@ impl<R: Read, const D: usize> StateRows<R, D> {
             velocity_valid: table.optional("velocity_valid")?,
             table,
         })
+    }
+
+    /// Reads times and places on the basis of another file.
+    pub(crate) fn on(self, basis: FileBasis) -> Self {
+        Self { basis, ..self }
+    }
+
+    /// Returns what times and places of the rows so far refer to.
+    pub(crate) fn basis(&self) -> FileBasis {
+        self.basis
     }
 
     /// Returns the state in the next counted row, with the covariance at the time of the row; `None` at the end.
@@ -123,20 +153,71 @@ impl<R: Read, const D: usize> StateRows<R, D> {
                 (StateFilter::NotUnconfirmed, word) => !matches!(word, Some("tentative" | "suspended" | "terminated")),
                 (StateFilter::Confirmed, word) => matches!(word, Some("confirmed" | "coasted")),
             };
-            if counts {
-                return Ok(Some(KinematicState {
-                    id: row.whole(self.id)?,
-                    time_s: row.time_s(self.time)?,
-                    position_m: numbers(row, self.position)?,
-                    velocity_mps: numbers(row, self.velocity)?,
-                    covariance: self.covariance.and_then(|columns| stated(row, columns)),
-                    address: row.text(self.address)?.and_then(hexadecimal),
-                    has_height: row.text(self.height_valid)? != Some("0"),
-                    has_velocity: row.text(self.velocity_valid)? != Some("0"),
-                }));
+            if !counts {
+                continue;
             }
+            let id = row.whole(self.id)?;
+            let time_s = self.basis.time_s(row, self.time)?;
+            let is_known = |column: Option<Column>| Ok(row.text(column)? != Some("0"));
+            let has_height = is_known(self.height_valid)?;
+            let has_velocity = is_known(self.velocity_valid)?;
+            let velocity = self.velocity.filter(|_| has_velocity);
+            let mut state = KinematicState {
+                id,
+                time_s,
+                position_m: [0.0; D],
+                velocity_mps: velocity.map_or(Ok([0.0; D]), |velocity| known(row, velocity, has_height))?,
+                covariance: self.covariance.and_then(|columns| stated(row, columns)),
+                address: row.text(self.address)?.and_then(hexadecimal),
+                has_height,
+                has_velocity: velocity.is_some(),
+            };
+            self.place.read(row, &mut self.basis, &mut state)?;
+            return Ok(Some(state));
         }
         Ok(None)
+    }
+}
+
+impl<const D: usize> PlaceColumns<D> {
+    fn find<R: Read>(table: &Table<R>) -> Result<Self, CsvError> {
+        let degrees = match (table.optional("latitude")?, table.optional("longitude")?) {
+            (Some(latitude), Some(longitude)) if D == POSITION.len() => Some(DegreeColumns {
+                latitude,
+                longitude,
+                height: table.optional("height_m")?.or(table.optional("z")?),
+                flight_level: table.optional("flight_level")?,
+            }),
+            _ => None,
+        };
+        let has_metres = table.optional("x")?.is_some() || table.optional("y")?.is_some();
+        match degrees {
+            Some(degrees) if !has_metres => Ok(Self::Degrees(degrees)),
+            _ => Ok(Self::Metres(columns(table, POSITION)?, degrees)),
+        }
+    }
+
+    /// Reads the place of a row; that in degrees, with the velocity there, is turned into the frame of the basis.
+    fn read(&self, row: Cells<'_>, basis: &mut FileBasis, state: &mut KinematicState<D>) -> Result<(), CsvError> {
+        let full = |values: &[f64; D]| std::array::from_fn(|axis| values.get(axis).copied().unwrap_or(0.0));
+        match self {
+            Self::Metres(columns, degrees) => {
+                state.position_m = known(row, *columns, state.has_height)?;
+                basis.take_metres((row, columns[0]), full(&state.position_m), degrees.as_ref())
+            }
+            Self::Degrees(columns) => {
+                let (place, has_height) = columns.place(row)?;
+                let frame = basis.frame(row, columns.latitude, place)?;
+                let local = frame.to_local(place);
+                let axes = frame.axes(local);
+                let speeds: [f64; 3] = full(&state.velocity_mps);
+                state.has_height &= has_height;
+                state.position_m = std::array::from_fn(|axis| local[axis]);
+                state.velocity_mps =
+                    std::array::from_fn(|axis| axes.iter().zip(speeds).map(|(to, speed)| to[axis] * speed).sum());
+                Ok(())
+            }
+        }
     }
 }
 
@@ -170,10 +251,13 @@ fn hexadecimal(text: &str) -> Option<u32> {
     u32::from_str_radix(text, 16).ok()
 }
 
-fn numbers<const D: usize>(row: Cells<'_>, columns: [Column; D]) -> Result<[f64; D], CsvError> {
+/// Returns the components of a vector; the vertical one is 0 if heights are not known.
+fn known<const D: usize>(row: Cells<'_>, columns: [Column; D], has_height: bool) -> Result<[f64; D], CsvError> {
     let mut numbers = [0.0; D];
-    for (number, column) in numbers.iter_mut().zip(columns) {
-        *number = row.number(column)?;
+    for (axis, (number, column)) in numbers.iter_mut().zip(columns).enumerate() {
+        if axis < PLANE || has_height {
+            *number = row.number(column)?;
+        }
     }
     Ok(numbers)
 }
@@ -256,9 +340,13 @@ impl<const D: usize> Walk<'_, D> {
     }
 }
 
-/// Returns the positions of states.
+/// Returns the positions of states for comparison: a height that is not known is NaN, which adds no distance.
 pub(crate) fn positions<const D: usize>(states: &[KinematicState<D>]) -> Vec<[f64; D]> {
-    states.iter().map(|state| state.position_m).collect()
+    let compared = |state: &KinematicState<D>| {
+        let known = |axis: usize| axis < PLANE || state.has_height;
+        std::array::from_fn(|axis| if known(axis) { state.position_m[axis] } else { f64::NAN })
+    };
+    states.iter().map(compared).collect()
 }
 
 #[cfg(test)]
@@ -346,7 +434,7 @@ mod tests {
             "line 2, column vz: \"?\" is no number; write one like -12.5"
         );
         assert!(row("1,2.5,3,4,5,6,7,8").contains("column target_id: \"2.5\" is no whole number"));
-        assert!(row("1e9,2,3,4,5,6,7,8").contains("column time_s"));
+        assert!(row("1e7,2,3,4,5,6,7,8").contains("column time_s"));
         assert!(row("1,2,3").contains("3 values"));
     }
 }

@@ -205,7 +205,7 @@ impl Crossings {
         self.replies.read(plots.iter().map(|plot| &plot.identity));
         self.gating
             .run(open, plots, (scan.time_ns, &self.replies), sensor, counts);
-        self.unresolved.find(open, plots, scan.time_ns, sensor);
+        self.unresolved.find(open, plots, (scan.time_ns, &self.replies), sensor);
         self.departures.clear();
         let found = (&mut self.gating, &self.unresolved, &self.departures);
         self.coupling

@@ -1,7 +1,8 @@
 //! Pairs of detections and tracks within the gates, and the clusters that these pairs join (HT-2, HT-4).
 //!
 //! Every track is predicted to each detection's time and compared with the detections near it, which a grid finds. A
-//! detection in a gate belongs to the track's cluster; if it already belongs to another one, the two become one.
+//! detection in a gate belongs to the track's cluster; if it already belongs to another one, the two become one. A
+//! detection with another address than the track's lies in no gate of it ([`crate::identity`]).
 //!
 //! Bounds: a track is compared with at most [`COMPARISONS_MAX`] detections and keeps its [`PAIRS_MAX`] likeliest; a
 //! cluster that would grow beyond [`CLUSTER_TRACKS_MAX`] tracks or [`ROWS_MAX`] detections drops the pair that would
@@ -58,6 +59,8 @@ pub(crate) struct Gating {
     owner: Vec<u32>,
     /// By detection: whether its reply names a track in whose gate it lies.
     is_named: Vec<bool>,
+    /// (track, detection) in the gate of motion, with different addresses; sorted by track.
+    strangers: Vec<(u32, u32)>,
     /// By detection: whether it has the address of a track in whose gate it lies.
     pub(crate) is_echo: Vec<bool>,
     /// By detection: whether its reply names a track anywhere: it has left no other one.
@@ -85,6 +88,7 @@ impl Gating {
             rows: Vec::with_capacity(tracks_max),
             owner: Vec::with_capacity(plots_max),
             is_named: Vec::with_capacity(plots_max),
+            strangers: Vec::with_capacity(4 * tracks_max),
             is_echo: Vec::with_capacity(plots_max),
             names: Vec::with_capacity(plots_max),
             clusters: Vec::with_capacity(tracks_max),
@@ -128,7 +132,6 @@ impl Gating {
         }
         self.pairs_begin.push(self.pairs.len() as u32);
         if replies.are_any() {
-            self.doubt_echoes(population, plots, replies);
             self.find_far(population, plots, replies, sensor, counts);
         }
     }
@@ -157,6 +160,7 @@ impl Gating {
         self.log_silences.clear();
         self.rows.clear();
         self.rows.resize(population.clusters.len(), 0);
+        self.strangers.clear();
         self.is_named.clear();
         self.is_named.resize(plots.len(), false);
         self.is_echo.clear();
@@ -242,6 +246,12 @@ impl Gating {
             if innovation.squared_distance > sensor.gates[innovation.dimension - 1] {
                 continue;
             }
+            if replies.are_strangers(&track.identity, &plot.identity) {
+                if self.strangers.len() < self.strangers.capacity() {
+                    self.strangers.push((number, item));
+                }
+                continue;
+            }
             let log_ratio = replies.log_ratio(&track.identity, &plot.identity);
             if log_ratio > LOG_NAMED {
                 self.is_named[item as usize] = true;
@@ -267,16 +277,6 @@ impl Gating {
         self.pairs[first..].sort_unstable_by_key(|pair| pair.plot);
     }
 
-    /// Lowers the likelihood of pairs whose detection names another track that has it in its gate.
-    fn doubt_echoes(&mut self, population: &Population, plots: &[Plot], replies: &ScanReplies) {
-        for pair in self.pairs.iter_mut().filter(|pair| self.is_echo[pair.plot as usize]) {
-            let track = &population.tracks[pair.track as usize].identity;
-            if track.has_another_address_than(&plots[pair.plot as usize].identity) {
-                pair.log_likelihood += replies.log_duplicated();
-            }
-        }
-    }
-
     /// Adds pairs with the detections outside their gates that name the tracks' targets.
     fn find_far(
         &mut self,
@@ -298,6 +298,9 @@ impl Gating {
                         continue;
                     }
                     let plot = &plots[item as usize];
+                    if replies.are_strangers(&compared.identity, &plot.identity) {
+                        continue;
+                    }
                     let predicted = compared.motion_at(plot.time_ns, &sensor.motion);
                     let found = predicted
                         .innovation(&plot.measurement)
@@ -337,8 +340,11 @@ impl Gating {
     /// exchanged, and the target has not moved.
     fn has_strange_reply(&self, track: u32, identity: &TrackIdentity, plots: &[Plot], replies: &ScanReplies) -> bool {
         let near = self.pairs[self.pairs_of(track)].iter().map(|pair| pair.plot as usize);
+        let first = self.strangers.partition_point(|(of, _)| *of < track);
+        let mut strangers = self.strangers[first..].iter().take_while(|(of, _)| *of == track);
         near.into_iter()
             .any(|item| !self.is_named[item] && replies.log_ratio(identity, &plots[item].identity) < 0.0)
+            || strangers.any(|(_, item)| !self.is_named[*item as usize])
     }
 
     /// Keeps the detections of the pairs from `first` on for the cluster; drops pairs that would give it too many.

@@ -23,12 +23,18 @@
 //! where 1 − p is what a single detection leaves open. A code that many targets show (2000, 7000, the code of a
 //! formation) is thereby weak evidence without a list of such codes; a list covers the first detections
 //! ([`is_common`]). An unexpected value is remembered as a *rival*. If the next detection shows it again, it is the
-//! target's new code with the probability c/(c + g), and becomes the value. An address that contradicts wears the value
-//! down by one detection each time, so that a track does not turn into another aircraft within a few scans.
+//! target's new code with the probability c/(c + g), and becomes the value.
+//!
+//! An address that several detections of the track have stated is more: a gate. A detection with another address is
+//! not of this target. By likelihood alone, such a detection updates the track in each scan that misses the target,
+//! and the place and the code of a neighbour then stand under the track's name. A garbled address costs the track one
+//! detection, and starts a tentative track that finds no second one. Until then, a detection with another address
+//! counts by its likelihood, since the first address may be the garbled one; the track takes nothing else of its
+//! reply. Where replies are not used, contradictions wear an address down by one detection each.
 //!
 //! Replies are garbled as a whole, too: interleaved replies of two aircraft exchange all values. With a probability s
 //! all values are those of another target. So the ratio of a whole reply is (1 − s)·Π + s: contradictions have a price,
-//! and the price of a whole reply is limited. A bad decode does not break a track.
+//! and the price of a whole reply without an address is limited. A bad decode does not break a track.
 //!
 //! A detection with the address of a track, in its gate, is of this target, or an echo of it. A new target there, or
 //! the target of another track, has this address with the probability d alone.
@@ -269,10 +275,15 @@ impl TrackIdentity {
         if reply.is_none() {
             return;
         }
+        let (address, known) = (reply.values[ADDRESS], self.believed[ADDRESS].value);
+        let is_of_another = address != NONE && known != NONE && address != known;
         for kind in 0..KINDS {
-            if reply.values[kind] != NONE {
+            if reply.values[kind] != NONE && (kind == ADDRESS || !is_of_another) {
                 self.believed[kind].take(reply.values[kind], reply.stated_ns[kind], kind != ADDRESS);
             }
+        }
+        if is_of_another {
+            return;
         }
         if let Some((level, stated_ns)) = reply.level {
             (self.level, self.level_ns) = (level.into(), stated_ns);
@@ -295,7 +306,7 @@ impl TrackIdentity {
     }
 
     /// Whether several detections of the track stated another address than a reply.
-    pub(crate) fn has_another_address_than(&self, reply: &PlotIdentity) -> bool {
+    fn has_another_address_than(&self, reply: &PlotIdentity) -> bool {
         let (address, stated) = (&self.believed[ADDRESS], reply.values[ADDRESS]);
         address.value != NONE && address.count > 1 && stated != NONE && stated != address.value
     }
@@ -424,9 +435,9 @@ impl ScanReplies {
         self.any
     }
 
-    /// Logarithm of the probability that another target has an address, too.
-    pub(crate) fn log_duplicated(&self) -> f64 {
-        self.settings.duplicated_probability.ln()
+    /// Whether a detection is not of the target of a track: both have addresses, and they differ.
+    pub(crate) fn are_strangers(&self, track: &TrackIdentity, reply: &PlotIdentity) -> bool {
+        self.any && track.has_another_address_than(reply)
     }
 
     /// Detections that name the target of a track by address, or by a code that the scan has once.

@@ -324,6 +324,82 @@ fn bad_decodes_start_no_ghost_and_break_no_track() {
     assert_eq!((identity.address(), identity.mode_3a()), (Some(ONE), Some(0o4213)));
 }
 
+/// Where the target is missed, its neighbour's detection is in its gate, with another address, code and callsign.
+#[test]
+fn a_neighbour_with_another_address_moves_no_track_and_lends_it_no_code() {
+    let of_neighbour = TransponderReply {
+        identity: Identity::default()
+            .with_address(OTHER)
+            .with_mode_3a(0o7777)
+            .with_callsign(*b"VLG20PM "),
+        ..TransponderReply::default()
+    };
+    for missed in [1, 2] {
+        let mut tracker = Tracker::new(settings()).unwrap();
+        for second in 0..20i64 {
+            let is_missed = (10..10 + missed).contains(&second);
+            let scan = match is_missed {
+                true => stating(second * S, [15.0 * second as f64, 12.0], of_neighbour),
+                false => stating(second * S, [15.0 * second as f64, 0.0], reply(Some(ONE), None)),
+            };
+            tracker.scan(1, second * S, &[scan]).unwrap();
+            let known = |track: &&crate::TrackReport| track.identity.identity.address() == Some(ONE);
+            let Some(track) = tracker.tracks().iter().find(known) else {
+                assert!(second < 5, "{second}: no track");
+                continue;
+            };
+            let [east, north, ..] = track.estimate.mean;
+            let away_m = (east - 15.0 * second as f64).hypot(north);
+            assert!(away_m < 1.0 || second < 10, "{second}: {away_m} m");
+            let identity = track.identity.identity;
+            assert_eq!((identity.mode_3a(), identity.callsign()), (None, None), "{second}");
+            assert_eq!(track.number, 1);
+        }
+        let names = tracker.tracks().iter().map(|track| track.identity.identity.address());
+        assert_eq!(names.collect::<Vec<_>>(), [Some(ONE)]);
+    }
+}
+
+/// One bit of an address is wrong in some replies, first of all in the first one: one track, under the right address.
+#[test]
+fn garbled_addresses_end_no_track_and_start_none_that_is_shown() {
+    for garbled in [&[0][..], &[1], &[7], &[0, 12, 25], &[6, 12, 18, 24, 30, 36]] {
+        let path: Vec<_> = (0..40)
+            .map(|second| {
+                let bit = if garbled.contains(&second) {
+                    1 << (second % 24)
+                } else {
+                    0
+                };
+                ([15.0 * f64::from(second), 0.0], reply(Some(ONE ^ bit), Some(0o4213)))
+            })
+            .collect();
+        let (numbers, tracker) = fly(&settings(), &[path]);
+        assert_eq!(numbers[0].len(), 1, "{garbled:?}: {numbers:?}");
+        assert_eq!(
+            (tracker.tracks().len(), tracker.counts().confirmed),
+            (1, 1),
+            "{garbled:?}"
+        );
+        let identity = tracker.tracks()[0].identity.identity;
+        assert_eq!((identity.address(), identity.mode_3a()), (Some(ONE), Some(0o4213)));
+    }
+}
+
+#[test]
+fn a_reply_with_another_address_gives_a_track_nothing_else() {
+    let mut one = track(&[reply(Some(ONE), None)]);
+    one.take(&of(&reply(Some(OTHER), Some(0o7777))));
+    assert_eq!(
+        one.reported().identity,
+        Identity::default(),
+        "one of both addresses is garbled"
+    );
+    one.take(&of(&reply(Some(ONE), Some(0o4213))));
+    let identity = one.reported().identity;
+    assert_eq!((identity.address(), identity.mode_3a()), (Some(ONE), Some(0o4213)));
+}
+
 #[test]
 fn a_track_follows_its_target_to_another_code() {
     let path: Vec<_> = (0..30)

@@ -116,7 +116,7 @@ impl ScanUpdate {
             self.replies.read(plots.iter().map(|plot| &plot.identity));
             self.gating
                 .run(before, plots, (*time_ns, &self.replies), &looking, counts);
-            self.unresolved.find(before, plots, *time_ns, &looking);
+            self.unresolved.find(before, plots, (*time_ns, &self.replies), &looking);
             let is_inside = &mut self.is_inside[..plots.len()];
             outside(before, &self.gating, is_inside);
             counts.dropped_comparisons +=

@@ -14,6 +14,8 @@
 //! Two tracks of one target would share its detections for ever. A detection of two does not count as a sign of life of
 //! either: of two tracks that have only had such detections for `deletion.silent_s`, the later one is deleted.
 //!
+//! The detection states the address of one of the two, or none: with a third address, it is of another target.
+//!
 //! Limits: pairs, not larger groups; a track is in one pair of a hypothesis at a time, the likeliest, and a hypothesis
 //! has at most [`PAIRS_OF_HYPOTHESIS_MAX`] of them. The correlation of both states after the update is not kept.
 //!
@@ -25,6 +27,7 @@ use std::ops::Range;
 use association::distance::largest_sigma2;
 use estimation::Gaussian;
 
+use crate::identity::ScanReplies;
 use crate::motion::TargetMotion;
 use crate::plot::Plot;
 use crate::population::Population;
@@ -104,7 +107,13 @@ impl Unresolved {
     }
 
     /// Finds the pairs of tracks that the sensor may not resolve in a scan, and their detections.
-    pub(crate) fn find(&mut self, population: &Population, plots: &[Plot], time_ns: i64, sensor: &Sensor) {
+    pub(crate) fn find(
+        &mut self,
+        population: &Population,
+        plots: &[Plot],
+        (time_ns, replies): (i64, &ScanReplies),
+        sensor: &Sensor,
+    ) {
         self.pairs.clear();
         self.detections.clear();
         let (Some(cell), Some(sensor_m)) = (sensor.cell, sensor.platform_m) else {
@@ -132,7 +141,12 @@ impl Unresolved {
                 let middle = TargetMotion::middle(&one.motion, &other.motion);
                 let begin = self.detections.len() as u32;
                 let pair = self.pairs.len() as u32;
-                find_detections(&middle, pair, plots, sensor, &mut self.detections);
+                let may_be_both = |plot: &Plot| {
+                    ![a, b]
+                        .iter()
+                        .all(|track| replies.are_strangers(&track.identity, &plot.identity))
+                };
+                find_detections(&middle, pair, plots, may_be_both, sensor, &mut self.detections);
                 self.pairs.push(UnresolvedPair {
                     tracks,
                     log_unresolved: probability.ln(),
@@ -176,11 +190,12 @@ impl Unresolved {
     }
 }
 
-/// Adds the detections in the gate of the middle of a pair.
+/// Adds the detections in the gate of the middle of a pair that may be of both.
 fn find_detections(
     middle: &TargetMotion,
     pair: u32,
     plots: &[Plot],
+    may_be_both: impl Fn(&Plot) -> bool,
     sensor: &Sensor,
     found: &mut Vec<SharedDetection>,
 ) {
@@ -199,7 +214,7 @@ fn find_detections(
         let Some(innovation) = middle.innovation(&plot.measurement) else {
             continue;
         };
-        if innovation.squared_distance <= sensor.gates[innovation.dimension - 1] {
+        if innovation.squared_distance <= sensor.gates[innovation.dimension - 1] && may_be_both(plot) {
             found.push(SharedDetection {
                 pair,
                 plot: number,

@@ -449,9 +449,9 @@ pub struct Compare {
     /// Largest distance at which a target keeps its track, metres
     #[arg(long, value_name = "METRES", default_value_t = 250.0, value_parser = above_zero)]
     pub(crate) gate: f64,
-    /// First whole second to score
-    #[arg(long, value_name = "SECOND", default_value = "10", value_parser = whole_second, allow_negative_numbers = true)]
-    pub(crate) t0: i64,
+    /// First whole second to score [default: 10 s after the begin of the truth, or its begin if it is no longer]
+    #[arg(long, value_name = "SECOND", value_parser = whole_second, allow_negative_numbers = true)]
+    pub(crate) t0: Option<i64>,
     /// Print a JSON object
     #[arg(long)]
     pub(crate) json: bool,

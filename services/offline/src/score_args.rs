@@ -20,8 +20,9 @@ Examples:
   koseki score tracks --truth run1/truth.csv run2/truth.csv --tracks run1/tracks.csv run2/tracks.csv --since 40
   koseki score fixes --truth case/truth.csv --fixes case/fixes.csv
 
-At each whole second, the newest state of each track is extrapolated to this second and compared with the targets. GOSPA,
-its parts and OSPA measure the distance between the picture and the truth. A target keeps its track from second to second
+At each whole second for which the truth has a row, the newest state of each track is extrapolated to this second and
+compared with the targets. Heights and velocities count where both sides know them (height_valid, velocity_valid). The
+first lines state what was compared. GOSPA, its parts and OSPA measure the distance between the picture and the truth. A target keeps its track from second to second
 while the track is nearer than the gate; switches, breaks, completeness and spurious tracks follow from these pairs.
 
 A scorecard follows: errors by phase of movement (straight, entry, turn, exit, after; level, climb; changes of the climb
@@ -32,8 +33,11 @@ the figures contain the errors of the instrument; against trajectories smoothed 
 is \"precision only\". Without a source for its limit a line has \"no limit known\". --areas adds a card for each area.
 
 truth:   time_s,target_id (or system_track_id),x,y,z,vx,vy,vz[,address]  a row per target and whole second
-tracks:  time_s,system_track_id (or sensor_track_id),x,y,z,vx,vy,vz[,state,address,P00 ... P55]
+tracks:  time_s,system_track_id (or sensor_track_id),x,y,z,vx,vy,vz[,state,address,P00 ... P55,height_valid]
          rows with state tentative or terminated are ignored
+         time_s of either file may count from a midnight or from 1970 (UTC). In place of x,y,z: latitude,longitude in
+         degrees and height_m above the ellipsoid; vx,vy,vz are optional there. The frame of x,y,z has its origin at
+         --origin, or the tracks state both (recorded tables do)
 areas:   GeoJSON: polygons with a name and, for lines of certain areas, a kind: manoeuvring, runway, taxiway, apron,
          stand, approach, outer-approach, terminal or en-route
 Columns are found by name, other columns are ignored. A figure that cannot be computed is null in JSON.";
@@ -60,9 +64,9 @@ pub struct Score {
     /// Largest age of a state, seconds
     #[arg(long, value_name = "SECONDS", default_value_t = 1.0, value_parser = above_zero)]
     pub(crate) max_age: f64,
-    /// First whole second to score
-    #[arg(long, value_name = "SECOND", default_value = "10", value_parser = whole_second, allow_negative_numbers = true)]
-    pub(crate) t0: i64,
+    /// First whole second to score [default: 10 s after the begin of the truth, or its begin if it is no longer]
+    #[arg(long, value_name = "SECOND", value_parser = whole_second, allow_negative_numbers = true)]
+    pub(crate) t0: Option<i64>,
     /// Last whole second to score [default: the last second of the truth]
     #[arg(long, value_name = "SECOND", value_parser = whole_second, allow_negative_numbers = true)]
     pub(crate) t1: Option<i64>,
@@ -89,7 +93,7 @@ pub(crate) struct CardArgs {
     /// Areas with a card of their own: a GeoJSON file
     #[arg(long, value_name = "FILE", requires = "origin")]
     pub(crate) areas: Option<PathBuf>,
-    /// Origin of the system frame, for --areas: latitude and longitude, degrees
+    /// Origin of the frame of x,y,z, for --areas and for places in degrees: latitude and longitude, degrees
     #[arg(long, value_name = "LATITUDE,LONGITUDE", value_parser = origin, allow_hyphen_values = true)]
     pub(crate) origin: Option<Geodetic>,
     /// File for the scorecard with pictures (HTML)

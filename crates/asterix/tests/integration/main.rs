@@ -17,5 +17,6 @@ mod mutated;
 mod properties;
 mod round_trip;
 mod sample;
+mod specs;
 mod tables;
 mod values;

@@ -411,6 +411,34 @@ fn split_parts_with_one_address_stay_apart() {
     assert_eq!(desk.numbers().len(), 2);
 }
 
+/// An order that would change nothing is refused, and not kept as if it were in force.
+#[test]
+fn first_weights_and_coefficients_are_ordered_only_where_a_rule_uses_them() {
+    let mut settings = test_settings(2);
+    settings.rule.accuracy_values = Some(true);
+    for rule in FusionRule::ALL {
+        settings.rule.name = RuleName(rule);
+        let mut desk = Desk::new(settings.clone());
+        desk.scans(0..6, &[[0.0; 2]]);
+        let expected = match rule {
+            FusionRule::BestSource => Ok(()),
+            _ => Err(Refusal::UnusedByRule),
+        };
+        let eta = |order: &mut Order| order.value = 0.3;
+        let adjustment = |order: &mut Order| (order.source, order.value) = (0, 1e9);
+        assert_eq!(desk.order(OrderKind::Eta, eta).map(|_| ()), expected, "{rule:?}");
+        assert_eq!(
+            desk.order(OrderKind::Adjustment, adjustment).map(|_| ()),
+            expected,
+            "{rule:?}"
+        );
+        // The order for a rule comes first.
+        desk.named(OrderKind::Rule, "best-source").unwrap();
+        desk.order(OrderKind::Eta, eta).unwrap();
+        desk.order(OrderKind::Adjustment, adjustment).unwrap();
+    }
+}
+
 #[test]
 fn a_renumbered_track_gets_a_number_that_was_never_given() {
     let mut desk = Desk::new(test_settings(2));

@@ -51,6 +51,10 @@ impl Engine {
                     .then_some(())
                     .ok_or(Refusal::RuleWithoutReports);
             }
+            OrderKind::Eta | OrderKind::Adjustment => {
+                let is_used = self.publisher.rule().chooses_by_accuracy;
+                return is_used.then_some(()).ok_or(Refusal::UnusedByRule);
+            }
             OrderKind::Qnh => {
                 let is_known = self.settings.qnh.iter().any(|regional| regional.name == order.name());
                 return is_known.then_some(()).ok_or(Refusal::UnknownQnh);

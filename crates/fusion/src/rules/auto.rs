@@ -17,5 +17,6 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     assumption: "as system-filter; differences that persist are systematic errors or detection points, not noise",
     claims_consistency: true,
     keeps_points: true,
+    chooses_by_accuracy: false,
     method: RuleMethod::Filter,
 };

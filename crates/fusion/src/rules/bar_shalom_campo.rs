@@ -24,6 +24,7 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     summary: "all sources, weighed by covariances and the cross-covariances that common process noise explains",
     assumption: "errors of different sources are correlated by the target's manoeuvres, as in steady filters, and no more",
     keeps_points: false,
+    chooses_by_accuracy: false,
     claims_consistency: true,
     method: RuleMethod::Candidates(fuse),
 };

@@ -18,6 +18,7 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     summary: "the source with the smallest accuracy value lambda = alpha·V gets weight 1",
     assumption: "none: one source at a time, so correlation between sources does not matter",
     keeps_points: false,
+    chooses_by_accuracy: true,
     claims_consistency: false,
     method: RuleMethod::Candidates(fuse),
 };

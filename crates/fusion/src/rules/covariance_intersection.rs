@@ -16,6 +16,7 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     summary: "all sources, weighed so that the covariance holds whatever their correlation and is as small as that allows",
     assumption: "any: the covariance bounds the error whatever the correlation between sources",
     keeps_points: false,
+    chooses_by_accuracy: false,
     claims_consistency: false,
     method: RuleMethod::Candidates(fuse),
 };

@@ -15,6 +15,7 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     summary: "all sources, weighed by their inverse covariances",
     assumption: "errors of different sources are independent; where they are not, the covariance is too small",
     keeps_points: false,
+    chooses_by_accuracy: false,
     claims_consistency: false,
     method: RuleMethod::Candidates(fuse),
 };

@@ -12,6 +12,7 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     summary: "all sources, each with a weight proportional to 1/trace of its covariance",
     assumption: "any: the covariance bounds the error whatever the correlation between sources",
     keeps_points: false,
+    chooses_by_accuracy: false,
     claims_consistency: false,
     method: RuleMethod::Candidates(fuse),
 };

@@ -47,6 +47,9 @@ pub struct RuleEntry {
     pub claims_consistency: bool,
     /// Whether a single reference point per target is kept if sources observe different points.
     pub keeps_points: bool,
+    /// Whether it chooses a source by its accuracy value and hands over between sources: coefficients k and first
+    /// weights eta_0 then have an effect.
+    pub chooses_by_accuracy: bool,
     /// Origin of its states.
     pub method: RuleMethod,
 }

@@ -17,6 +17,7 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     summary: "the confirmed source that comes first in the list of the target's cell",
     assumption: "none: one source at a time, so correlation between sources does not matter",
     keeps_points: false,
+    chooses_by_accuracy: false,
     claims_consistency: false,
     method: RuleMethod::Candidates(fuse),
 };

@@ -15,6 +15,7 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     summary: "all sources, each with a weight proportional to its track's confirmed scans among the last N",
     assumption: "any: the covariance bounds the error whatever the correlation between sources",
     keeps_points: false,
+    chooses_by_accuracy: false,
     claims_consistency: false,
     method: RuleMethod::Candidates(fuse),
 };

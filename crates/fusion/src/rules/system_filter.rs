@@ -16,6 +16,7 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     assumption: "measurement errors are independent between sources and in time, once the sources' filters are undone",
     claims_consistency: true,
     keeps_points: false,
+    chooses_by_accuracy: false,
     method: RuleMethod::Filter,
 };
 

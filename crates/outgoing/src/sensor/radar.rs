@@ -24,8 +24,8 @@
 //! stated by I048/170. The document does not define the projection; at 200 km two usual projections are 300 m apart
 //! for a high aircraft. The slant range is unambiguous.
 //!
-//! **Flight levels below zero** are in two's complement from ed 1.32 on. Earlier editions have no sign, and a
-//! receiver would read such a level as a level above 4000: the level is omitted.
+//! **Flight levels below zero** are in two's complement from ed 1.32 on. Earlier editions state no sign, and a
+//! receiver that follows their words would read such a level as a level above 4000: the level is omitted.
 //!
 //! Positions farther than 256 NM from the antenna are beyond I048/040 and 042; such reports are refused.
 
@@ -35,12 +35,15 @@ use super::super::{Unsent, items, quantity};
 use super::{SensorReport, Site};
 use asterix::categories::{CAT034, CAT048};
 use asterix::field::{Elements, Field, elements, field, item, whole};
-use asterix::{Category, Frn, RecordWriter};
+use asterix::{Category, Edition, Frn, RecordWriter};
 
 const SOURCE: Elements<2> = elements(CAT048, "010", ["SAC", "SIC"]);
 const TIME: Elements<1> = whole(CAT048, "140");
 const POLAR_POSITION: Elements<2> = elements(CAT048, "040", ["RHO", "THETA"]);
 const MODE_3A: Elements<2> = elements(CAT048, "070", ["L", "MODE3A"]);
+const FLIGHT_LEVEL: Elements<1> = elements(CAT048, "090", ["FL"]);
+/// Edition from which on the document states a sign.
+const SIGNED_LEVELS_SINCE: Edition = Edition::new(1, 32);
 const ADDRESS: Elements<1> = whole(CAT048, "220");
 const IDENTIFICATION: Elements<1> = whole(CAT048, "240");
 const TRACK_NUMBER: Elements<1> = elements(CAT048, "161", ["TRN"]);
@@ -76,8 +79,8 @@ const SECTOR_SLACK: f64 = 1e-6;
 /// Differences between editions.
 #[derive(Debug)]
 pub(super) struct RadarForm {
-    /// Flight level: signed in the last edition only.
-    flight_level: Elements<1>,
+    /// Whether every receiver reads flight levels with their sign.
+    has_signed_levels: bool,
 }
 
 /// Part of the radar that saw a target.
@@ -91,7 +94,7 @@ enum DetectionType {
 impl RadarForm {
     pub(super) fn new(table: &'static Category) -> Self {
         Self {
-            flight_level: elements(&[table], "090", ["FL"]),
+            has_signed_levels: table.edition >= SIGNED_LEVELS_SINCE,
         }
     }
 
@@ -111,7 +114,7 @@ impl RadarForm {
         }
         items::mode_3a(record, &MODE_3A, &track.identity, report.is_received());
         let received = report.height_m().filter(|_| report.is_received());
-        items::level(record, &self.flight_level, received);
+        items::level(record, &FLIGHT_LEVEL, self.understood(received));
         items::number(record, &ADDRESS, items::address(&track.identity));
         items::number(record, &IDENTIFICATION, items::call_sign(&track.identity));
         record.write(&TRACK_NUMBER, [i64::from(report.number)]);
@@ -137,6 +140,13 @@ impl RadarForm {
         Ok(())
     }
 
+    /// Returns a height whose level no receiver misreads.
+    fn understood(&self, height_m: Option<f64>) -> Option<f64> {
+        let [field] = FLIGHT_LEVEL.fields;
+        let is_above = |height_m: &f64| field.nearest(*height_m).is_some_and(|number| number >= 0);
+        height_m.filter(|height_m| self.has_signed_levels || is_above(height_m))
+    }
+
     pub(super) fn write_plot(
         &self,
         site: &Site,
@@ -155,7 +165,7 @@ impl RadarForm {
             .put(SIM, site.simulated);
         record.write(&POLAR_POSITION, polar);
         items::mode_3a(record, &MODE_3A, identity, true);
-        items::level(record, &self.flight_level, height_m);
+        items::level(record, &FLIGHT_LEVEL, self.understood(height_m));
         items::number(record, &ADDRESS, items::address(identity));
         items::number(record, &IDENTIFICATION, items::call_sign(identity));
         Ok(())

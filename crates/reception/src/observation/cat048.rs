@@ -4,7 +4,7 @@
 //! calculated by the radar's tracker. A plot without a track number is numbered by its address, if present; the plots
 //! of an aircraft then form a track.
 
-use asterix::categories::{CAT048, CAT048_V1_32};
+use asterix::categories::CAT048;
 
 use super::*;
 
@@ -15,15 +15,15 @@ const VELOCITY: Elements<2> = elements(CAT048, "200", ["GSP", "HDG"]);
 const SIGMA: Elements<4> = elements(CAT048, "210", ["SIGX", "SIGY", "SIGV", "SIGH"]);
 const TRACK_NUMBER: Elements<1> = elements(CAT048, "161", ["TRN"]);
 const MODE_3A: Reply = Reply::of(CAT048, "070", "MODE3A");
-/// Level in two's complement in every edition, although only the latest edition states this: without the sign, an
-/// aircraft a little below sea level pressure would have an enormous height.
-const FLIGHT_LEVEL: Reply = Reply::of(&[&CAT048_V1_32], "090", "FL");
+const FLIGHT_LEVEL: Reply = Reply::of(CAT048, "090", "FL");
 /// Height above mean sea level, of a radar that measures elevation.
 const MEASURED_HEIGHT: Elements<1> = elements(CAT048, "110", ["3DH"]);
 const ADDRESS: Elements<1> = whole(CAT048, "220");
 const CALLSIGN: Elements<1> = whole(CAT048, "240");
 const FLIGHT_STATUS: Elements<1> = elements(CAT048, "230", ["STAT"]);
 const DOPPLER: Frn = item(CAT048, "120");
+const DOUBTFUL: Field = field(CAT048, &["120", "CAL", "D"]);
+const CALCULATED_SPEED: Field = field(CAT048, &["120", "CAL", "CAL"]);
 const ADVISORY: Frn = item(CAT048, "260");
 
 const DESCRIPTOR: Frn = item(CAT048, "020");
@@ -97,15 +97,12 @@ fn observation(record: &Record<'_>) -> Observation {
     }
 }
 
-/// Calculated Doppler speed, metres per second: the first element of a compound item, in 10 bits of two's complement.
-/// `None` if it is absent or doubtful; a raw speed is ambiguous.
+/// Calculated Doppler speed, metres per second: the first element of a compound item. `None` if it is absent or doubtful; a raw speed is ambiguous.
 fn doppler(item: &[u8]) -> Option<f64> {
     const CALCULATED: u8 = 0x80;
-    const DOUBTFUL: u8 = 0x80;
-    let [present, high, low, ..] = *item else { return None };
-    // The ten bits at the left end of sixteen, so that a shift to the right keeps the sign.
-    let speed = i16::from_be_bytes([high, low]) << 6 >> 6;
-    (present & CALCULATED != 0 && high & DOUBTFUL == 0).then_some(f64::from(speed))
+    let (present, element) = item.split_first()?;
+    let is_stated = present & CALCULATED != 0 && !DOUBTFUL.is_set(element);
+    CALCULATED_SPEED.quantity(element).filter(|_| is_stated)
 }
 
 fn height_doubted(record: &Record<'_>) -> bool {

@@ -112,6 +112,31 @@ fn a_radar_track_has_a_plot_behind_it() {
     assert!((yy - 5.6819f64.powi(2)).abs() < 1e-2, "{yy}");
 }
 
+/// The text of `koseki decode` and the live path read the sign of a level alike, in every edition: an aircraft at a
+/// coast under high pressure is below flight level 0.
+#[test]
+fn levels_below_zero_are_the_same_decoded_and_live() {
+    // FL −10 in 14 bits of quarters.
+    let octets = (-40i16).to_be_bytes();
+    let octets = [octets[0] & 0x3F, octets[1]];
+    for (tables, fspec) in [(CAT048, &[0x84][..]), (CAT020, &[0x81, 0x20][..])] {
+        for table in tables {
+            let record = [fspec, &[25, 201], &octets[..]].concat();
+            let seen = target(table, &[&record]);
+            assert!(
+                (seen.pressure_altitude_m.unwrap() + 304.8).abs() < 1e-9,
+                "{table}: {seen:?}"
+            );
+            let block = [&[table.number, 0, record.len() as u8 + 3], &record[..]].concat();
+            let mut decoder = Decoder::new(Mode::Strict).with_table(table);
+            let decoded = decoder.records(&block).next().unwrap().unwrap();
+            let named = asterix::NamedRecord::new(&decoded);
+            let level = named.get(&["090", "FL"]).and_then(|level| level.as_f64());
+            assert_eq!(level, Some(-10.0), "{table}");
+        }
+    }
+}
+
 #[test]
 fn a_radar_says_what_became_of_a_track() {
     let state = |descriptor, status| radar_track(descriptor, status, &[]).state;

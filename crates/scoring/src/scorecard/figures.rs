@@ -121,8 +121,8 @@ impl PhaseFigures {
             along: spread(|sample| Some(sample.along_across_m?[0])),
             across: spread(|sample| Some(sample.along_across_m?[1])),
             heading_deg: spread(|sample| sample.heading_deg),
-            speed: spread(|sample| Some(sample.speed_mps)),
-            velocity: spread(|sample| Some(sample.velocity_mps)),
+            speed: spread(|sample| sample.speed_mps),
+            velocity: spread(|sample| sample.velocity_mps),
             height: spread(|sample| sample.height_m),
             climb: spread(|sample| sample.climb_mps),
             consistency: GroupConsistency {

@@ -113,9 +113,14 @@ impl CardPart<'_> {
                 samples: self.seconds,
             },
             LineMeasure::SpeedWithin(least_mps, share) => {
-                let within =
-                    |sample: &&&ErrorSample| sample.speed_mps.abs() <= least_mps.max(share * sample.target_speed_mps);
-                MeasuredFigure::share(self.errors.iter().filter(within).count(), self.errors.len())
+                let known = || {
+                    self.errors
+                        .iter()
+                        .filter_map(|sample| Some((sample, sample.speed_mps?)))
+                };
+                let within = known()
+                    .filter(|(sample, error_mps)| error_mps.abs() <= least_mps.max(share * sample.target_speed_mps));
+                MeasuredFigure::share(within.count(), known().count())
             }
         }
     }

@@ -76,6 +76,9 @@ const fn phase(name: &'static str, meaning: &'static str) -> MovementPhase {
 pub struct PhaseSet(u16);
 
 impl PhaseSet {
+    /// The set of a second of which no movement is known.
+    pub(crate) const ALL_ALONE: Self = Self(1);
+
     /// Whether the set has the phase at this place of [`MOVEMENT_PHASES`].
     pub fn has(self, phase: usize) -> bool {
         self.0 >> phase & 1 == 1

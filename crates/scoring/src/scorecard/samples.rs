@@ -2,7 +2,8 @@
 //!
 //! At each whole second, targets and tracks nearer than the gate are paired by best assignment, each second by itself.
 //! A target counts from some time after its first row on: the start of tracks is a property of its own, and would
-//! hide the figures of the phases.
+//! hide the figures of the phases. Seconds without any target of the truth are left out, and heights and velocities
+//! that are not known are not compared; a second without a velocity of its target is in no phase but `all`.
 
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
@@ -75,7 +76,7 @@ pub struct ErrorSample {
     pub place_m: [f64; 2],
     /// Phases of the target.
     pub phases: PhaseSet,
-    /// Speed of the target in the plane, m/s.
+    /// Speed of the target in the plane, m/s; 0 if not known.
     pub target_speed_mps: f64,
     /// Error in the plane east and north, metres.
     pub plane_m: [f64; 2],
@@ -85,13 +86,13 @@ pub struct ErrorSample {
     pub along_across_m: Option<[f64; 2]>,
     /// Error of the height, metres; `None` if either height is unknown.
     pub height_m: Option<f64>,
-    /// Error of the speed in the plane, m/s.
-    pub speed_mps: f64,
-    /// Length of the error of the velocity in the plane, m/s.
-    pub velocity_mps: f64,
-    /// Error of the course, degrees; `None` if the target is slower than 3 m/s.
+    /// Error of the speed in the plane, m/s; `None` if either velocity is unknown.
+    pub speed_mps: Option<f64>,
+    /// Length of the error of the velocity in the plane, m/s; `None` if either is unknown.
+    pub velocity_mps: Option<f64>,
+    /// Error of the course, degrees; `None` if either velocity is unknown, or the target is slower than 3 m/s.
     pub heading_deg: Option<f64>,
-    /// Error of the rate of climb, m/s; `None` if either height is unknown.
+    /// Error of the rate of climb, m/s; `None` if either height or velocity is unknown.
     pub climb_mps: Option<f64>,
     /// Normalised squares per degree of freedom: position and velocity in the plane, height, rate of climb.
     pub normalised: [Option<f64>; 4],
@@ -125,7 +126,7 @@ pub(crate) struct CardSamples {
     pub(crate) errors: Vec<ErrorSample>,
     pub(crate) targets: Vec<TargetSecond>,
     pub(crate) tracks: Vec<TrackSecond>,
-    /// Number of seconds.
+    /// Number of seconds with truth.
     pub(crate) seconds: u64,
 }
 
@@ -137,7 +138,7 @@ impl CardSamples {
     pub(crate) fn collect(truth: &Timeline, tracks: &Timeline, settings: &CardSettings) -> Result<Self, PictureError> {
         let (first_s, last_s) = truth.span(settings.first_s, settings.last_s)?;
         let paths = Path::of_targets(truth, &settings.limits);
-        let (mut truth, mut tracks) = (TimelinePass::new(truth), TimelinePass::new(tracks));
+        let (known, mut truth, mut tracks) = (truth, TimelinePass::new(truth), TimelinePass::new(tracks));
         let metric = Metric {
             cut_off_m: settings.gate_m,
             power: 2,
@@ -145,6 +146,9 @@ impl CardSamples {
         let mut samples = Self::default();
         for second in first_s..=last_s {
             let (targets, shown) = (truth.at(second), tracks.at(second));
+            if !known.knows(&targets) {
+                continue;
+            }
             let pairs = metric.compare(&positions(&targets), &positions(&shown)).pairs;
             let (mut reported, mut paired) = (vec![false; targets.len()], vec![false; shown.len()]);
             for pair in &pairs {
@@ -152,7 +156,8 @@ impl CardSamples {
                 let (target, track) = (&targets[pair.target], &shown[pair.track]);
                 let path = &paths[&target.id];
                 if path.counts(second, settings) {
-                    samples.errors.push(errors(second, target, track, path.phases[&second]));
+                    let phases = path.phases.get(&second).copied().unwrap_or(PhaseSet::ALL_ALONE);
+                    samples.errors.push(errors(second, target, track, phases));
                 }
             }
             let counting = targets.iter().zip(reported);
@@ -181,26 +186,31 @@ impl CardSamples {
 /// Path of a target.
 struct Path {
     first_s: i64,
+    /// By second with a velocity.
     phases: FxHashMap<i64, PhaseSet>,
 }
 
 impl Path {
     fn of_targets(truth: &Timeline, limits: &PhaseLimits) -> FxHashMap<i64, Self> {
-        let mut velocities: BTreeMap<i64, (Vec<i64>, Vec<[f64; 3]>)> = BTreeMap::new();
+        let mut velocities: BTreeMap<i64, (i64, Vec<i64>, Vec<[f64; 3]>)> = BTreeMap::new();
         if let (Some(first_s), Some(last_s)) = (truth.first_second(), truth.last_second()) {
             let mut pass = TimelinePass::new(truth);
             for second in first_s..=last_s {
                 for target in pass.at(second) {
-                    let (seconds, of_target) = velocities.entry(target.id).or_default();
-                    seconds.push(second);
-                    of_target.push(target.velocity_mps);
+                    let (first_s, seconds, of_target) =
+                        velocities.entry(target.id).or_insert((second, Vec::new(), Vec::new()));
+                    *first_s = second.min(*first_s);
+                    if target.has_velocity {
+                        seconds.push(second);
+                        of_target.push(target.velocity_mps);
+                    }
                 }
             }
         }
-        let path = |(target, (seconds, velocities)): (i64, (Vec<i64>, Vec<[f64; 3]>))| {
+        let path = |(target, (first_s, seconds, velocities)): (i64, (i64, Vec<i64>, Vec<[f64; 3]>))| {
             let phases = phases_of(&seconds, &velocities, limits);
             let path = Self {
-                first_s: seconds[0],
+                first_s,
                 phases: seconds.into_iter().zip(phases).collect(),
             };
             (target, path)
@@ -221,6 +231,8 @@ fn errors(second: i64, target: &KinematicState<3>, track: &KinematicState<3>, ph
     let [east, north, up]: [f64; 3] = std::array::from_fn(|axis| track.position_m[axis] - target.position_m[axis]);
     let [vx, vy, vz]: [f64; 3] = std::array::from_fn(|axis| track.velocity_mps[axis] - target.velocity_mps[axis]);
     let has_height = target.has_height && track.has_height;
+    let has_velocity = target.has_velocity && track.has_velocity;
+    let has_climb = has_height && has_velocity;
     let [tx, ty, _] = target.velocity_mps;
     let speed = tx.hypot(ty);
     let track_speed = track.velocity_mps[0].hypot(track.velocity_mps[1]);
@@ -232,9 +244,9 @@ fn errors(second: i64, target: &KinematicState<3>, track: &KinematicState<3>, ph
     let normalised = covariance.map_or([None; 4], |stated| {
         [
             normalised_square([east, north], &stated, [0, 1]),
-            normalised_square([vx, vy], &stated, [3, 4]),
+            normalised_square([vx, vy], &stated, [3, 4]).filter(|_| has_velocity),
             normalised_square([up], &stated, [2]).filter(|_| has_height),
-            normalised_square([vz], &stated, [5]).filter(|_| has_height),
+            normalised_square([vz], &stated, [5]).filter(|_| has_climb),
         ]
     });
     ErrorSample {
@@ -248,10 +260,10 @@ fn errors(second: i64, target: &KinematicState<3>, track: &KinematicState<3>, ph
         position_m: east.hypot(north),
         along_across_m: (speed > 0.0).then(|| [(east * tx + north * ty) / speed, (east * ty - north * tx) / speed]),
         height_m: has_height.then_some(up),
-        speed_mps: track_speed - speed,
-        velocity_mps: vx.hypot(vy),
-        heading_deg: (speed > MOVING_MPS).then(|| turned.to_degrees()),
-        climb_mps: has_height.then_some(vz),
+        speed_mps: has_velocity.then_some(track_speed - speed),
+        velocity_mps: has_velocity.then(|| vx.hypot(vy)),
+        heading_deg: (has_velocity && speed > MOVING_MPS).then(|| turned.to_degrees()),
+        climb_mps: has_climb.then_some(vz),
         normalised,
         address: match (target.address, track.address) {
             (None, _) => AddressCheck::Unknown,

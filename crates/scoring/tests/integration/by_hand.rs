@@ -1,9 +1,10 @@
 //! Small cases with figures computed by hand.
 
+use frames::{Geodetic, SystemFrame};
 use scoring::{
-    CaseSettings, ConfirmedTracks, FIX_WORDS, FixCase, FixError, FixFigures, FixInputError, FixRuns, FixScore,
-    PICTURE_WORDS, PictureError, PictureScore, PictureSettings, RESOLUTION_WORDS, ResolutionScore, ResolutionSettings,
-    TargetsByTime, Timeline, Word, score_picture,
+    CaseSettings, Compared, ConfirmedTracks, FIX_WORDS, FileBasis, FixCase, FixError, FixFigures, FixInputError,
+    FixRuns, FixScore, PICTURE_WORDS, PictureError, PictureScore, PictureSettings, RESOLUTION_WORDS, ResolutionScore,
+    ResolutionSettings, TargetsByTime, Timeline, Word, score_picture,
 };
 
 fn close(found: f64, expected: f64) {
@@ -170,6 +171,193 @@ fn without_tracks_everything_is_missed_and_without_truth_there_is_nothing_to_say
     assert_eq!(picture(TRUTH, TRACKS, &late), Err(nothing));
 }
 
+/// Seconds of the day, hours after midnight: nothing before the truth, in its gap or behind it is compared.
+#[test]
+fn seconds_without_truth_do_not_count() {
+    let truth = "time_s,target_id,x,y,z,vx,vy,vz\n43200,1,0,0,0,0,0,0\n43201,1,0,0,0,0,0,0\n43205,1,0,0,0,0,0,0\n";
+    let row = |second: u32, id: u32, east: f64| format!("{second},{id},{east},4,0,0,0,0\n");
+    let tracks: String = (43_190..43_220)
+        .map(|second| row(second, 5, 3.0) + &row(second, 6, 9000.0))
+        .chain([row(50_000, 7, 0.0)])
+        .collect();
+    let tracks = format!("time_s,system_track_id,x,y,z,vx,vy,vz\n{tracks}");
+    let settings = PictureSettings {
+        last_s: Some(43_210),
+        ..PictureSettings::default()
+    };
+    let found = picture(truth, &tracks, &settings).unwrap();
+    close(found.gospa, (25.0f64 + 125_000.0).sqrt());
+    close(found.loc, 5.0);
+    assert_eq!(
+        (found.false_per_s, found.missed_per_s, found.completeness),
+        (1.0, 0.0, 1.0)
+    );
+    assert_eq!(
+        (found.spurious, found.system_tracks),
+        (1, 2),
+        "track 7 is shown much later"
+    );
+    known(found.wander_max, 0.0);
+    let expected = Compared {
+        first_s: 43_200,
+        last_s: 43_205,
+        seconds: 3,
+        seconds_without_truth: 3,
+        targets: 1,
+        target_seconds: 3,
+        tracks: 2,
+        track_seconds: 6,
+        tracks_elsewhere: 1,
+        pairs: 3,
+        ..Compared::default()
+    };
+    assert_eq!(found.compared, expected);
+    // A truth between whole seconds.
+    let between = "time_s,target_id,x,y,z,vx,vy,vz\n10.5,1,0,0,0,0,0,0\n11.5,1,0,0,0,0,0,0\n";
+    assert!(matches!(
+        picture(between, TRACKS, &PictureSettings::default()),
+        Err(PictureError::NoTruthAt { .. })
+    ));
+}
+
+/// A track of a radar without heights, beside targets at 3,000 m.
+#[test]
+fn what_a_side_does_not_know_is_not_compared() {
+    let truth = "time_s,target_id,x,y,z,vx,vy,vz\n10,1,0,0,3000,100,0,5\n11,1,100,0,3005,100,0,5\n";
+    let header = "time_s,system_track_id,x,y,z,vx,vy,vz,height_valid,velocity_valid";
+    let found = |rows: &str| picture(truth, &format!("{header}\n{rows}"), &PictureSettings::default()).unwrap();
+    let flat = found("10,5,3,4,0,100,3,0,0,1\n11,5,103,4,,100,3,,0,1\n");
+    close(flat.gospa, 5.0);
+    known(flat.rmse_pos, 5.0);
+    known(flat.rmse_vel, 3.0);
+    assert_eq!((flat.completeness, flat.spurious), (1.0, 0));
+    assert_eq!((flat.compared.pairs, flat.compared.pairs_without_height), (2, 2));
+    // The zeros of a track without a velocity are none; it stays where it was seen.
+    let still = found("10,5,3,4,3000,0,0,0,1,0\n10.5,5,100,0,3005,50,0,0,1,0\n");
+    known(still.rmse_pos, (25.0f64 / 2.0).sqrt());
+    assert_eq!((still.rmse_vel, still.direction_std_deg), (None, None));
+    assert_eq!(still.compared.pairs_without_velocity, 2);
+    // In a known height an error counts.
+    assert_eq!(found("10,5,3,4,0,100,3,0,1,1\n").completeness, 0.0);
+}
+
+#[test]
+fn the_covariance_of_a_track_without_height_is_judged_in_the_plane() {
+    let truth = "time_s,target_id,x,y,z,vx,vy,vz\n10,1,0,0,900,0,0,0\n";
+    let tracks = with_covariance(&[("10,3,4,0", [9.0, 4.0, 1.0])]);
+    let tracks = tracks
+        .replacen("P55\n", "P55,height_valid\n", 1)
+        .replacen(",0\n", ",0,0\n", 1);
+    let found = picture(truth, &tracks, &PictureSettings::default()).unwrap();
+    known(found.nees_pos, 5.0 / 2.0);
+}
+
+/// The same tracks and targets, counted from 0, from midnight, and from 1970, as metres and as degrees.
+#[test]
+fn times_and_places_are_brought_together() {
+    const MIDNIGHT_S: i64 = 1_767_139_200;
+    let frame = SystemFrame::at(Geodetic::from_degrees(41.297063, 2.078447, 30.0).unwrap());
+    let degrees = |x: f64, y: f64, z: f64| {
+        let place = frame.to_geodetic([x, y, z]);
+        (place.latitude_deg(), place.longitude_deg(), place.height_m())
+    };
+    let truth = |begin_s: i64, is_degrees: bool| {
+        let row = |second: i64| {
+            let (x, y, z) = (40e3 + 200.0 * second as f64, -20e3, 9000.0);
+            let (latitude, longitude, height) = degrees(x, y, z);
+            match is_degrees {
+                true => format!("{},1,{latitude},{longitude},{height}\n", begin_s + second),
+                false => format!("{},1,{x},{y},{z},200,0,0\n", begin_s + second),
+            }
+        };
+        let header = if is_degrees {
+            "time_s,target_id,latitude,longitude,height_m\n"
+        } else {
+            "time_s,target_id,x,y,z,vx,vy,vz\n"
+        };
+        header.to_owned() + &(0..60).map(row).collect::<String>()
+    };
+    let tracks = |begin_s: i64| {
+        let row = |second: i64| {
+            let (x, y, z) = (40e3 + 200.0 * second as f64 + 30.0, -20e3, 9000.0);
+            let (latitude, longitude, height) = degrees(x, y, z);
+            let level = height / 30.48;
+            format!(
+                "{},7,{x},{y},{z},200,0,0,{latitude:.7},{longitude:.7},{level:.2}\n",
+                begin_s + second
+            )
+        };
+        let header = "time_s,system_track_id,x,y,z,vx,vy,vz,latitude,longitude,flight_level\n";
+        header.to_owned() + &(0..60).map(row).collect::<String>()
+    };
+    let score = |truth: &str, tracks: &str| {
+        let tracks = Timeline::tracks(tracks.as_bytes(), 1.0).unwrap();
+        let truth = Timeline::truth_on(tracks.basis(), truth.as_bytes()).unwrap();
+        truth.check_times(&tracks).unwrap();
+        let settings = PictureSettings {
+            first_s: truth.compared_from_s().unwrap(),
+            ..PictureSettings::default()
+        };
+        score_picture(&truth, &tracks, &settings).unwrap()
+    };
+    for (of_truth, of_tracks) in [
+        (0, 0),
+        (40_000, 40_000),
+        (MIDNIGHT_S + 40_000, 40_000),
+        (40_000, MIDNIGHT_S + 40_000),
+        (MIDNIGHT_S + 40_000, MIDNIGHT_S + 40_000),
+        // The tracks count from the midnight of the day before.
+        (MIDNIGHT_S + 5, 86_405),
+        // Both begin on either side of midnight.
+        (MIDNIGHT_S - 5, MIDNIGHT_S - 5),
+    ] {
+        for is_degrees in [false, true] {
+            let found = score(&truth(of_truth, is_degrees), &tracks(of_tracks));
+            assert!(
+                (found.gospa - 30.0).abs() < 0.2,
+                "{of_truth} {of_tracks} {is_degrees}: {}",
+                found.gospa
+            );
+            assert_eq!((found.compared.seconds, found.completeness), (50, 1.0));
+            assert_eq!(found.rmse_vel.is_some(), !is_degrees);
+        }
+    }
+    // Nothing in common.
+    let tracks = Timeline::tracks(tracks(0).as_bytes(), 1.0).unwrap();
+    let truth = Timeline::truth_on(tracks.basis(), truth(40_000, false).as_bytes()).unwrap();
+    assert!(matches!(
+        truth.check_times(&tracks),
+        Err(PictureError::NoCommonTime { .. })
+    ));
+}
+
+#[test]
+fn places_without_a_common_frame_are_refused() {
+    let metres = "time_s,target_id,x,y,z,vx,vy,vz\n10,1,0,0,0,0,0,0\n";
+    let degrees = "time_s,target_id,latitude,longitude\n10,1,41,2\n";
+    for (first, second) in [(metres, degrees), (degrees, metres)] {
+        let tracks = Timeline::tracks(first.as_bytes(), 1.0).unwrap();
+        let line = Timeline::truth_on(tracks.basis(), second.as_bytes())
+            .unwrap_err()
+            .to_string();
+        assert!(line.contains("line 2, column") && line.contains("--origin"), "{line}");
+    }
+    let basis = FileBasis::at(Geodetic::from_degrees(41.0, 2.0, 0.0).unwrap());
+    let tracks = Timeline::tracks_on(basis, metres.as_bytes(), 1.0).unwrap();
+    let truth = Timeline::truth_on(tracks.basis(), degrees.as_bytes()).unwrap();
+    let found = score_picture(&truth, &tracks, &PictureSettings::default()).unwrap();
+    assert!(
+        found.gospa < 1e-6 && found.compared.pairs_without_height == 1,
+        "{found:?}"
+    );
+    let mixed = "time_s,target_id,x,y,z,vx,vy,vz\n1767139200,1,0,0,0,0,0,0\n11,1,0,0,0,0,0,0\n";
+    let line = Timeline::truth(mixed.as_bytes()).unwrap_err().to_string();
+    assert!(line.contains("line 3, column time_s"), "{line}");
+    let sensor = "time_s,sensor_track_id,x,y,z,vx,vy,vz\n";
+    let line = Timeline::truth(sensor.as_bytes()).unwrap_err().to_string();
+    assert!(line.contains("column target_id is missing"), "{line}");
+}
+
 #[test]
 fn a_state_shows_as_long_as_it_may_and_no_longer() {
     let truth = "time_s,target_id,x,y,z,vx,vy,vz\n10,1,0,0,0,0,0,0\n11,1,0,0,0,0,0,0\n12,1,0,0,0,0,0,0\n";
@@ -228,6 +416,16 @@ fn resolution(truth: &str, tracks: &str, gate_m: f64, since_s: f64) -> Resolutio
     let truth = TargetsByTime::read(truth.as_bytes()).unwrap();
     let tracks = ConfirmedTracks::read(tracks.as_bytes(), &truth).unwrap();
     ResolutionScore::of_run(&truth, &tracks, &ResolutionSettings { gate_m, since_s }).unwrap()
+}
+
+/// A track long after the truth is neither false nor counted.
+#[test]
+fn tracks_beside_the_times_of_the_truth_do_not_count() {
+    let late = format!("{SHOWN}90,9,0,0,,0,0,0,confirmed\n");
+    assert_eq!(
+        resolution(APART, &late, 300.0, 8.0),
+        resolution(APART, SHOWN, 300.0, 8.0)
+    );
 }
 
 #[test]

@@ -50,15 +50,16 @@ pub(crate) fn run(compare: &Compare, host: &dyn Host) -> anyhow::Result<()> {
 }
 
 fn rules(compare: &Compare, host: &dyn Host) -> anyhow::Result<()> {
-    let settings = PictureSettings {
-        cut_off_m: compare.c,
-        gate_m: compare.gate,
-        first_s: compare.t0,
-        ..PictureSettings::default()
-    };
     let read =
         |file: &std::path::PathBuf| Timeline::truth(host.open(file)?).map_err(|error| InputError::new(file, error));
     let truth = compare.truth.as_ref().map(read).transpose()?;
+    let begin_s = truth.as_ref().and_then(Timeline::compared_from_s);
+    let settings = PictureSettings {
+        cut_off_m: compare.c,
+        gate_m: compare.gate,
+        first_s: compare.t0.or(begin_s).unwrap_or_default(),
+        ..PictureSettings::default()
+    };
     let mut setup = Setup::of(host, &compare.input)?;
     setup.settings.refresh_s = Some(settings::Seconds::of_ns(compare.refresh.as_nanos() as i64));
     let mut outcomes = Vec::new();
@@ -123,5 +124,6 @@ fn shown(state: &SystemTrack) -> ShownState {
         position_m: state.position_m,
         velocity_mps: state.velocity_mps,
         covariance: state.covariance,
+        has_height: state.height_valid != 0,
     }
 }

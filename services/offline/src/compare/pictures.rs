@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use scoring::{PICTURE_WORDS, PictureSettings, Timeline};
+use scoring::{FileBasis, PICTURE_WORDS, PictureSettings, Timeline};
 
 use crate::args::ComparePictures;
 use crate::files::InputError;
@@ -18,11 +18,12 @@ const SYSTEM_TRACKS: &str = "system_tracks.csv";
 /// If a file cannot be read, or the pictures have no time in common.
 pub(super) fn run(asked: &ComparePictures, host: &dyn Host) -> anyhow::Result<()> {
     let [first, second] = [&asked.first, &asked.second].map(|path| file(path));
-    let read = |file: &PathBuf| {
-        let timeline = Timeline::tracks(host.open(file)?, asked.max_age);
+    let read = |file: &PathBuf, basis| {
+        let timeline = Timeline::tracks_on(basis, host.open(file)?, asked.max_age);
         timeline.map_err(|error| InputError::new(file, error))
     };
-    let (before, after) = (read(&first)?, read(&second)?);
+    let before = read(&first, FileBasis::default())?;
+    let after = read(&second, before.basis())?;
     let begins = before.first_second().max(after.first_second());
     let settings = PictureSettings {
         cut_off_m: asked.c,

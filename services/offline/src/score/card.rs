@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use scoring::{
-    AreaCard, CardReference, ErrorSpread, LineLimit, LineResult, LineVerdict, MOVEMENT_PHASES, PhaseFigures,
+    AreaCard, CardReference, Compared, ErrorSpread, LineLimit, LineResult, LineVerdict, MOVEMENT_PHASES, PhaseFigures,
     PhaseTable, PictureScore, Scorecard, StandardCard,
 };
 use serde::Serialize;
@@ -18,6 +18,7 @@ const GATE_SHARE: f64 = 0.8;
 pub(super) struct ScoredPicture<'a> {
     #[serde(flatten)]
     picture: &'a PictureScore,
+    compared: &'a Compared,
     reference: &'static str,
     #[serde(flatten)]
     all: CardObject<'a>,
@@ -43,6 +44,7 @@ impl<'a> ScoredPicture<'a> {
     pub(super) fn new(picture: &'a PictureScore, card: &'a Scorecard) -> Self {
         Self {
             picture,
+            compared: &picture.compared,
             reference: card.reference.word(),
             all: CardObject::new(&card.all),
             areas: card.areas.iter().map(CardObject::new).collect(),

@@ -14,10 +14,11 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
+use csv_table::CsvError;
 use scoring::{
-    CardReference, CardSettings, CaseSettings, ConfirmedTracks, FIX_WORDS, FixInputError, FixRuns, PICTURE_WORDS,
-    PhaseLimits, PictureError, PictureSettings, RESOLUTION_WORDS, ResolutionScore, ResolutionSettings, Scorecard,
-    ScoredArea, TargetsByTime, Timeline, score_card, surveillance_standard,
+    CardReference, CardSettings, CaseSettings, Compared, ConfirmedTracks, FIX_WORDS, FileBasis, FixInputError, FixRuns,
+    PICTURE_WORDS, PhaseLimits, PictureError, PictureSettings, RESOLUTION_WORDS, ResolutionScore, ResolutionSettings,
+    Scorecard, ScoredArea, TargetsByTime, Timeline, score_card, surveillance_standard,
 };
 
 use crate::files::{InputError, Usage};
@@ -44,21 +45,27 @@ fn picture(score: &Score, host: &dyn Host) -> anyhow::Result<()> {
     let (Some(truth_file), Some(tracks_file)) = (&score.truth, &score.tracks) else {
         return Err(Usage("score needs --truth and --tracks (see `koseki score --help`)".to_owned()).into());
     };
+    let basis = score.card.origin.map(FileBasis::at).unwrap_or_default();
+    let tracks = Timeline::tracks_on(basis, host.open(tracks_file)?, score.max_age)
+        .map_err(|error| InputError::new(tracks_file, error))?;
+    let (basis, truth) = (tracks.basis(), host.open(truth_file)?);
+    let truth = match score.card.reference {
+        CardReference::Truth => Timeline::truth_on(basis, truth),
+        CardReference::Independent | CardReference::Smoothed => Timeline::reference_on(basis, truth),
+    };
+    let truth = truth.map_err(|error| InputError::new(truth_file, with_remedy(&error)))?;
+    truth
+        .check_times(&tracks)
+        .map_err(|error| InputError::new(truth_file, format!("{error}; both must count from the same midnight")))?;
+    let first_s = score.t0.or(truth.compared_from_s()).unwrap_or_default();
     let settings = PictureSettings {
         cut_off_m: score.c,
         age_max_s: score.max_age,
-        first_s: score.t0,
+        first_s,
         last_s: score.t1,
         gate_m: score.gate,
         moving_mps: score.moving,
     };
-    let truth = match score.card.reference {
-        CardReference::Truth => Timeline::truth(host.open(truth_file)?),
-        CardReference::Independent | CardReference::Smoothed => Timeline::reference(host.open(truth_file)?),
-    };
-    let truth = truth.map_err(|error| InputError::new(truth_file, error))?;
-    let tracks = Timeline::tracks(host.open(tracks_file)?, score.max_age)
-        .map_err(|error| InputError::new(tracks_file, error))?;
     let found = scoring::score_picture(&truth, &tracks, &settings);
     let found = found.map_err(|error| InputError::new(truth_file, format!("{error}; see --t0 and --t1")))?;
     if let Some(period_s) = tracks.period_of_gaps_s() {
@@ -74,27 +81,82 @@ fn picture(score: &Score, host: &dyn Host) -> anyhow::Result<()> {
         (Some(file), Some(origin)) => areas::read(host, file, origin)?,
         _ => Vec::new(),
     };
-    let card = scorecard(score, &truth, &tracks, &areas);
+    let card = scorecard((score, first_s), &truth, &tracks, &areas);
     let card = card.map_err(|error| InputError::new(truth_file, error))?;
     if let Some(file) = &score.card.html {
-        write_page(score, host, file, &card, &areas)?;
+        write_page((score, &found.compared), host, file, &card, &areas)?;
     }
     if score.json {
         let found = card::ScoredPicture::new(&found, &card);
         return host.print(&format!("{}\n", serde_json::to_string(&found)?));
     }
-    host.print(&(figures_text(&found, PICTURE_WORDS)? + &card::text(&card)))
+    let figures = figures_text(&found, PICTURE_WORDS)?;
+    host.print(&format!(
+        "{}{figures}{}",
+        compared_text(&found.compared),
+        card::text(&card)
+    ))
+}
+
+/// Returns the error of a truth file with a remedy for the file of an instrument.
+fn with_remedy(error: &CsvError) -> String {
+    match error {
+        CsvError::Header { header, .. } if header.split(',').any(|name| name == "sensor_track_id") => {
+            format!("{error}; these are tracks of a sensor, and --reference independent compares with an instrument")
+        }
+        _ => error.to_string(),
+    }
+}
+
+/// Returns what was compared, in lines that end with an empty one.
+fn compared_text(compared: &Compared) -> String {
+    let mut text = format!(
+        "Compared: {} whole seconds from {} s to {} s, {} targets (target-seconds: {}), {} tracks (track-seconds: {}).\n",
+        compared.seconds,
+        compared.first_s,
+        compared.last_s,
+        compared.targets,
+        compared.target_seconds,
+        compared.tracks,
+        compared.track_seconds,
+    );
+    let remarks = [
+        (
+            compared.seconds_without_truth,
+            "seconds in between without a row of the truth are left out",
+        ),
+        (
+            compared.truth_rows_between,
+            "rows of the truth are not at a whole second and are left out",
+        ),
+        (
+            compared.tracks_elsewhere,
+            "tracks are not shown in these seconds and do not count",
+        ),
+        (
+            compared.pairs_without_height,
+            "pairs have no height on one side: the plane alone is compared",
+        ),
+        (
+            compared.pairs_without_velocity,
+            "pairs have no velocity on one side: the position alone is compared",
+        ),
+    ];
+    for (count, remark) in remarks.into_iter().filter(|(count, _)| *count > 0) {
+        text += &format!("{count} {remark}.\n");
+    }
+    text + "\n"
 }
 
 fn scorecard(
-    score: &Score,
+    (score, first_s): (&Score, i64),
     truth: &Timeline,
     tracks: &Timeline,
     areas: &[ScoredArea],
 ) -> Result<Scorecard, PictureError> {
     let asked = &score.card;
     let settings = CardSettings {
-        first_s: score.t0,
+        first_s,
         last_s: score.t1,
         gate_m: score.gate,
         settle_s: asked.settle,
@@ -112,7 +174,7 @@ fn scorecard(
 }
 
 fn write_page(
-    score: &Score,
+    (score, compared): (&Score, &Compared),
     host: &dyn Host,
     file: &Path,
     card: &Scorecard,
@@ -123,9 +185,16 @@ fn write_page(
             .map_or_else(String::new, |file| file.display().to_string())
     };
     let settings = format!(
-        "Whole seconds from {} s on; a target counts from {} s after its first row on. A track belongs to a target \
+        "{} whole seconds with truth from {} s to {} s; a target counts from {} s after its first row on. A track belongs to a target \
          nearer than {} m, and shows for {} s. Turns begin at {} m/s², changes of the climb rate at {} m/s².",
-        score.t0, score.card.settle, score.gate, score.max_age, score.card.turning, score.card.climbing
+        compared.seconds,
+        compared.first_s,
+        compared.last_s,
+        score.card.settle,
+        score.gate,
+        score.max_age,
+        score.card.turning,
+        score.card.climbing
     );
     let head = html::PageHead {
         truth: &name(&score.truth),

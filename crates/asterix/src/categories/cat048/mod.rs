@@ -2,7 +2,8 @@
 //!
 //! EUROCONTROL-SPEC-0149-4, ed 1.27 (June 2020) to 1.32 (July 2024), with the same order of items. Later editions
 //! added parts of I048/020, and codes of I048/030. Ed 1.32 defines the flight level in I048/090 in two's complement;
-//! earlier editions and their tables have no sign.
+//! earlier editions state no sign. Their tables have one nevertheless: the words of the document changed, not what
+//! radars send. Without the sign, an aircraft a little below sea level pressure would fly at FL 4086.
 
 mod re;
 
@@ -96,12 +97,6 @@ items! {
     I080 "080" "Mode-3/A Code Confidence Indicator" (= Layout::Group(PULSE_QUALITY))
 
     I090 "090" "Flight Level in Binary Representation" {
-        V: 1, // 1 not validated
-        G: 1, // 1 garbled
-        FL: 14 unsigned(1.0 / pow2(2), "FL"),
-    }
-
-    I090_V1_32 "090" "Flight Level in Binary Representation" {
         V: 1, // 1 not validated
         G: 1, // 1 garbled
         FL: 14 signed(1.0 / pow2(2), "FL"),
@@ -198,11 +193,11 @@ items! {
     I260 "260" "ACAS Resolution Advisory Report" (56)
 }
 
-/// The items by field reference number; those passed are not the same in all editions.
+/// The items by field reference number; the item passed is not the same in all editions.
 #[rustfmt::skip]
-const fn profile(i020: Item, i090: Item) -> [Option<Item>; 28] {
+const fn profile(i020: Item) -> [Option<Item>; 28] {
     profile![
-        I010, I140, i020, I040, I070, i090, I130, // FRN  1 to  7
+        I010, I140, i020, I040, I070, I090, I130, // FRN  1 to  7
         I220, I240, I250, I161, I042, I200, I170, //      8 to 14
         I210, I030, I080, I100, I110, I120, I230, //     15 to 21
         I260, I055, I050, I065, I060, SP, RE,     //     22 to 28
@@ -211,10 +206,10 @@ const fn profile(i020: Item, i090: Item) -> [Option<Item>; 28] {
 
 editions! {
     CAT048 48 "Monoradar Target Reports" "EUROCONTROL-SPEC-0149-4" ["140"]
-    CAT048_V1_27 1 27 &profile(I020, I090);
-    CAT048_V1_28 1 28 &profile(I020, I090);
-    CAT048_V1_29 1 29 &profile(I020, I090);
-    CAT048_V1_30 1 30 &profile(I020, I090);
-    CAT048_V1_31 1 31 &profile(I020_V1_31, I090);
-    CAT048_V1_32 1 32 &profile(I020_V1_32, I090_V1_32);
+    CAT048_V1_27 1 27 &profile(I020);
+    CAT048_V1_28 1 28 &profile(I020);
+    CAT048_V1_29 1 29 &profile(I020);
+    CAT048_V1_30 1 30 &profile(I020);
+    CAT048_V1_31 1 31 &profile(I020_V1_31);
+    CAT048_V1_32 1 32 &profile(I020_V1_32);
 }
