@@ -9,6 +9,7 @@ use fusion::settings::{Accuracy, Capacity, Settings, SourceSettings};
 use messages::layout::Sample as _;
 use messages::{Covariance, Identity, IdentityText, SensorTrack, SystemTrack, TrackState, sensor_track_bits};
 use outgoing::SystemReports;
+use sample_text::{LineFormat, LineReader, LineWriter, SampleNames};
 use test_support::{Random, S};
 
 use crate::common::{Folder, system};
@@ -188,6 +189,21 @@ fn two_thousand_ships_and_aircraft_stay_what_they_are_through_every_stage() {
         &identities,
         "table of sensor tracks",
     );
+    // Lines, with words and with numbers, and back.
+    let names = || SampleNames::new(vec!["ais".to_owned(), "radar".to_owned()], frame);
+    for names in [Some(names()), None] {
+        let lines = LineWriter::new(&SystemTrack::LAYOUT, LineFormat::Json, names);
+        let reader = LineReader::new(&SystemTrack::LAYOUT, Vec::new());
+        let again = tracks.iter().map(|track| {
+            let (mut text, mut octets) = (Vec::new(), SystemTrack::octets(&[SystemTrack::default()]).to_vec());
+            lines.write(SystemTrack::octets(&[*track]), &mut text);
+            reader
+                .read(&serde_json::from_slice(&text).unwrap(), &mut octets)
+                .unwrap();
+            SystemTrack::of_octets(&octets).unwrap().identity
+        });
+        assert_all(&again.collect::<Vec<_>>(), &identities, "lines of JSON");
+    }
     // CAT062 has addresses of aircraft, and never a ship's number.
     for edition in registry::editions(62) {
         let mut sender = SystemReports::new(edition, 1, 2, frame, &[], 1400).unwrap();

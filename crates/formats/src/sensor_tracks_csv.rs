@@ -4,9 +4,9 @@
 //! track. Identity of the target, method, trace, and flags for observed height and velocity may follow; without the
 //! two flag columns, both were observed. A source with only the trace of its covariance leaves the covariance columns
 //! empty, or omits them (TI-1). Further optional columns are the subject of the track (`kind`: `single`, or `group`
-//! with its `members`), the target's `type` with its `type_confidence`, and a ship's `mmsi` and `name`. `arrival_s` is the time at which the report
-//! arrived (absolute, not before `time_s`); without the column, a report arrives at its time. A column `truth_id` is
-//! never read: it must stay hidden from fusion.
+//! with its `members`), the target's `type` with its `type_confidence`, and a ship's `mmsi` and `name`. `arrival_s` is
+//! the time at which the report arrived (absolute, not before `time_s`); without the column, a report arrives at its
+//! time. A column `truth_id` is never read: it must stay hidden from fusion.
 
 use std::io::{self, Read, Write};
 

@@ -27,6 +27,16 @@ impl Fields {
         }
     }
 
+    /// Whether the line is one of `koseki tap`.
+    pub(super) fn is_tapped(&self) -> bool {
+        self.0.contains_key(super::tapped::MARK)
+    }
+
+    /// The fields that have not been taken.
+    pub(super) fn all(&self) -> &Map<String, Value> {
+        &self.0
+    }
+
     /// Takes a field; an unknown value (`null`) is no value.
     fn take(&mut self, name: &str) -> Option<Value> {
         self.0.remove(name).filter(|value| !value.is_null())
