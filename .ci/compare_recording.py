@@ -84,6 +84,12 @@ def identity(message):
             'callsign': text(who.callsign, who.valid & K.IDENTITY_CALLSIGN)}
 
 
+def ship(message):
+    who = message.identity
+    return {'mmsi': where(who.kind == K.IDENTITY_KIND_SHIP, f'{who.address:09}'),
+            'name': text(who.name, who.valid & K.IDENTITY_NAME)}
+
+
 def description(message):
     is_group = message.kind == K.KIND_GROUP and message.members > 0
     confidence = message.target_type.confidence
@@ -106,7 +112,8 @@ def sensor_track(message, _):
             'state': word('STATE', message.state), **identity(message), 'method': message.method,
             'trace': where(message.valid & K.SENSOR_TRACK_TRACE, Rounded(message.trace_m2)),
             'height_valid': int(bool(message.valid & K.SENSOR_TRACK_HEIGHT)),
-            'velocity_valid': int(bool(message.valid & K.SENSOR_TRACK_VELOCITY)), **description(message)}
+            'velocity_valid': int(bool(message.valid & K.SENSOR_TRACK_VELOCITY)), **description(message),
+            **ship(message)}
 
 
 def system_track(message, frame):
@@ -124,7 +131,7 @@ def system_track(message, frame):
             'merged_into': message.merged_into or None, **description(message),
             'utc': datetime.datetime.fromtimestamp(message.reference_time_ns // 10**9, datetime.timezone.utc),
             'latitude': Rounded(latitude), 'longitude': Rounded(longitude),
-            'flight_level': where(message.height_valid, Rounded(height_m / 30.48))}
+            'flight_level': where(message.height_valid, Rounded(height_m / 30.48)), **ship(message)}
 
 
 def detection(message, _):
@@ -140,15 +147,14 @@ def detection(message, _):
     def age(ms):
         return where(ms, Rounded(ms / 1e3))
 
-    is_ship = message.identity.kind == K.IDENTITY_KIND_SHIP
     return {'time_s': Time(message.time_of_measurement_ns), 'sensor_id': message.source + 1, 'scan': message.scan,
             'detection_id': message.detection_id, 'kind': word('DETECTION_KIND', message.kind),
             **dict(zip(('m0', 'm1', 'm2', 'm3'), values)), **dict(zip(('s0', 's1', 's2', 's3'), sigmas)),
             **dict(zip(('px', 'py', 'pz'), message.platform_m)), 'truth_id': None, **identity(message),
-            'mmsi': where(is_ship, message.identity.address),
+            'mmsi': ship(message)['mmsi'],
             'level': where(message.valid & K.SENSOR_DETECTION_LEVEL, Rounded(message.level / 4)),
             'address_age_s': age(ages.address_ms), 'mode_3a_age_s': age(ages.mode_3a_ms),
-            'callsign_age_s': age(ages.callsign_ms), 'level_age_s': age(message.level_age_ms)}
+            'callsign_age_s': age(ages.callsign_ms), 'level_age_s': age(message.level_age_ms), 'name': ship(message)['name']}
 
 
 def bearing(message, _):

@@ -311,3 +311,69 @@ fn what_cannot_be_fed_is_refused_with_what_can() {
     running.stop();
     home.assert_nothing_is_left("test");
 }
+
+/// Feeds a line to a source of tracks until a reader has it; returns what `koseki tap` writes of it.
+fn fed_and_tapped(home: &Home, source: &str, line: &str) -> String {
+    let topic = format!("sensor/{source}/tracks");
+    let mut tap = home.command(&["tap", &topic, "--instance", "test", "--count", "1"]);
+    let mut tap = tap.stdout(Stdio::piped()).spawn().unwrap();
+    let mut feed = home.command(&["feed", "--instance", "test", "--source", source]);
+    let mut feed = feed.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+    let mut input = feed.stdin.take().unwrap();
+    until("the line is tapped", || {
+        writeln!(input, "{line}").unwrap();
+        tap.try_wait().unwrap().is_some()
+    });
+    drop(input);
+    let fed = feed.wait_with_output().unwrap();
+    assert_eq!(fed.status.code(), Some(0), "{fed:?}");
+    let output = tap.wait_with_output().unwrap();
+    String::from_utf8(output.stdout).unwrap()
+}
+
+#[test]
+fn a_tapped_line_is_fed_again_with_every_field() {
+    let home = Home::new();
+    let [latitude, longitude] = PLACE;
+    let text = format!(
+        "name = \"t\"\n[frame]\nlatitude_deg = {latitude}\nlongitude_deg = {longitude}\n[[source]]\nname = \"one\"\n\
+         [source.external]\n[[source]]\nname = \"two\"\n[source.external]\n[recorder]\nenabled = false\n[display]\n\
+         listen = \"off\"\n"
+    );
+    fs::write(home.path("site.toml"), text).unwrap();
+    let running = home.start(&["up", "site.toml", "--instance", "test", "--out", "out"]);
+    running.until_said("instance test runs");
+    for (identity, expected) in [
+        (
+            r#""mmsi": 2275400, "name": "QUEEN, MARY 2""#,
+            [("address", None), ("mmsi", Some("002275400")), ("mode_3a", None)],
+        ),
+        (
+            r#""address": "873f5f", "mode_3a": "2300", "callsign": "KOS 1""#,
+            [("address", Some("873F5F")), ("mmsi", None), ("mode_3a", Some("2300"))],
+        ),
+    ] {
+        let line = format!(
+            "{{\"track\": 7, \"latitude\": {latitude}, \"longitude\": {longitude}, \"height_m\": 900, \"sigma_m\": 30, \
+             \"speed_mps\": 70, \"course_deg\": 30, \"climb_mps\": 1.5, \"velocity_sigma_mps\": 3, {identity}}}"
+        );
+        let first = fed_and_tapped(&home, "one", &line);
+        let second = fed_and_tapped(&home, "two", first.trim_end());
+        let [mut first, mut second] =
+            [first, second].map(|line| serde_json::from_str::<serde_json::Value>(&line).unwrap());
+        for (key, value) in expected {
+            assert_eq!(first["identity"][key].as_str(), value, "{first}");
+        }
+        assert_eq!([&first["source"], &second["source"]], ["one", "two"]);
+        // What its publisher fills in.
+        for state in [&mut first, &mut second] {
+            let fields = state.as_object_mut().unwrap();
+            for name in ["source", "sequence", "stages"] {
+                fields.remove(name).unwrap();
+            }
+        }
+        assert_eq!(first, second);
+    }
+    running.stop();
+    home.assert_nothing_is_left("test");
+}

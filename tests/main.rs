@@ -17,6 +17,7 @@ mod decode;
 mod encode;
 mod fuse;
 mod golden;
+mod identities;
 mod late;
 mod locate;
 mod locate_arrivals;

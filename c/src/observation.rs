@@ -7,9 +7,9 @@ use std::ffi::{c_char, c_int};
 use std::slice;
 
 use koseki_client::by_name::{self, AnyPublisher};
-use koseki_client::messages::TrackState;
+use koseki_client::messages::{IdentityText, TrackState};
 use koseki_client::messages::admission::Fault;
-use koseki_client::observation::{Fields, address_of, callsign_of, fault, mmsi_of};
+use koseki_client::observation::{Fields, callsign_of, fault, numbered};
 use koseki_client::{Detection, Error, ErrorKind, TrackReport};
 
 use crate::{KosekiPublisher, OK, code, failed, open};
@@ -73,11 +73,10 @@ impl<const N: usize> Stated<N> {
             })?),
         };
         let identity = observation.identity_mut();
-        if self.address != 0 {
-            *identity = identity.with_address(address_of(self.address)?);
-        }
-        if self.mmsi != 0 {
-            *identity = identity.with_mmsi(mmsi_of(self.mmsi)?);
+        for (kind, number) in [(IdentityText::ADDRESS, self.address), (IdentityText::MMSI, self.mmsi)] {
+            if number != 0 {
+                *identity = numbered(*identity, kind, number)?;
+            }
         }
         let length = self.callsign.iter().position(|octet| *octet == 0).unwrap_or(CALLSIGN);
         if length > 0 {

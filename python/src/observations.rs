@@ -2,9 +2,9 @@
 
 use koseki_client::Error;
 use koseki_client::by_name::AnyPublisher;
-use koseki_client::messages::TrackState;
+use koseki_client::messages::{IdentityText, TrackState};
 use koseki_client::messages::admission::Fault;
-use koseki_client::observation::{Fields, address_of, callsign_of, fault, mmsi_of, time_ns_of};
+use koseki_client::observation::{Fields, callsign_of, fault, numbered, time_ns_of};
 use koseki_client::{Detection, TrackReport};
 use pyo3::buffer::PyBuffer;
 use pyo3::exceptions::PyValueError;
@@ -103,8 +103,8 @@ fn whole<O: Fields>(
     match name {
         "time_ns" => *observation.time_mut() = Some(value),
         "scan" | "track" => *observation.ordinal_mut() = Some(number()?),
-        "address" => *observation.identity_mut() = identity.with_address(address_of(number()?)?),
-        "mmsi" => *observation.identity_mut() = identity.with_mmsi(mmsi_of(number()?)?),
+        "address" => *observation.identity_mut() = numbered(identity, IdentityText::ADDRESS, number()?)?,
+        "mmsi" => *observation.identity_mut() = numbered(identity, IdentityText::MMSI, number()?)?,
         name => other(observation, name, value)?,
     }
     Ok(())

@@ -24,8 +24,8 @@ use pyo3::types::{PyByteArray, PyList};
 /// Time between two checks for Ctrl-C, with progress reports to Python.
 const LOOKS: Duration = Duration::from_millis(50);
 /// Columns that stay text regardless of content: an address may look like a number.
-const TEXTS: [&str; 8] = [
-    "address", "callsign", "lambda", "mode_3a", "sources", "state", "type", "weights",
+const TEXTS: [&str; 10] = [
+    "address", "callsign", "lambda", "mmsi", "mode_3a", "name", "sources", "state", "type", "weights",
 ];
 
 /// Table from Python.

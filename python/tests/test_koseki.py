@@ -42,7 +42,7 @@ def _read(path: Path) -> dict[str, np.ndarray]:
 
 
 def _typed(name: str, values: tuple[str, ...]) -> np.ndarray:
-    texts = {"address", "callsign", "lambda", "mode_3a", "sources", "state", "type", "weights"}
+    texts = {"address", "callsign", "lambda", "mmsi", "mode_3a", "name", "sources", "state", "type", "weights"}
     for kind in () if name in texts else (np.int64, np.float64):
         try:
             filled = values if kind is np.int64 else [value or "nan" for value in values]

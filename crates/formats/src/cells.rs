@@ -36,7 +36,7 @@ macro_rules! as_they_are {
     } )* };
 }
 
-as_they_are!(f32, f64, crate::rows::Utc, crate::rows::Milliseconds);
+as_they_are!(f32, f64, crate::rows::Utc, crate::rows::Milliseconds, messages::Spelled);
 
 impl Cell for &str {
     fn write(self, out: &mut impl Write, _: &Reference) -> io::Result<()> {
@@ -128,26 +128,6 @@ impl<I: IntoIterator<Item: Cell>> Cell for CellList<I> {
             cell.write(out, reference)?;
         }
         Ok(())
-    }
-}
-
-/// Number in hexadecimal digits, at least six.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Hexadecimal(pub(crate) u32);
-
-impl Cell for Hexadecimal {
-    fn write(self, out: &mut impl Write, _: &Reference) -> io::Result<()> {
-        write!(out, "{:06X}", self.0)
-    }
-}
-
-/// Number in octal digits, at least four.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Octal(pub(crate) u16);
-
-impl Cell for Octal {
-    fn write(self, out: &mut impl Write, _: &Reference) -> io::Result<()> {
-        write!(out, "{:04o}", self.0)
     }
 }
 

@@ -30,6 +30,7 @@ mod designated_velocity;
 pub mod detections_csv;
 pub mod emitter_rows_csv;
 pub mod foreign;
+mod identity_columns;
 pub mod nmea;
 mod on_board;
 pub mod orders_csv;

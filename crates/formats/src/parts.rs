@@ -1,8 +1,9 @@
 //! Parts that rows of sensor tracks and of system tracks have in common.
 
-use messages::{COVARIANCE_LEN, Covariance, STATE_LEN, TargetType, TrackKind};
+use messages::{COVARIANCE_LEN, Covariance, Identity, STATE_LEN, TargetType, TrackKind};
 
 use crate::cells::{Plain, Untrusted};
+use crate::columns::columns;
 
 /// Columns of position and velocity.
 pub(crate) const KINEMATICS: [&str; STATE_LEN] = ["x", "y", "z", "vx", "vy", "vz"];
@@ -40,4 +41,13 @@ pub(crate) fn word(text: &str) -> Untrusted<'_> {
 /// Text from outside with blanks.
 pub(crate) fn words(text: &str) -> Untrusted<'_> {
     Untrusted { text, has_blanks: true }
+}
+
+/// What ships have in place of an address, written as the last part of a row.
+pub(crate) struct ShipRow<'a>(pub(crate) &'a Identity);
+
+columns! {
+    ShipRow<'_>: |row|
+    "mmsi" => row.0.mmsi_text(),
+    "name" => row.0.name().map(words),
 }

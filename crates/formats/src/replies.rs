@@ -5,20 +5,20 @@
 //! | `address` | 24-bit address, hexadecimal |
 //! | `mode_3a` | Mode 3/A code, octal |
 //! | `callsign` | up to eight characters |
-//! | `mmsi` | 30-bit number of a ship, decimal; excludes an address |
+//! | `mmsi` | number of a ship, nine decimal digits; excludes an address |
 //! | `level` | flight level of Mode C or Mode S, in quarters |
 //! | `address_age_s` (of `mmsi`, too), `mode_3a_age_s`, `callsign_age_s`, `level_age_s` | age; empty: of this look |
+//! | `name` | up to twenty characters |
 //!
 //! Every column may be absent and every value empty.
 
 use csv_table::{Cells, Column, CsvError};
-use messages::Identity;
 use observations::TransponderReply;
 
-use crate::cells::{Hexadecimal, Octal, Plain};
+use crate::cells::Plain;
 use crate::columns::columns;
-use crate::parts::word;
-use crate::sensor_tracks_csv::{callsign, digits};
+use crate::identity_columns::IdentityPlaces;
+use crate::parts::{word, words};
 
 /// Steps of a level in a flight level.
 const STEPS: f64 = 4.0;
@@ -31,15 +31,16 @@ pub(crate) struct ReplyRow<'a>(pub(crate) &'a TransponderReply);
 columns! {
     /// Places of the columns of replies.
     ReplyPlaces of ReplyRow<'_>: |row|
-    address: Option<Column> = "address" => row.0.identity.address().map(Hexadecimal),
-    mode_3a: Option<Column> = "mode_3a" => row.0.identity.mode_3a().map(Octal),
+    address: Option<Column> = "address" => row.0.identity.address_text(),
+    mode_3a: Option<Column> = "mode_3a" => row.0.identity.mode_3a_text(),
     callsign: Option<Column> = "callsign" => row.0.identity.callsign().map(word),
-    mmsi: Option<Column> = "mmsi" => row.0.identity.mmsi(),
+    mmsi: Option<Column> = "mmsi" => row.0.identity.mmsi_text(),
     level: Option<Column> = "level" => row.0.level.map(|level| Plain(f64::from(level) / STEPS, 2)),
     address_age: Option<Column> = "address_age_s" => age(row.0.ages.address_ms),
     mode_3a_age: Option<Column> = "mode_3a_age_s" => age(row.0.ages.mode_3a_ms),
     callsign_age: Option<Column> = "callsign_age_s" => age(row.0.ages.callsign_ms),
     level_age: Option<Column> = "level_age_s" => age(row.0.level_age_ms),
+    name: Option<Column> = "name" => row.0.identity.name().map(words),
 }
 
 fn age(age_ms: u32) -> Option<Plain> {
@@ -53,7 +54,7 @@ impl ReplyPlaces {
     /// A value that no transponder states.
     pub(crate) fn read(&self, row: Cells<'_>) -> Result<TransponderReply, CsvError> {
         let mut reply = TransponderReply {
-            identity: self.identity(row)?,
+            identity: self.identity().read(row)?,
             level: self.level(row)?,
             level_age_ms: age_ms(row, self.level_age)?,
             ..TransponderReply::default()
@@ -64,31 +65,22 @@ impl ReplyPlaces {
         Ok(reply)
     }
 
-    fn identity(&self, row: Cells<'_>) -> Result<Identity, CsvError> {
-        let mut identity = Identity::default();
-        let of_address = "an address of up to six hexadecimal digits";
-        if let Some(address) = digits(row, self.address, 16, 6, of_address)? {
-            identity = identity.with_address(address);
+    fn identity(&self) -> IdentityPlaces {
+        let Self {
+            address,
+            mmsi,
+            mode_3a,
+            callsign,
+            name,
+            ..
+        } = *self;
+        IdentityPlaces {
+            address,
+            mmsi,
+            mode_3a,
+            callsign,
+            name,
         }
-        if let (Some(column), Some(mmsi)) = (
-            self.mmsi,
-            digits(row, self.mmsi, 10, 9, "an MMSI of up to nine digits")?,
-        ) {
-            if identity.address().is_some() {
-                return Err(row.error(column, "stands beside an address; a target is an aircraft or a ship"));
-            }
-            identity = identity.with_mmsi(mmsi);
-        }
-        let of_code = "a Mode 3/A code of up to four octal digits";
-        if let Some(code) = digits(row, self.mode_3a, 8, 4, of_code)? {
-            identity = identity.with_mode_3a(code as u16);
-        }
-        if let (Some(column), Some(text)) = (self.callsign, row.text(self.callsign)?) {
-            let found = callsign(text);
-            let reason = "is no callsign; write up to eight characters of plain ASCII";
-            identity = identity.with_callsign(found.ok_or_else(|| row.error(column, reason))?);
-        }
-        Ok(identity)
     }
 
     fn level(&self, row: Cells<'_>) -> Result<Option<i16>, CsvError> {

@@ -4,22 +4,21 @@
 //! track. Identity of the target, method, trace, and flags for observed height and velocity may follow; without the
 //! two flag columns, both were observed. A source with only the trace of its covariance leaves the covariance columns
 //! empty, or omits them (TI-1). Further optional columns are the subject of the track (`kind`: `single`, or `group`
-//! with its `members`) and the target's `type` with its `type_confidence`. `arrival_s` is the time at which the report
-//! arrived (absolute, not before `time_s`); without the column, a report arrives at its time. A column `truth_id` is
-//! never read: it must stay hidden from fusion.
+//! with its `members`), the target's `type` with its `type_confidence`, and a ship's `mmsi` and `name`. `arrival_s` is
+//! the time at which the report arrived (absolute, not before `time_s`); without the column, a report arrives at its
+//! time. A column `truth_id` is never read: it must stay hidden from fusion.
 
 use std::io::{self, Read, Write};
 
 use messages::sensor_track_bits as bits;
-use messages::{
-    Callsign, Covariance, Identity, STATE_LEN, SensorTrack, TYPE_NAME_MAX, TargetType, TrackKind, TrackState,
-};
+use messages::{Covariance, STATE_LEN, SensorTrack, TYPE_NAME_MAX, TargetType, TrackKind, TrackState};
 
 use csv_table::{COVARIANCE_COLUMNS, Cells, Column, CsvError, Table};
 
-use crate::cells::{Hexadecimal, Octal, Rounded, Time};
+use crate::cells::{Rounded, Time};
 use crate::columns::columns;
-use crate::parts::{KINEMATICS, confidence, covariance, kinematics, members, word, words};
+use crate::identity_columns::IdentityPlaces;
+use crate::parts::{KINEMATICS, ShipRow, confidence, covariance, kinematics, members, word, words};
 use crate::rows::{Columns, Reference, Row, RowReader, RowWriter};
 
 /// Excess of a covariance over the product of its standard deviations that is accepted: files round to a few decimals.
@@ -48,8 +47,8 @@ columns! {
     // Missing where the trace alone is given.
     covariance: Option<[Column; COVARIANCE_COLUMNS.len()]> = COVARIANCE_COLUMNS => covariance(&row.track.covariance),
     state: Column = "state" => TrackState::from_code(row.track.state).map(TrackState::word),
-    address: Option<Column> = "address" => row.track.identity.address().map(Hexadecimal),
-    mode_3a: Option<Column> = "mode_3a" => row.track.identity.mode_3a().map(Octal),
+    address: Option<Column> = "address" => row.track.identity.address_text(),
+    mode_3a: Option<Column> = "mode_3a" => row.track.identity.mode_3a_text(),
     callsign: Option<Column> = "callsign" => row.track.identity.callsign().map(word),
     method: Option<Column> = "method" => row.track.method,
     trace: Option<Column> = "trace" => row.track.has(bits::TRACE).then_some(Rounded(row.track.trace_m2, 4)),
@@ -63,7 +62,7 @@ columns! {
 
 impl Row for SensorTrack {
     fn columns() -> String {
-        SensorTrackRow::columns()
+        [SensorTrackRow::columns(), ShipRow::columns()].join(",")
     }
 
     fn write(&self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
@@ -71,7 +70,9 @@ impl Row for SensorTrack {
             sensor_id: reference.sensor_id(self.source),
             track: self,
         };
-        report.write(out, reference)
+        report.write(out, reference)?;
+        out.write_all(b",")?;
+        ShipRow(&self.identity).write(out, reference)
     }
 }
 
@@ -81,6 +82,7 @@ pub struct SensorTrackColumns<F> {
     first_day_ns: i64,
     source_of: F,
     at: SensorTrackPlaces,
+    identity: IdentityPlaces,
     arrival: Option<Column>,
     /// Time of arrival of the row read last, nanoseconds.
     arrival_ns: i64,
@@ -101,6 +103,13 @@ impl<R: Read, F: FnMut(u32) -> Option<u16>> SensorTrackReader<R, F> {
         let columns = SensorTrackColumns {
             first_day_ns,
             source_of,
+            identity: IdentityPlaces {
+                address: at.address,
+                mmsi: table.optional("mmsi")?,
+                mode_3a: at.mode_3a,
+                callsign: at.callsign,
+                name: table.optional("name")?,
+            },
             at,
             arrival: table.optional("arrival_s")?,
             arrival_ns: first_day_ns,
@@ -142,7 +151,7 @@ impl<F: FnMut(u32) -> Option<u16>> Columns for SensorTrackColumns<F> {
             track_number: row.whole(self.at.number)?,
             source,
             valid: self.valid(row, covariance.is_some(), trace_m2.is_some())?,
-            identity: self.identity(row)?,
+            identity: self.identity.read(row)?,
             position_m: [x?, y?, z?],
             velocity_mps: [vx?, vy?, vz?],
             covariance: covariance.unwrap_or_default(),
@@ -274,28 +283,6 @@ impl<F> SensorTrackColumns<F> {
             _ => Ok(TargetType::default()),
         }
     }
-
-    fn identity(&self, row: Cells<'_>) -> Result<Identity, CsvError> {
-        let mut identity = Identity::default();
-        if let Some(address) = digits(
-            row,
-            self.at.address,
-            16,
-            6,
-            "an address of up to six hexadecimal digits",
-        )? {
-            identity = identity.with_address(address);
-        }
-        if let Some(code) = digits(row, self.at.mode_3a, 8, 4, "a Mode 3/A code of up to four octal digits")? {
-            identity = identity.with_mode_3a(code as u16);
-        }
-        if let (Some(column), Some(text)) = (self.at.callsign, row.text(self.at.callsign)?) {
-            let callsign = callsign(text)
-                .ok_or_else(|| row.error(column, "is no callsign; write up to eight characters of plain ASCII"))?;
-            identity = identity.with_callsign(callsign);
-        }
-        Ok(identity)
-    }
 }
 
 /// Returns a flag (0 or 1); a missing or empty column means 1.
@@ -306,32 +293,6 @@ fn flag(row: Cells<'_>, column: Option<Column>) -> Result<bool, CsvError> {
         Some("0") => Ok(false),
         Some(_) => Err(row.error(column, "is neither 0 nor 1")),
     }
-}
-
-pub(crate) fn digits(
-    row: Cells<'_>,
-    column: Option<Column>,
-    radix: u32,
-    digits_max: usize,
-    what: &str,
-) -> Result<Option<u32>, CsvError> {
-    let (Some(column), Some(text)) = (column, row.text(column)?) else {
-        return Ok(None);
-    };
-    let plain = text.len() <= digits_max && text.chars().all(|character| character.is_digit(radix));
-    match u32::from_str_radix(text, radix) {
-        Ok(number) if plain => Ok(Some(number)),
-        _ => Err(row.error(column, format!("is not {what}"))),
-    }
-}
-
-/// A callsign padded with blanks.
-pub(crate) fn callsign(text: &str) -> Option<Callsign> {
-    let mut callsign = *b"        ";
-    callsign.get_mut(..text.len())?.copy_from_slice(text.as_bytes());
-    text.bytes()
-        .all(|octet| octet.is_ascii_graphic() || octet == b' ')
-        .then_some(callsign)
 }
 
 #[cfg(test)]

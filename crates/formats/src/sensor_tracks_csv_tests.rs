@@ -1,8 +1,10 @@
 //! Tests of sensor tracks as CSV rows.
 
+use messages::Identity;
 use proptest::prelude::*;
 
 use super::*;
+use crate::identity_columns::callsign;
 
 const HEADER: &str = "time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,P01,P02,P03,P04,P05,P11,P12,P13,P14,P15,\
                       P22,P23,P24,P25,P33,P34,P35,P44,P45,P55,state";
@@ -230,9 +232,10 @@ fn track() -> impl Strategy<Value = SensorTrack> {
     let sigmas = prop::array::uniform6(0.0f64..1e4);
     let correlation = -0.9f64..0.9;
     let identity = (
-        prop::option::of(0u32..1 << 24),
+        prop::option::of((any::<bool>(), 0u32..1_000_000_000)),
         prop::option::of(0u16..0o10000),
         prop::option::of("[A-Z0-9]{1,8}"),
+        prop::option::of("[A-Z]{1,9}( [A-Z0-9]{1,9})?"),
     );
     let flags = (0u16..16, 0u8..4, any::<u8>());
     let members = prop::option::of(1u16..=u16::MAX);
@@ -244,12 +247,19 @@ fn track() -> impl Strategy<Value = SensorTrack> {
     )
         .prop_map(
             |((time_ns, source, number), (position_m, velocity_mps, sigmas, correlation), rest)| {
-                let ((address, code, name), (flags, state, method), trace, members, target_type) = rest;
+                let ((of_target, code, of_radio, name), (flags, state, method), trace, members, target_type) = rest;
                 let mut identity = Identity::default();
-                identity = address.map_or(identity, |address| identity.with_address(address));
+                identity = match of_target {
+                    Some((true, mmsi)) => identity.with_mmsi(mmsi),
+                    Some((false, address)) => identity.with_address(address),
+                    None => identity,
+                };
                 identity = code.map_or(identity, |code| identity.with_mode_3a(code));
+                if let Some(text) = of_radio {
+                    identity = identity.with_callsign(callsign(&text).unwrap());
+                }
                 if let Some(name) = name {
-                    identity = identity.with_callsign(callsign(&name).unwrap());
+                    identity = identity.with_name(&name);
                 }
                 let mut covariance = Covariance::default();
                 for line in 0..STATE_LEN {
@@ -311,5 +321,32 @@ proptest! {
         let found: Vec<_> = reader.map(Result::unwrap).collect();
         prop_assert_eq!(&found, &tracks);
         prop_assert_eq!(write(&found), text);
+    }
+}
+
+#[test]
+fn ships_have_columns_of_their_own() {
+    let row = |values: &str| format!("1,1,1,0,0,0,0,0,0,{VARIANCES},confirmed,{values}\n");
+    let rows = [row(",227000000,QUEEN MARY 2"), row(",2275400,"), row("87BEC0,,")].concat();
+    let found: Vec<Identity> = read(",address,mmsi,name", &rows)
+        .into_iter()
+        .map(|track| track.unwrap().identity)
+        .collect();
+    let ship = Identity::default().with_mmsi(227_000_000).with_name("QUEEN MARY 2");
+    assert_eq!(found[0], ship);
+    assert_eq!(
+        (found[1].mmsi(), found[2].address()),
+        (Some(2_275_400), Some(0x87_bec0))
+    );
+    for (values, expected) in [
+        ("87BEC0,227000000,", "stands beside an address"),
+        (",2270000001,", "is not an MMSI of up to nine digits"),
+        (
+            ",227000000,A NAME OF TWENTY-ONE..",
+            "is no name; write up to 20 characters",
+        ),
+    ] {
+        let text = read(",address,mmsi,name", &row(values)).remove(0).unwrap_err();
+        assert!(text.contains(expected), "{text}");
     }
 }

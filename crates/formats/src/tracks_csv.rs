@@ -4,14 +4,16 @@
 //! since midnight (UTC) of the recording's first day, exact to the nanosecond. Several values in one column are joined
 //! with `|`; no field needs quotes.
 
+use std::io::{self, Write};
+
 use csv_table::COVARIANCE_COLUMNS;
 use frames::{Geodetic, SystemFrame};
 use messages::{SensorTrack, SystemTrack, TrackKind, TrackState, sensor_track_bits};
 
-use crate::cells::{CellList, Hexadecimal, Octal, Plain, Rounded, SensorId, Time};
+use crate::cells::{CellList, Plain, Rounded, SensorId, Time};
 use crate::columns::columns;
-use crate::parts::{KINEMATICS, confidence, covariance, kinematics, members, word, words};
-use crate::rows::{RowWriter, Utc};
+use crate::parts::{KINEMATICS, ShipRow, confidence, covariance, kinematics, members, word, words};
+use crate::rows::{Reference, Row, RowWriter, Utc};
 use crate::sensor_tracks_csv::SensorTrackRow;
 
 /// Writes system tracks.
@@ -51,12 +53,13 @@ pub struct RepliedTrackerTrack(pub TrackerTrack);
 columns! {
     RepliedTrackerTrack: |row|
     with TrackerTrack = row.0;
-    "mmsi" => row.0.track.identity.mmsi(),
+    "mmsi" => row.0.track.identity.mmsi_text(),
     "level" => level(&row.0.track).map(|(level, _)| level),
     "address_age_s" => row.0.track.identity.unique_number().map(|_| age(row.0.track.identity_ages.address_ms)),
     "mode_3a_age_s" => row.0.track.identity.mode_3a().map(|_| age(row.0.track.identity_ages.mode_3a_ms)),
     "callsign_age_s" => row.0.track.identity.callsign().map(|_| age(row.0.track.identity_ages.callsign_ms)),
     "level_age_s" => level(&row.0.track).map(|(_, age)| age),
+    "name" => row.0.track.identity.name().map(words),
 }
 
 /// Flight level of a sensor track, and its age in seconds.
@@ -93,7 +96,7 @@ impl PlacedTrack {
 columns! {
     // The columns of a system track come first, so that readers by place find these where they were.
     PlacedTrack: |row|
-    with SystemTrack = row.track;
+    with SystemTrackRow<'_> = SystemTrackRow(&row.track);
     "utc" => Utc(row.track.reference_time_ns),
     // Seven decimals are a centimetre.
     "latitude" => Plain(row.place.latitude_deg(), 7),
@@ -101,31 +104,48 @@ columns! {
     "flight_level" => (row.track.height_valid != 0).then(|| Plain(row.place.flight_level(), 2)),
     "level" => (row.track.level_valid != 0).then_some(Plain(f64::from(row.track.level) / 4.0, 2)),
     "level_age_s" => (row.track.level_valid != 0).then_some(Plain(f64::from(row.track.level_age_ms) / 1e3, 3)),
+    "mmsi" => row.track.identity.mmsi_text(),
+    "name" => row.track.identity.name().map(words),
+}
+
+/// The columns of every system track.
+struct SystemTrackRow<'a>(&'a SystemTrack);
+
+impl Row for SystemTrack {
+    fn columns() -> String {
+        [SystemTrackRow::columns(), ShipRow::columns()].join(",")
+    }
+
+    fn write(&self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
+        SystemTrackRow(self).write(out, reference)?;
+        out.write_all(b",")?;
+        ShipRow(&self.identity).write(out, reference)
+    }
 }
 
 columns! {
-    SystemTrack: |row|
-    "time_s" => Time(row.reference_time_ns),
-    "system_track_id" => row.track_number,
-    KINEMATICS => kinematics(&row.position_m, &row.velocity_mps),
-    "state" => TrackState::from_code(row.state).map(TrackState::word),
-    "sources" => CellList(row.contributions().iter().map(|part| SensorId(part.source))),
-    "weights" => CellList(row.contributions().iter().map(|part| Rounded(part.weight, 4))),
-    "selected" => SensorId::known(row.selected_source),
-    "lambda" => CellList(row.contributions().iter().map(|part| Rounded::known(part.accuracy, 4))),
-    "address" => row.identity.address().map(Hexadecimal),
-    "mode_3a" => row.identity.mode_3a().map(Octal),
-    "callsign" => row.identity.callsign().map(word),
-    COVARIANCE_COLUMNS => covariance(&row.covariance),
-    "sensor_track_ids" => CellList(row.contributions().iter().map(|part| part.track_number)),
-    "report_times_s" => CellList(row.contributions().iter().map(|part| Time(part.time_of_measurement_ns))),
-    "height_valid" => row.height_valid,
-    "trigger" => SensorId::known(row.trigger_source),
-    "merged_into" => (row.merged_into != 0).then_some(row.merged_into),
-    "kind" => members(row.kind, row.members).map(|_| TrackKind::Group.word()),
-    "members" => members(row.kind, row.members),
-    "type" => row.target_type.name().map(words),
-    "type_confidence" => confidence(&row.target_type),
+    SystemTrackRow<'_>: |row|
+    "time_s" => Time(row.0.reference_time_ns),
+    "system_track_id" => row.0.track_number,
+    KINEMATICS => kinematics(&row.0.position_m, &row.0.velocity_mps),
+    "state" => TrackState::from_code(row.0.state).map(TrackState::word),
+    "sources" => CellList(row.0.contributions().iter().map(|part| SensorId(part.source))),
+    "weights" => CellList(row.0.contributions().iter().map(|part| Rounded(part.weight, 4))),
+    "selected" => SensorId::known(row.0.selected_source),
+    "lambda" => CellList(row.0.contributions().iter().map(|part| Rounded::known(part.accuracy, 4))),
+    "address" => row.0.identity.address_text(),
+    "mode_3a" => row.0.identity.mode_3a_text(),
+    "callsign" => row.0.identity.callsign().map(word),
+    COVARIANCE_COLUMNS => covariance(&row.0.covariance),
+    "sensor_track_ids" => CellList(row.0.contributions().iter().map(|part| part.track_number)),
+    "report_times_s" => CellList(row.0.contributions().iter().map(|part| Time(part.time_of_measurement_ns))),
+    "height_valid" => row.0.height_valid,
+    "trigger" => SensorId::known(row.0.trigger_source),
+    "merged_into" => (row.0.merged_into != 0).then_some(row.0.merged_into),
+    "kind" => members(row.0.kind, row.0.members).map(|_| TrackKind::Group.word()),
+    "members" => members(row.0.kind, row.0.members),
+    "type" => row.0.target_type.name().map(words),
+    "type_confidence" => confidence(&row.0.target_type),
 }
 
 #[cfg(test)]
@@ -195,7 +215,7 @@ mod tests {
         let mut hostile = SensorTrack { members: 0, ..track };
         hostile.target_type.confidence = 7.0;
         writer.write(&hostile).unwrap();
-        assert!(writer.into_inner().ends_with(b",0,1,,,,\n"));
+        assert!(writer.into_inner().ends_with(b",0,1,,,,,,\n"));
         assert_eq!(
             (value(&columns, "type"), value(&columns, "type_confidence")),
             ("fast?boat 2", "0.8125")
@@ -289,13 +309,14 @@ mod tests {
         before.write(&track).unwrap();
         let before = String::from_utf8(before.into_inner()).unwrap();
         for (line, before) in text.lines().zip(before.lines()) {
-            assert!(line.starts_with(&format!("{before},")), "{line}");
+            let of_all = before.rsplitn(3, ',').last().unwrap();
+            assert!(line.starts_with(&format!("{of_all},")), "{line}");
         }
         let without_height = SystemTrack {
             height_valid: 0,
             level_valid: 0,
             ..track
         };
-        assert!(written(&without_height).ends_with(",41.2500000,-2.5000000,,,\n"));
+        assert!(written(&without_height).ends_with(",41.2500000,-2.5000000,,,,,\n"));
     }
 }

@@ -514,7 +514,9 @@ impl Engine {
         entry.absence = 0.0;
         let [x, y] = [entry.filter.estimate.mean[0], entry.filter.estimate.mean[1]];
         systems.grid.place(system, x, y);
-        systems.identify(system, &self.tracks.sensors.get(sensor).latest.identity);
+        if systems.identify(system, &self.tracks.sensors.get(sensor).latest.identity) {
+            self.outbox.counts.add(report.source, Counter::IdentityConflicts);
+        }
     }
 
     /// Counts a scan without detection of an expected target.

@@ -23,6 +23,7 @@ mod passing_time;
 mod resting_numbers;
 mod resumption;
 mod several_duplicates;
+mod ships;
 mod slow_sources;
 mod turning_targets;
 

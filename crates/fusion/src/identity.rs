@@ -18,7 +18,7 @@
 
 use std::collections::HashMap;
 
-use messages::{Identity, TargetType, identity_bits};
+use messages::{Identity, TargetType, UniqueNumber, identity_bits};
 use serde::{Deserialize, Serialize};
 
 use crate::number_hasher::{NumberHasher, table};
@@ -50,7 +50,7 @@ pub(crate) type Name = u64;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct KnownNames {
     callsign: Name,
-    /// 24-bit address or MMSI, believed or not; 0 if unknown.
+    /// Bits of the [`UniqueNumber`], believed or not; 0 if unknown.
     address: u32,
     code: Option<u16>,
     /// Another code, which the latest report gave.
@@ -91,13 +91,15 @@ impl KnownNames {
         self.given == (reported.valid, reported.mode_3a, reported.callsign)
             && has_settled
             && self.candidate.is_none()
-            && reported.unique_number().is_none_or(|number| number == self.address)
+            && reported
+                .unique_number()
+                .is_none_or(|number| number.to_bits() == self.address)
     }
 
     /// Takes what the next report gives, believed or not.
     pub(crate) fn hear(&mut self, reported: &Identity) {
         self.given = (reported.valid, reported.mode_3a, reported.callsign);
-        self.address = reported.unique_number().unwrap_or(self.address);
+        self.address = reported.unique_number().map_or(self.address, UniqueNumber::to_bits);
     }
 
     /// Whether a code or call sign, and no address, is common to both.
@@ -147,10 +149,9 @@ pub(crate) fn key_of(callsign: &str) -> Name {
 
 /// Whether two identities forbid that both are of one target; an exponent of 0 takes away a factor's veto.
 pub(crate) fn contradict(one: &Identity, other: &Identity, exponents: &FactorExponents) -> bool {
-    let differ = |a: Option<u32>, b: Option<u32>| matches!((a, b), (Some(a), Some(b)) if a != b);
-    let code = |identity: &Identity| identity.mode_3a().map(u32::from);
-    (exponents.address > 0.0 && differ(one.unique_number(), other.unique_number()))
-        || (exponents.code > 0.0 && differ(code(one), code(other)))
+    let codes = (one.mode_3a(), other.mode_3a());
+    (exponents.address > 0.0 && one.has_other_number(other))
+        || (exponents.code > 0.0 && matches!(codes, (Some(mine), Some(theirs)) if mine != theirs))
 }
 
 /// Log-likelihood ratio of one target to two by the classes that two reports state.

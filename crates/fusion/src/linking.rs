@@ -157,7 +157,7 @@ impl Linking<'_> {
         let mine = identity.unique_number().filter(|_| self.uses_addresses());
         if let Some(mine) = mine {
             let theirs = self.tracks.systems.get(system).identity.unique_number();
-            if theirs.is_some_and(|theirs| theirs != mine) && self.is_free(system) {
+            if theirs.is_some_and(|theirs| theirs.excludes(mine)) && self.is_free(system) {
                 out.count(report.source, Counter::IdentityConflicts);
                 let kind = DecisionKind::IdentityConflict;
                 out.decision(&self.tracks.decision(sensor, kind, f64::NAN, f64::NAN));

@@ -144,7 +144,7 @@ impl Search<'_> {
     fn are_different(&self, own: SensorSlot, other: SensorSlot) -> bool {
         let number = |slot| self.tracks.sensors.get(slot).latest.identity.unique_number();
         self.settings.association.exponents.address > 0.0
-            && matches!((number(own), number(other)), (Some(a), Some(b)) if a != b)
+            && matches!((number(own), number(other)), (Some(a), Some(b)) if a.excludes(b))
     }
 
     /// d² of two sensor tracks of two sources with the bias that is possible between them, inside the gates.

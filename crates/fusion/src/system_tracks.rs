@@ -6,7 +6,7 @@ use std::collections::{BinaryHeap, HashMap};
 
 use association::Grid;
 use estimation::Gaussian;
-use messages::{Covariance, Identity, NO_SOURCE, TargetType, TrackKind, TrackState};
+use messages::{Covariance, Identity, NO_SOURCE, TargetType, TrackKind, TrackState, UniqueNumber};
 use serde::{Deserialize, Serialize, Serializer};
 
 use crate::border::Ownership;
@@ -306,7 +306,7 @@ pub(crate) struct SystemTracks {
     /// A place that an ended track has left to the next one that starts.
     vacated: Option<SystemSlot>,
     #[serde(with = "table")]
-    by_address: HashMap<u32, SystemSlot, NumberHasher>,
+    by_address: HashMap<UniqueNumber, SystemSlot, NumberHasher>,
     /// When each entry must be looked at next, earliest first. Every entry in use has exactly one deadline here; one
     /// that has become too early is put back when it comes up, so that a report costs no change to the heap.
     #[serde(serialize_with = "in_order")]
@@ -501,34 +501,34 @@ impl SystemTracks {
         live.iter().all(|life| self.count_in_state(*life) == 0)
     }
 
-    /// The system track that carries `address`.
-    pub(crate) fn with_address(&self, address: u32) -> Option<SystemSlot> {
+    /// The system track that carries this address or MMSI.
+    pub(crate) fn with_address(&self, address: UniqueNumber) -> Option<SystemSlot> {
         self.by_address.get(&address).copied()
     }
 
-    /// Adds what `identity` knows to the system track's; an address once carried is never changed.
+    /// Adds what `identity` knows to the system track's; an address or MMSI once carried is never changed. Returns
+    /// whether `identity` has another one, which a rescue aircraft may have.
     #[inline]
-    pub(crate) fn identify(&mut self, slot: SystemSlot, identity: &Identity) {
+    pub(crate) fn identify(&mut self, slot: SystemSlot, identity: &Identity) -> bool {
         // So it is nearly always, and then there is nothing to add.
-        if *identity != self.entries[slot as usize].identity {
-            self.add_identity(slot, identity);
-        }
+        *identity != self.entries[slot as usize].identity && self.add_identity(slot, identity)
     }
 
     #[inline(never)]
-    fn add_identity(&mut self, slot: SystemSlot, identity: &Identity) {
+    fn add_identity(&mut self, slot: SystemSlot, identity: &Identity) -> bool {
         let entry = &mut self.entries[slot as usize];
-        let carried = entry.identity.unique_number();
+        let (carried, stated) = (entry.identity.unique_number(), identity.unique_number());
         let mut merged = identity.or(&entry.identity);
-        if let Some(address) = carried {
-            merged = merged.with_address(address);
-        } else if let Some(address) = merged.unique_number() {
-            self.by_address.entry(address).or_insert(slot);
+        if let Some(number) = carried {
+            merged = merged.with_unique_number(number);
+        } else if let Some(number) = stated {
+            self.by_address.entry(number).or_insert(slot);
         }
         if merged != entry.identity {
             entry.identity = merged;
             entry.kept_ns = i64::MIN;
         }
+        carried.is_some() && stated.is_some() && carried != stated
     }
 
     /// Makes the system track invisible to searches: it has ended. Its place is freed when its deadline comes up.

@@ -264,8 +264,8 @@ static_assert(offsetof(KosekiStageTimes, taken_ns) == 16, "offset");
 static_assert(offsetof(KosekiStageTimes, fused_ns) == 24, "offset");
 
 typedef struct KosekiIdentity {
-    uint32_t address; /* 24-bit aircraft address or 30-bit MMSI (see `kind`), in the low bits. */
-    uint16_t mode_3a; /* Mode 3/A code, its four octal digits in twelve bits. */
+    uint32_t address; /* 24-bit aircraft address or 30-bit MMSI (see `kind`), an integer in the low bits. */
+    uint16_t mode_3a; /* Mode 3/A code, an integer of twelve bits: 2300 in octal digits is 1216. */
     uint8_t kind; /* Kind of `address`: an `IdentityKind` code. */
     uint8_t valid; /* Fields that hold something: see `identity_bits`. */
     uint8_t callsign[8]; /* Callsign in ASCII, padded with blanks. */

@@ -276,8 +276,8 @@ assert StageTimes.fused_ns.offset == 24
 
 class Identity(ctypes.Structure):
     _fields_ = [
-        ("address", ctypes.c_uint32),  # 24-bit aircraft address or 30-bit MMSI (see `kind`), in the low bits.
-        ("mode_3a", ctypes.c_uint16),  # Mode 3/A code, its four octal digits in twelve bits.
+        ("address", ctypes.c_uint32),  # 24-bit aircraft address or 30-bit MMSI (see `kind`), an integer in the low bits.
+        ("mode_3a", ctypes.c_uint16),  # Mode 3/A code, an integer of twelve bits: 2300 in octal digits is 1216.
         ("kind", ctypes.c_uint8),  # Kind of `address`: an `IdentityKind` code.
         ("valid", ctypes.c_uint8),  # Fields that hold something: see `identity_bits`.
         ("callsign", ctypes.c_uint8 * 8),  # Callsign in ASCII, padded with blanks.

@@ -12,9 +12,9 @@ use std::f64::consts::{PI, TAU};
 use std::fmt;
 
 use crate::{
-    Covariance, Cue, DetectionKind, DetectionMark, NS_PER_S, PlatformState, STATE_LEN, SensorBearing, SensorDetection,
-    SensorTrack, TrackState, WideArea, platform_state_bits, sensor_bearing_bits, sensor_detection_bits,
-    sensor_track_bits, wide_area_bits,
+    Covariance, Cue, DetectionKind, DetectionMark, Identity, IdentityKind, NS_PER_S, PlatformState, STATE_LEN,
+    SensorBearing, SensorDetection, SensorTrack, TrackState, WideArea, platform_state_bits, sensor_bearing_bits,
+    sensor_detection_bits, sensor_track_bits, wide_area_bits,
 };
 
 /// Largest coordinate that a sensor on this planet can report, metres.
@@ -288,6 +288,20 @@ fn code_fault(field: &str, code: u8, is_known: bool) -> Option<Fault> {
     })
 }
 
+/// The fault of a number that no target of its kind has.
+fn identity_fault(identity: &Identity) -> Option<Fault> {
+    code_fault(
+        "identity.kind",
+        identity.kind,
+        IdentityKind::from_code(identity.kind).is_some(),
+    )
+    .or_else(|| {
+        let (field, number, limit) = identity.unspelled()?;
+        let remedy = "check the number and the kind: 1 for an address, 2 for an MMSI";
+        Some(fault_of(field.to_owned(), number, limit, remedy))
+    })
+}
+
 impl Admission for SensorTrack {
     fn stated_time(&self) -> Option<(&'static str, i64)> {
         Some(("time_of_measurement_ns", self.time_of_measurement_ns))
@@ -328,6 +342,7 @@ impl Admission for SensorTrack {
                     POSITION_MAX_M,
                 )
             })
+            .or_else(|| identity_fault(&self.identity))
     }
 }
 
@@ -374,6 +389,7 @@ impl Admission for SensorDetection {
                 values_fault("platform_velocity_mps", &velocity, SPEED_MAX_MPS)
             })
             .or_else(|| values_fault("platform_attitude_rad", &self.platform_attitude_rad.map(f64::from), TAU))
+            .or_else(|| identity_fault(&self.identity))
     }
 }
 

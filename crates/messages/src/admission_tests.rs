@@ -190,3 +190,27 @@ fn bearings_platforms_and_counts_are_checked_as_well() {
     };
     assert!(told(count, |sample| sample.position_m[0] = f64::NAN).contains("position_m[0]"));
 }
+
+#[test]
+fn a_number_that_no_target_of_its_kind_has_is_refused() {
+    // A ship's number under the kind of aircraft: cut to 24 bits, it would be another target's address.
+    let text = told(track(), |track| {
+        track.identity = Identity::default().with_mmsi(227_000_000);
+        track.identity.kind = IdentityKind::Aircraft.code();
+    });
+    assert!(
+        text.starts_with("identity.address is 227000000: must be an address of 24 bits"),
+        "{text}"
+    );
+    let text = told(detection(), |found| {
+        found.identity = Identity::default().with_mmsi(1_000_000_000)
+    });
+    assert!(text.contains("nine digits"), "{text}");
+    let text = told(track(), |track| {
+        track.identity = Identity::default().with_mode_3a(0o7777);
+        track.identity.mode_3a += 1;
+    });
+    assert!(text.starts_with("identity.mode_3a is 4096"), "{text}");
+    let text = told(detection(), |found| found.identity.kind = 7);
+    assert!(text.starts_with("identity.kind is 7"), "{text}");
+}

@@ -242,7 +242,7 @@ counters! {
     RejectedExtrapolated = "rejected_extrapolated", FusionRejection by [Fusion],
         "Reports extrapolated by their source: no observation, therefore not used.";
     IdentityConflicts = "identity_conflicts", FusionRemark by [Fusion],
-        "Reports with an identity in contradiction to their previous system track.";
+        "Reports with an identity in contradiction to their system track, or with a second number beside its own.";
     HandOvers = "hand_overs", Picture by [Fusion],
         "Changes of the selected source.";
     LiveTracks = "live_tracks", Level by [],

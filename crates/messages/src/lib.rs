@@ -28,6 +28,7 @@ mod extent;
 mod frame_origin;
 mod health;
 mod identity;
+mod identity_text;
 pub mod layout;
 mod level;
 mod movement;
@@ -67,7 +68,10 @@ pub use designated_place::{DesignatedCourse, DesignatedPlace};
 pub use extent::Extent;
 pub use frame_origin::FrameOrigin;
 pub use health::{Health, HealthName, LifeState, NO_SOURCE};
-pub use identity::{CONSPICUITY_CODES, Callsign, Identity, IdentityAges, IdentityKind, NAME_MAX, identity_bits};
+pub use identity::{
+    CONSPICUITY_CODES, Callsign, Identity, IdentityAges, IdentityKind, NAME_MAX, UniqueNumber, identity_bits,
+};
+pub use identity_text::{IdentityText, Spelled};
 pub use level::{LEVEL_STEP_M, altitude_m, level_of};
 pub use movement::{HorizontalMovement, LongitudinalMovement, Movement, VerticalMovement, movement_bits};
 pub use order::{NO_TRACK, ORDER_TEXT_MAX, ORDER_WORDS, Order, OrderState, OrderStatus, Refusal};

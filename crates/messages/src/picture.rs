@@ -140,9 +140,9 @@ sample! {
     PictureIdentity, size 56 {
         /// System-track number.
         number: u32,
-        /// 24-bit aircraft address or 30-bit MMSI (see `kind`).
+        /// 24-bit aircraft address or 30-bit MMSI (see `kind`), an integer.
         address: u32,
-        /// Mode 3/A code, its four octal digits in twelve bits.
+        /// Mode 3/A code, an integer of twelve bits.
         mode_3a: u16,
         /// Kind of `address`: an `IdentityKind` code.
         kind: u8,

@@ -177,8 +177,8 @@ fn contact(event: &mut String, track: &SystemTrack) {
     let text = |text: Option<&'_ str>| text.map(str::trim).filter(|text| !text.is_empty()).map(str::to_owned);
     let named = text(identity.callsign()).or_else(|| text(identity.name()));
     let numbered = || {
-        let address = identity.address().map(|address| format!("{address:06X}"));
-        address.or_else(|| identity.mmsi().map(|mmsi| format!("{mmsi:09}")))
+        let number = identity.address_text().or_else(|| identity.mmsi_text());
+        number.map(|number| number.to_string())
     };
     let name = named.or_else(numbered);
     escaped(event, &name.unwrap_or_else(|| format!("track {}", track.track_number)));
@@ -207,14 +207,14 @@ fn movement(event: &mut String, track: &SystemTrack, place: &TargetPlace) {
 fn remarks(event: &mut String, track: &SystemTrack) {
     let identity = &track.identity;
     let _ = write!(event, "<remarks>track {}", track.track_number);
-    if let Some(address) = identity.address() {
-        let _ = write!(event, ", address {address:06X}");
+    if let Some(address) = identity.address_text() {
+        let _ = write!(event, ", address {address}");
     }
-    if let Some(mmsi) = identity.mmsi() {
-        let _ = write!(event, ", MMSI {mmsi:09}");
+    if let Some(mmsi) = identity.mmsi_text() {
+        let _ = write!(event, ", MMSI {mmsi}");
     }
-    if let Some(code) = identity.mode_3a() {
-        let _ = write!(event, ", code {code:04o}");
+    if let Some(code) = identity.mode_3a_text() {
+        let _ = write!(event, ", code {code}");
     }
     if let Some(level_m) = track.level_m() {
         let _ = write!(event, ", FL {:03.0}", level_m / 0.3048 / 100.0);

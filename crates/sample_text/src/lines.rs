@@ -3,7 +3,7 @@
 use std::io::Write as _;
 
 use messages::layout::{ALL, Layout, Sample as _, SampleField};
-use messages::{PlatformState, SystemTrack, platform_state_bits};
+use messages::{Identity, IdentityText, PlatformState, SystemTrack, platform_state_bits};
 
 use crate::names::{SampleNames, Word};
 
@@ -95,6 +95,12 @@ impl LineWriter {
                     if !std::mem::take(&mut is_first) {
                         text.push(b',');
                     }
+                    if let Some(spelling) = spelling(sample, kind) {
+                        if let Some(spelled) = spelled(spelling, octets) {
+                            let _ = write!(text, "{spelled}");
+                        }
+                        return;
+                    }
                     match (kind, self.word((sample, field, kind), octets)) {
                         ("text", _) => csv_text(octets, text),
                         (_, Some(Word::One(word))) => text.extend_from_slice(word.as_bytes()),
@@ -121,6 +127,17 @@ impl LineWriter {
     fn object(&self, layout: &'static Layout, sample: &[u8], text: &mut Vec<u8>) {
         let mut separator = b'{';
         for field in fields(layout) {
+            for spelling in spellings(layout, field) {
+                text.push(separator);
+                separator = b',';
+                let _ = match spelled(spelling, sample) {
+                    Some(spelled) => write!(text, "\"{}\":\"{spelled}\"", spelling.key),
+                    None => write!(text, "\"{}\":null", spelling.key),
+                };
+            }
+            if is_spelled(layout, field) {
+                continue;
+            }
             text.push(separator);
             separator = b',';
             let _ = write!(text, "\"{}\":", field.name);
@@ -180,13 +197,42 @@ pub(crate) fn fields(layout: &Layout) -> impl Iterator<Item = &'static SampleFie
     layout.fields.iter().filter(move |field| !is_spare(field))
 }
 
+/// Returns what text has in place of a number of an identity: keys of their own for the numbers of aircraft and of
+/// ships, in the digits that people write. None for every other field.
+pub(crate) fn spellings(layout: &Layout, field: &SampleField) -> impl Iterator<Item = &'static IdentityText> + use<> {
+    const OF_NUMBER: &[IdentityText] = &[IdentityText::ADDRESS, IdentityText::MMSI];
+    const OF_CODE: &[IdentityText] = &[IdentityText::MODE_3A];
+    let found = match field.name {
+        "address" if layout.name == Identity::LAYOUT.name => OF_NUMBER,
+        "mode_3a" if layout.name == Identity::LAYOUT.name => OF_CODE,
+        _ => &[],
+    };
+    found.iter()
+}
+
+pub(crate) fn is_spelled(layout: &Layout, field: &SampleField) -> bool {
+    spellings(layout, field).next().is_some()
+}
+
+/// Returns a number of an identity, given as the bytes of its layout, in its digits; `None` if it is not known.
+fn spelled(spelling: &IdentityText, identity: &[u8]) -> Option<messages::Spelled> {
+    spelling.of(&Identity::of_octets(identity)?)
+}
+
+/// Returns the spelling of a column of CSV, of which [`columns`] gives the key as the kind.
+fn spelling(sample: &str, kind: &str) -> Option<&'static IdentityText> {
+    const ALL: &[IdentityText] = &IdentityText::ALL;
+    let is_meant = |text: &&IdentityText| sample == Identity::LAYOUT.name && text.key == kind;
+    ALL.iter().find(is_meant)
+}
+
 /// Returns the characters of a byte field without padding.
 fn characters(octets: &[u8]) -> String {
     String::from_utf8_lossy(octets).trim_end_matches(['\0', ' ']).to_owned()
 }
 
 /// Visits each column with its name, the sample, the field and the kind of its value, and its bytes (empty where there
-/// is no sample).
+/// is no sample). A number of an identity has its key as the kind, and the bytes of the whole identity.
 fn columns(
     layout: &'static Layout,
     prefix: &str,
@@ -195,6 +241,17 @@ fn columns(
 ) {
     for field in fields(layout) {
         let octets = sample.map_or(&[][..], |sample| &sample[field.offset..field.offset + field.size]);
+        for spelling in spellings(layout, field) {
+            let name = format!("{prefix}{}", spelling.key);
+            visit(
+                name,
+                (layout.name, field.name, spelling.key),
+                sample.unwrap_or_default(),
+            );
+        }
+        if is_spelled(layout, field) {
+            continue;
+        }
         let name = format!("{prefix}{}", field.name);
         match (field.element(), layout_of(field.element().0)) {
             ((_, None), Some(inner)) => columns(inner, &format!("{name}."), visit, sample.map(|_| octets)),

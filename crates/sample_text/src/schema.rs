@@ -3,7 +3,7 @@
 use messages::layout::{Layout, SampleField, code_groups};
 use serde_json::{Map, Value, json};
 
-use crate::lines::{PLACES, fields, layout_of};
+use crate::lines::{PLACES, fields, is_spelled, layout_of, spellings};
 use crate::names::SOURCES;
 
 /// Dialect of the schema.
@@ -30,9 +30,19 @@ pub fn json_schema(layout: &'static Layout, is_named: bool) -> Value {
 }
 
 fn object(layout: &'static Layout, is_named: bool) -> Map<String, Value> {
-    let property = |field: &SampleField| (field.name.to_owned(), property(field, is_named));
-    let properties: Map<String, Value> = fields(layout).map(property).collect();
-    let required: Vec<&str> = fields(layout).map(|field| field.name).collect();
+    let mut properties = Map::new();
+    let mut required = Vec::new();
+    for field in fields(layout) {
+        for spelling in spellings(layout, field) {
+            let text = json!({"type": ["string", "null"], "pattern": spelling.pattern, "description": spelling.form});
+            properties.insert(spelling.key.to_owned(), text);
+            required.push(spelling.key);
+        }
+        if !is_spelled(layout, field) {
+            properties.insert(field.name.to_owned(), property(field, is_named));
+            required.push(field.name);
+        }
+    }
     [
         ("type", "object".into()),
         ("properties", properties.into()),

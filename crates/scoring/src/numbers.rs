@@ -6,7 +6,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use messages::{SystemTrack, TrackState};
+use messages::{SystemTrack, TrackState, UniqueNumber};
 
 /// Tally of targets and their track numbers.
 #[derive(Clone, Debug, Default)]
@@ -63,7 +63,7 @@ impl NumberTally {
             return;
         }
         self.live.insert(number);
-        if let Some(address) = track.identity.unique_number() {
+        if let Some(address) = track.identity.unique_number().map(UniqueNumber::to_bits) {
             if *self.first.entry(number).or_insert(address) != address {
                 self.reused.insert(number);
             }

@@ -10,7 +10,7 @@ use std::collections::btree_map;
 use std::io::Read;
 
 use csv_table::{COVARIANCE_COLUMNS, Cells, Column, CsvError, Table};
-use messages::{COVARIANCE_LEN, Covariance};
+use messages::{COVARIANCE_LEN, Covariance, IdentityText};
 use rustc_hash::FxHashMap;
 
 use crate::basis::{DegreeColumns, FileBasis};
@@ -248,7 +248,7 @@ fn stated(row: Cells<'_>, columns: [Column; COVARIANCE_LEN]) -> Option<Covarianc
 
 /// Returns the address in the text; `None` for other texts, since files without identities may use the name otherwise.
 fn hexadecimal(text: &str) -> Option<u32> {
-    u32::from_str_radix(text, 16).ok()
+    IdentityText::ADDRESS.read(text)
 }
 
 /// Returns the components of a vector; the vertical one is 0 if heights are not known.

@@ -39,8 +39,11 @@
 //! A detection with the address of a track, in its gate, is of this target, or an echo of it. A new target there, or
 //! the target of another track, has this address with the probability d alone.
 //!
-//! Addresses 000000 and FFFFFF are those of no transponder, and say nothing. Values that a look does not state say
-//! nothing.
+//! Addresses 000000 and FFFFFF, and the MMSI 0, are those of no transponder, and say nothing. Values that a look does
+//! not state say nothing. The address and the MMSI of a rescue aircraft say nothing against each other: the track
+//! keeps the one that came first.
+//!
+//! Names of ships are no evidence, since an MMSI goes with them. A track passes on the latest one.
 //!
 //! # Far detections
 //!
@@ -54,7 +57,9 @@
 //! levels); EUROCONTROL standard SUR.ET1.ST01.1000-STD-01-01 for the probabilities of false codes that a radar may
 //! have.
 
-use messages::{CONSPICUITY_CODES, Identity, IdentityAges, LEVEL_STEP_M, NS_PER_S};
+use messages::{
+    CONSPICUITY_CODES, Identity, IdentityAges, LEVEL_STEP_M, NAME_MAX, NS_PER_S, UniqueNumber, identity_bits,
+};
 use observations::TransponderReply;
 
 /// How much larger a gate is for a detection that names the target.
@@ -75,6 +80,9 @@ const CLIMB_SIGMA_MPS: f64 = 10.0;
 const LEVEL_SIGMA_M: f64 = 4.0 * LEVEL_STEP_M * 0.288_675_134_594_813;
 const NS_PER_MS: i64 = 1_000_000;
 const NONE: u64 = u64::MAX;
+const NO_NAME: NameWords = [0; NAME_MAX.div_ceil(8)];
+/// Bits of the numbers of no transponder: two addresses, and the MMSI 0.
+const MEANINGLESS: [u32; 3] = [0, 0x00ff_ffff, 1 << 30];
 
 settings::settings! {
     /// What transponders' replies say about the track of a detection (HT-14).
@@ -104,6 +112,8 @@ pub(crate) struct PlotIdentity {
     /// When they were stated, nanoseconds.
     stated_ns: [i64; KINDS],
     level: Option<(i16, i64)>,
+    /// Name; zeros if not stated.
+    name: NameWords,
     /// Whether the measurement has the height already.
     has_height: bool,
 }
@@ -135,6 +145,8 @@ kept::kept! {
         believed: [Believed; KINDS],
         level: i32,
         level_ns: i64,
+        /// Latest name; zeros if none was stated.
+        name: NameWords,
     }
 }
 
@@ -154,6 +166,7 @@ impl PlotIdentity {
         values: [NONE; KINDS],
         stated_ns: [0; KINDS],
         level: None,
+        name: NO_NAME,
         has_height: false,
     };
 
@@ -164,10 +177,8 @@ impl PlotIdentity {
             return Self::NONE;
         }
         let TransponderReply { identity, ages, .. } = reply;
-        let meaningless = |address: u32| matches!(address, 0 | 0x00ff_ffff);
-        let number = identity
-            .unique_number()
-            .filter(|_| !identity.address().or(identity.mmsi()).is_some_and(meaningless));
+        let number = identity.unique_number().map(UniqueNumber::to_bits);
+        let number = number.filter(|number| !MEANINGLESS.contains(number));
         let callsign = identity.callsign().map(|_| u64::from_be_bytes(identity.callsign));
         let stated_ns = |age_ms: u32| time_ns - i64::from(age_ms) * NS_PER_MS;
         Self {
@@ -178,12 +189,13 @@ impl PlotIdentity {
             ],
             stated_ns: [ages.address_ms, ages.mode_3a_ms, ages.callsign_ms].map(stated_ns),
             level: reply.level.map(|level| (level, stated_ns(reply.level_age_ms))),
+            name: identity.name().map_or(NO_NAME, |_| words_of(&identity.name)),
             has_height,
         }
     }
 
     pub(crate) fn is_none(&self) -> bool {
-        self.level.is_none() && self.values == [NONE; KINDS]
+        self.level.is_none() && self.values == [NONE; KINDS] && self.name == NO_NAME
     }
 
     /// Unites the replies of two detections of one target: a value that both state differently is none.
@@ -195,6 +207,9 @@ impl PlotIdentity {
             } else if another != NONE && another != one {
                 self.values[kind] = NONE;
             }
+        }
+        if self.name == NO_NAME {
+            self.name = other.name;
         }
         self.level = self.level.or(other.level);
     }
@@ -268,6 +283,7 @@ impl TrackIdentity {
         believed: [Believed::NONE; KINDS],
         level: 0,
         level_ns: i64::MIN,
+        name: NO_NAME,
     };
 
     /// Takes the reply of a detection of the track.
@@ -276,9 +292,12 @@ impl TrackIdentity {
             return;
         }
         let (address, known) = (reply.values[ADDRESS], self.believed[ADDRESS].value);
-        let is_of_another = address != NONE && known != NONE && address != known;
+        let is_of_another =
+            address != NONE && known != NONE && address != known && !are_of_one_aircraft(ADDRESS, address, known);
         for kind in 0..KINDS {
-            if reply.values[kind] != NONE && (kind == ADDRESS || !is_of_another) {
+            let (stated, believed) = (reply.values[kind], self.believed[kind].value);
+            let is_taken = kind == ADDRESS || !is_of_another;
+            if stated != NONE && is_taken && !are_of_one_aircraft(kind, stated, believed) {
                 self.believed[kind].take(reply.values[kind], reply.stated_ns[kind], kind != ADDRESS);
             }
         }
@@ -287,6 +306,9 @@ impl TrackIdentity {
         }
         if let Some((level, stated_ns)) = reply.level {
             (self.level, self.level_ns) = (level.into(), stated_ns);
+        }
+        if reply.name != NO_NAME {
+            self.name = reply.name;
         }
     }
 
@@ -308,27 +330,33 @@ impl TrackIdentity {
     /// Whether several detections of the track stated another address than a reply.
     fn has_another_address_than(&self, reply: &PlotIdentity) -> bool {
         let (address, stated) = (&self.believed[ADDRESS], reply.values[ADDRESS]);
-        address.value != NONE && address.count > 1 && stated != NONE && stated != address.value
+        address.value != NONE
+            && address.count > 1
+            && stated != NONE
+            && stated != address.value
+            && !are_of_one_aircraft(ADDRESS, stated, address.value)
     }
 
     /// Identity as it is published.
     pub(crate) fn reported(&self) -> ReportedIdentity {
-        if self.level_ns == i64::MIN && self.believed.iter().all(|believed| believed.value == NONE) {
+        let has_value = self.believed.iter().any(|believed| believed.value != NONE);
+        if self.level_ns == i64::MIN && !has_value && self.name == NO_NAME {
             return ReportedIdentity::default();
         }
         let [address, code, callsign] = self.believed.map(|believed| believed.reported());
         let mut identity = Identity::default();
         if let Some(number) = address {
-            identity = match number >> MMSI_BITS {
-                0 => identity.with_address(number as u32),
-                _ => identity.with_mmsi(number as u32),
-            };
+            identity = identity.with_unique_number(UniqueNumber::from_bits(number as u32));
         }
         if let Some(code) = code {
             identity = identity.with_mode_3a(code as u16);
         }
         if let Some(callsign) = callsign {
             identity = identity.with_callsign(callsign.to_be_bytes());
+        }
+        if self.name != NO_NAME {
+            identity.name = name_of(self.name);
+            identity.valid |= identity_bits::NAME;
         }
         ReportedIdentity {
             identity,
@@ -338,8 +366,27 @@ impl TrackIdentity {
     }
 }
 
-/// Bit of a unique number that marks an MMSI ([`Identity::unique_number`]).
-const MMSI_BITS: u32 = 30;
+/// Characters of a name, as a record keeps them.
+type NameWords = [u64; NAME_MAX.div_ceil(8)];
+
+fn words_of(name: &[u8; NAME_MAX]) -> NameWords {
+    let mut words = NO_NAME;
+    for (word, octets) in words.iter_mut().zip(name.chunks(8)) {
+        *word = octets.iter().rev().fold(0, |word, octet| word << 8 | u64::from(*octet));
+    }
+    words
+}
+
+fn name_of(words: NameWords) -> [u8; NAME_MAX] {
+    let octets = words.map(u64::to_le_bytes);
+    std::array::from_fn(|place| octets[place / 8][place % 8])
+}
+
+/// Whether two values of a kind are different numbers of one target: a rescue aircraft has an address and an MMSI.
+fn are_of_one_aircraft(kind: usize, one: u64, other: u64) -> bool {
+    let number = |value: u64| UniqueNumber::from_bits(value as u32);
+    kind == ADDRESS && one != other && other != NONE && !number(one).excludes(number(other))
+}
 
 impl ReportedIdentity {
     /// Ages of the values at `time_ns`; 0 for values that are not known.
@@ -482,7 +529,8 @@ impl ScanReplies {
         } = self.settings;
         let compared = |kind: usize| {
             let (value, believed) = (reply.values[kind], &track.believed[kind]);
-            (value != NONE && believed.value != NONE).then_some((value, believed))
+            let are_compared = value != NONE && believed.value != NONE;
+            (are_compared && !are_of_one_aircraft(kind, value, believed.value)).then_some((value, believed))
         };
         let mut ratio = None;
         let mut add = |of: f64| ratio = Some(ratio.unwrap_or(1.0) * of);

@@ -576,3 +576,52 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_ship_keeps_its_name_and_every_number_its_kind() {
+    let named = |mmsi: u32, name: &str| TransponderReply {
+        identity: Identity::default().with_mmsi(mmsi).with_name(name),
+        ..TransponderReply::default()
+    };
+    let unnamed = reply(None, None);
+    let found = track(&[named(227_000_000, "TWENTY CHARACTERS OK"), unnamed, unnamed])
+        .reported()
+        .identity;
+    assert_eq!(found, named(227_000_000, "TWENTY CHARACTERS OK").identity);
+    // The latest name counts; one alone is a reply, too.
+    let renamed = track(&[named(1, "OLD"), named(1, "NEW")]).reported().identity;
+    assert_eq!((renamed.mmsi(), renamed.name()), (Some(1), Some("NEW")));
+    let name = Identity::default().with_name("ANNA");
+    let alone = TransponderReply {
+        identity: name,
+        ..TransponderReply::default()
+    };
+    assert_eq!(track(&[alone]).reported().identity, name);
+    // All ones in 24 bits is no address, but a ship's number; the number 0 is no ship's.
+    assert_eq!(
+        track(&[named(0x00ff_ffff, "A")]).reported().identity.mmsi(),
+        Some(0x00ff_ffff)
+    );
+    assert_eq!(track(&[named(0, "A")]).reported().identity.mmsi(), None);
+    for number in (0..30).map(|bit| 1u32 << bit) {
+        assert_eq!(track(&[named(number, "A")]).reported().identity.mmsi(), Some(number));
+        if number < 1 << 24 {
+            let found = track(&[reply(Some(number), None)]).reported().identity;
+            assert_eq!((found.address(), found.mmsi()), (Some(number), None));
+        }
+    }
+}
+
+#[test]
+fn the_two_numbers_of_a_rescue_aircraft_do_not_contradict() {
+    let mut by_ais = TransponderReply::default();
+    by_ais.identity = by_ais.identity.with_mmsi(111_227_506);
+    let by_radar = reply(Some(ONE), None);
+    for [first, second] in [[by_ais, by_radar], [by_radar, by_ais]] {
+        let known = track(&[first; 2]);
+        assert_eq!(ratio(&known, &[], &second), 1.0);
+        assert!(!known.has_another_address_than(&of(&second)));
+        let both = track(&[first, second, second, second, second, second, second]);
+        assert_eq!(both.reported().identity, first.identity);
+    }
+}

@@ -117,7 +117,7 @@ fn state(header: &BatchHeader, track: &SystemTrack, world: &World) -> State {
         .chain(&track.velocity_mps)
         .chain(upper)
         .all(|value| value.is_finite());
-    let address = track.identity.unique_number();
+    let address = track.identity.address();
     State {
         sent_ns: track.stages.fused_ns,
         incarnation: header.incarnation,

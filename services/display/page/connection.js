@@ -230,7 +230,7 @@ export class Connection {
     const facts = [];
     // The past remembers less.
     for (const key of ["rule", "epoch", "sequence"]) if (track[key] != null) facts.push([key, String(track[key])]);
-    if (track.identity?.mmsi) facts.push(["MMSI", String(track.identity.mmsi)]);
+    if (track.identity?.mmsi) facts.push(["MMSI", track.identity.mmsi]);
     if (track.identity?.name) facts.push(["name", track.identity.name]);
     const owner = shares.find((/** @type {any} */ share) => share.centre && share.track === track.owner_track_number);
     if (track.owner_track_number)
@@ -312,7 +312,7 @@ export class Connection {
  * @param {number} address @param {number} kind
  */
 function addressText(address, kind) {
-  return kind === 1 ? address.toString(16).padStart(6, "0").toUpperCase() : String(address);
+  return kind === MMSI ? String(address).padStart(9, "0") : address.toString(16).padStart(6, "0").toUpperCase();
 }
 
 /** @param {any} source @returns {import("./panels.js").Source} */

@@ -196,8 +196,8 @@ export function readPictureTrack(view, at) {
 /**
  * @typedef {object} PictureIdentity
  * @property {number} number System-track number.
- * @property {number} address 24-bit aircraft address or 30-bit MMSI (see `kind`).
- * @property {number} mode_3a Mode 3/A code, its four octal digits in twelve bits.
+ * @property {number} address 24-bit aircraft address or 30-bit MMSI (see `kind`), an integer.
+ * @property {number} mode_3a Mode 3/A code, an integer of twelve bits.
  * @property {number} kind Kind of `address`: an `IdentityKind` code.
  * @property {number} valid Fields that hold something: see `identity_bits`.
  * @property {string} callsign Callsign in ASCII, padded with blanks.

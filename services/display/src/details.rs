@@ -8,7 +8,7 @@
 //! `turn_sigma_dps`, `modes` (the most probable models of the plane and of the vertical, each `mode` and
 //! `probability`), `level` (of the transponder, hundreds of feet), `level_age_s`, `height_valid`,
 //! `on_ground`, `merged_into`, `owner_track_number` (0: this centre owns the track), `nis`, `covariance` (the 21
-//! elements of the upper triangle), `identity` {`address`, `mmsi`, `mode_3a`, `callsign`, `name`, `type`,
+//! elements of the upper triangle), `identity` {`address`, `mmsi`, `mode_3a` (each a text of its digits), `callsign`, `name`, `type`,
 //! `type_confidence`} and `contributions`. Each contribution has
 //! `source`, `name`, `track_number`, `weight`, `accuracy`, `fresh`, `scored`, `centre` (a system track of another
 //! centre), `origin` (the other centre; `null`: unknown), `time_s`, `time_of_measurement_ns`, and the last position
@@ -30,7 +30,7 @@
 
 use messages::picture::{PictureIdentity, PictureSensorTrack, PictureTrack, picture_track_bits};
 use messages::{
-    Contribution, FusionRule, Identity, MotionMode, NO_SOURCE, SystemTrack, TargetType, TrackKind, TrackState,
+    Contribution, FusionRule, Identity, MotionMode, NO_SOURCE, Spelled, SystemTrack, TargetType, TrackKind, TrackState,
     contribution_bits,
 };
 use runtime::Now;
@@ -219,10 +219,11 @@ fn contribution(world: &World, part: &Contribution, report: Option<PictureSensor
 }
 
 fn identity(identity: &Identity, target_type: &TargetType) -> Value {
+    let text = |spelled: Option<Spelled>| spelled.map(|spelled| spelled.to_string());
     json!({
-        "address": identity.address().map(|address| format!("{address:06X}")),
-        "mmsi": identity.mmsi(),
-        "mode_3a": identity.mode_3a().map(|code| format!("{code:04o}")),
+        "address": text(identity.address_text()),
+        "mmsi": text(identity.mmsi_text()),
+        "mode_3a": text(identity.mode_3a_text()),
         "callsign": identity.callsign(),
         "name": identity.name(),
         "type": target_type.name(),
@@ -295,9 +296,9 @@ pub(crate) fn aircraft(world: &World, now: Now) -> Value {
         let [east, north, _] = track.velocity_mps;
         let seen_s = seconds(time_ns - live.measured_ns).max(0.0);
         // In that format, numbers other than aircraft addresses start with a tilde.
-        let hex = track.identity.address().map_or_else(
+        let hex = track.identity.address_text().map_or_else(
             || format!("~{:06x}", track.track_number & 0xff_ffff),
-            |address| format!("{address:06x}"),
+            |address| address.to_string().to_lowercase(),
         );
         let mut one = json!({
             "hex": hex,
@@ -327,8 +328,8 @@ pub(crate) fn aircraft(world: &World, now: Now) -> Value {
         if let Some(callsign) = track.identity.callsign() {
             object.insert("flight".to_owned(), json!(format!("{callsign:8}")));
         }
-        if let Some(code) = track.identity.mode_3a() {
-            object.insert("squawk".to_owned(), json!(format!("{code:04o}")));
+        if let Some(code) = track.identity.mode_3a_text() {
+            object.insert("squawk".to_owned(), json!(code.to_string()));
         }
         if let Some(name) = track.target_type.name() {
             object.insert("t".to_owned(), json!(name));

@@ -133,15 +133,15 @@ Examples:
   koseki fuse --tracks radar.csv adsb.csv --out fused.csv --picture seven.svg --track 7
 
 FILE     time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,P01,…,P55,state   a row per report, in the order of time
-         and, if known, address,mode_3a,callsign,method,trace,height_valid,velocity_valid, and from `koseki track`
-         kind,members,type,type_confidence (docs/wide-area.md). Metres, m/s, the upper triangle of the covariance row by
+         and, if known, address,mode_3a,callsign,method,trace,height_valid,velocity_valid, of ships mmsi,name, and from
+         `koseki track` kind,members,type,type_confidence (docs/wide-area.md). Metres, m/s, the upper triangle of the covariance row by
          row, or instead only its trace over east and north; state is tentative, confirmed, coasted or terminated. A file
          may contain several sensors; several files are merged by time. Unusable rows are omitted and counted.
          With a column arrival_s (absolute, not before time_s), rows are delivered in its order, whatever their order in the
          file, and time passes with it; a row that is late by up to fusion.late_window_s (10 s) changes the states as if it
          had come in time.
 --out    time_s,system_track_id,x,y,z,vx,vy,vz,state,sources,weights,selected,lambda,address,mode_3a,callsign,P00,…,P55
-         and more, a row per update. With --refresh a row per confirmed or coasted track at every whole multiple of the
+         and more, at the end mmsi,name, a row per update. With --refresh a row per confirmed or coasted track at every whole multiple of the
          interval. Several values in a column are joined with |.
 --explain {DECISION}
          decision: started, joined, split, merged, confirmed, coasted, ended, hand_over and more; value was compared
@@ -222,9 +222,9 @@ FILE     time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,p
          kind: position2 (x, y), position3, range_bearing (m, rad clockwise from north), range_bearing_elevation,
          bearing, bearing_elevation; m: values in that order, m3 the range rate, if any; s: the standard deviations of m;
          p: position of the sensor; metres, radians, m/s; values not measured by a kind are empty.
-         Optional: address (hexadecimal), mode_3a (octal), callsign, mmsi, level (flight level) of the transponder's
+         Optional: address (hexadecimal), mode_3a (octal), callsign, mmsi, name, level (flight level) of the transponder's
          reply, and address_age_s, mode_3a_age_s, callsign_age_s, level_age_s; all may be empty. With a reply in any row,
-         --out has mmsi, level and the ages of the track's values at the end. Optional columns of a moving platform:
+         --out has mmsi, level, the ages of the track's values and name at the end. Optional columns of a moving platform:
          docs/platform.md.
          Detections with the same sensor_id and scan belong to the same scan: an antenna turn or an image. A missing scan
          number is a scan without detections. A row of the kind none, with its other values empty, is a scan without

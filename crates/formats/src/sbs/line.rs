@@ -4,7 +4,7 @@ use std::fmt;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
-use messages::Callsign;
+use messages::{Callsign, IdentityText};
 
 const M_PER_FT: f64 = 0.3048;
 const MPS_PER_KT: f64 = 1852.0 / 3600.0;
@@ -339,8 +339,8 @@ impl<'a> LineValues<'a> {
 
 /// Addresses that no aircraft has, which some programs mark with a tilde, are none here.
 fn address(text: &str) -> Option<u32> {
-    let plain = text.len() == 6 && text.bytes().all(|octet| octet.is_ascii_hexdigit());
-    u32::from_str_radix(text, 16).ok().filter(|_| plain)
+    let number = IdentityText::ADDRESS.read(text);
+    number.filter(|_| text.len() == IdentityText::ADDRESS.digits)
 }
 
 fn callsign(text: &str) -> Option<Callsign> {
@@ -351,8 +351,7 @@ fn callsign(text: &str) -> Option<Callsign> {
 }
 
 fn code(text: &str) -> Option<u16> {
-    let plain = text.len() <= 4 && text.bytes().all(|octet| octet.is_ascii_digit());
-    u16::from_str_radix(text, 8).ok().filter(|_| plain)
+    IdentityText::MODE_3A.read(text).map(|code| code as u16)
 }
 
 fn date(text: &str) -> Option<Date> {

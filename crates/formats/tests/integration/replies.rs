@@ -54,25 +54,31 @@ fn reply() -> impl Strategy<Value = TransponderReply> {
     ];
     let others = (prop::option::of(0u16..4096), prop::option::of("[A-Z0-9]{1,8}"));
     let ages = prop::array::uniform4(0u32..4_000_000);
-    (number, others, prop::option::of(any::<i16>()), ages).prop_map(|(mut identity, (code, callsign), level, ages)| {
-        if let Some(code) = code {
-            identity = identity.with_mode_3a(code);
-        }
-        if let Some(callsign) = callsign {
-            let padded = format!("{callsign:8}");
-            identity = identity.with_callsign(padded.as_bytes().try_into().unwrap());
-        }
-        TransponderReply {
-            identity,
-            ages: IdentityAges {
-                address_ms: ages[0],
-                mode_3a_ms: ages[1],
-                callsign_ms: ages[2],
-            },
-            level,
-            level_age_ms: ages[3],
-        }
-    })
+    let others = (others.0, others.1, prop::option::of("[A-Z]{1,9}( [A-Z0-9]{1,9})?"));
+    (number, others, prop::option::of(any::<i16>()), ages).prop_map(
+        |(mut identity, (code, callsign, name), level, ages)| {
+            if let Some(name) = name {
+                identity = identity.with_name(&name);
+            }
+            if let Some(code) = code {
+                identity = identity.with_mode_3a(code);
+            }
+            if let Some(callsign) = callsign {
+                let padded = format!("{callsign:8}");
+                identity = identity.with_callsign(padded.as_bytes().try_into().unwrap());
+            }
+            TransponderReply {
+                identity,
+                ages: IdentityAges {
+                    address_ms: ages[0],
+                    mode_3a_ms: ages[1],
+                    callsign_ms: ages[2],
+                },
+                level,
+                level_age_ms: ages[3],
+            }
+        },
+    )
 }
 
 proptest! {

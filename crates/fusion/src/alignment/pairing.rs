@@ -5,7 +5,7 @@
 //! are too small to keep tracks apart, as half a degree of azimuth near the sensor. Such biases are told only from a
 //! size that registration should not have to remove.
 
-use messages::{BiasKind, Identity};
+use messages::{BiasKind, Identity, UniqueNumber};
 use serde::{Deserialize, Serialize};
 
 use crate::alignment::findings::GATE;
@@ -39,7 +39,7 @@ impl TrackNames {
     pub(super) fn of(identity: &Identity, settings: &IdentitySettings) -> Self {
         let code = identity.mode_3a().filter(|code| !settings.is_shared(*code));
         Self {
-            address: identity.unique_number().unwrap_or_default(),
+            address: identity.unique_number().map_or(0, UniqueNumber::to_bits),
             code: code.unwrap_or_default(),
             callsign: identity.callsign().map_or(0, crate::identity::key_of),
         }

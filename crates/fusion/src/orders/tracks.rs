@@ -46,9 +46,8 @@ impl Engine {
             if other.bond != Bond::Free {
                 return Err(Refusal::BoundTrack);
             }
-            let addresses = [entry, other].map(|entry| entry.identity.unique_number());
             let uses_identity = self.settings.association.use_identity;
-            if uses_identity && matches!(addresses, [Some(one), Some(another)] if one != another) {
+            if uses_identity && entry.identity.has_other_number(&other.identity) {
                 return Err(Refusal::TwoAddresses);
             }
         }

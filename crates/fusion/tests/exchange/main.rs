@@ -356,7 +356,7 @@ fn judge(truth: &Truth, tracks: &[SystemTrack], worth: &mut Worth) {
     for track in tracks {
         assert_eq!(track.reference_time_ns, first.reference_time_ns);
         let is_shown = track.state == TrackState::Confirmed as u8 || track.state == TrackState::Coasted as u8;
-        let address = track.identity.unique_number().unwrap_or_default();
+        let address = track.identity.address().unwrap_or_default();
         let Some(target) = in_strip.get(&address).filter(|_| is_shown) else {
             continue;
         };

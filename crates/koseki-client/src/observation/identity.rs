@@ -1,26 +1,57 @@
 //! Identities of targets, checked.
 
 use messages::admission::Fault;
+use messages::{Identity, IdentityText, NAME_MAX};
 
 use super::fault;
 
-/// Passes a 24-bit address of ICAO on.
+/// Returns an identity with a number of this kind as well: an aircraft's address, a ship's MMSI or a Mode 3/A code.
 ///
 /// # Errors
-/// The fault of a number with more bits.
-pub fn address_of(address: u32) -> Result<u32, Fault> {
-    let limit = "must be up to six hexadecimal digits";
-    let wrong = || fault("address", format!("{address:X}"), limit, "write it as in \"3C6589\"");
-    (address < 1 << 24).then_some(address).ok_or_else(wrong)
+/// The fault of a number that is too large, of the MMSI 0, or of an MMSI beside an address: a target is an aircraft or a
+/// ship.
+pub fn numbered(identity: Identity, kind: IdentityText, number: u32) -> Result<Identity, Fault> {
+    let is_no_ship = kind == IdentityText::MMSI && number == 0;
+    if kind.write(number).is_none() || is_no_ship {
+        let limit = format!("must be {}", kind.form);
+        let value = match kind.radix {
+            16 => format!("{number:X}"),
+            8 => format!("{number:o}"),
+            _ => number.to_string(),
+        };
+        return Err(fault(
+            kind.key,
+            value,
+            &limit,
+            format!("write it as in \"{}\"", kind.example),
+        ));
+    }
+    let both = kind.set(identity, number);
+    if identity
+        .unique_number()
+        .is_some_and(|before| both.unique_number() != Some(before))
+    {
+        let limit = "must not stand beside the other number";
+        return Err(fault(
+            kind.key,
+            kind.of(&both).map_or_else(String::new, |text| text.to_string()),
+            limit,
+            "a target is an aircraft or a ship: leave one of the two out",
+        ));
+    }
+    Ok(both)
 }
 
-/// Passes a Maritime Mobile Service Identity on.
+/// Passes the name of a ship on.
 ///
 /// # Errors
-/// The fault of a number that is none.
-pub fn mmsi_of(mmsi: u32) -> Result<u32, Fault> {
-    let wrong = || fault("mmsi", mmsi, "must be from 1 to 999999999", "an MMSI has nine digits");
-    (1..=999_999_999).contains(&mmsi).then_some(mmsi).ok_or_else(wrong)
+/// The fault of a text that is too long, empty or not ASCII.
+pub fn name_of(text: &str) -> Result<&str, Fault> {
+    let is_name = (1..=NAME_MAX).contains(&text.len()) && text.is_ascii();
+    let limit = format!("must be one to {NAME_MAX} characters of ASCII");
+    is_name
+        .then_some(text)
+        .ok_or_else(|| fault("name", text, &limit, "shorten it"))
 }
 
 /// Returns a callsign as samples have it: eight characters, with spaces at the end.

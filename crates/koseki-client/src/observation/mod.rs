@@ -19,7 +19,7 @@ use messages::admission::{Admission, Fault};
 use messages::{Identity, NS_PER_S, Outgoing};
 
 pub use detection::Detection;
-pub use identity::{address_of, callsign_of, mmsi_of};
+pub use identity::{callsign_of, name_of, numbered};
 pub use scans::Scans;
 pub use track_report::TrackReport;
 

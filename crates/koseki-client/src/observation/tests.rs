@@ -1,7 +1,9 @@
 use std::f64::consts::FRAC_PI_2;
 
 use frames::Geodetic;
-use messages::{DetectionKind, SensorDetection, SensorTrack, TrackState, sensor_detection_bits, sensor_track_bits};
+use messages::{
+    DetectionKind, IdentityText, SensorDetection, SensorTrack, TrackState, sensor_detection_bits, sensor_track_bits,
+};
 
 use super::*;
 
@@ -263,10 +265,29 @@ fn each_mistake_is_named_by_field_and_remedy() {
 
 #[test]
 fn identities_are_checked() {
-    assert_eq!(address_of(0x3c_6589), Ok(0x3c_6589));
-    assert_eq!(address_of(1 << 24).unwrap_err().field, "address");
-    assert_eq!(mmsi_of(211_000_000), Ok(211_000_000));
-    assert_eq!(mmsi_of(0).unwrap_err().field, "mmsi");
+    let none = Identity::default();
+    let [address, mmsi, code] = IdentityText::ALL;
+    assert_eq!(numbered(none, address, 0x3c_6589), Ok(none.with_address(0x3c_6589)));
+    assert_eq!(numbered(none, mmsi, 211_000_000), Ok(none.with_mmsi(211_000_000)));
+    assert_eq!(
+        numbered(none.with_mmsi(5), code, 0o7000),
+        Ok(none.with_mmsi(5).with_mode_3a(0o7000))
+    );
+    for (before, kind, number) in [
+        (none, address, 1 << 24),
+        (none, mmsi, 0),
+        (none, mmsi, 1_000_000_000),
+        (none, code, 0o10000),
+        // Neither number of two is taken, so that none is lost without a word.
+        (none.with_address(0x87_bec0), mmsi, 227_000_000),
+        (none.with_mmsi(227_000_000), address, 0x87_bec0),
+    ] {
+        assert_eq!(numbered(before, kind, number).unwrap_err().field, kind.key);
+    }
+    assert_eq!(name_of("QUEEN MARY 2"), Ok("QUEEN MARY 2"));
+    for wrong in ["", "A NAME OF TWENTY-ONE..", "é"] {
+        assert_eq!(name_of(wrong).unwrap_err().field, "name");
+    }
     assert_eq!(callsign_of("DLH1"), Ok(*b"DLH1    "));
     for wrong in ["", "LUFTHANSA", "é"] {
         assert_eq!(callsign_of(wrong).unwrap_err().field, "callsign");

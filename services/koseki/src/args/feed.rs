@@ -21,13 +21,16 @@ degrees with names in _deg, or radians with names in _rad. Fields:
   any source       time (2026-05-01T10:00:00.5Z), time_s or time_ns (UTC since 1970) [default: time of receipt];
                    latitude, longitude (WGS-84, degrees) and height_m (above the ellipsoid), or position_m
                    (east, north, up in the system frame) or east_m, north_m, up_m; sigma_m and height_sigma_m (standard deviations);
-                   address (hexadecimal), mmsi, callsign, mode_3a (octal digits), name
+                   address ("3C6589": hexadecimal) or mmsi ("211234560"), callsign, mode_3a ("7000": octal), name
   of detections    in place of a position: range_m and bearing_deg, or bearing_deg alone, each with elevation_deg if
                    measured; range_sigma_m, bearing_sigma_deg, elevation_sigma_deg; the sensor's place as
                    sensor_latitude, sensor_longitude and sensor_height_m (directions are from its true north), or sensor_m
                    (from the system frame's north); range_rate_mps with range_rate_sigma_mps; scan [default: lines with one time are one scan]
   of tracks        track (number); velocity_mps (east, north, up), or speed_mps, course_deg (from true north) and
                    climb_mps; velocity_sigma_mps; state (tentative, confirmed, terminated) [default: confirmed]
+
+Lines of koseki tap are accepted as they are: of sensor tracks and detections with every field, of system tracks as
+reports of another centre. --source then names the fed source, if there are several.
 
 A refused line is not published. A connection and standard output get a JSON object for each refused line, with
 line, field, value, limit and remedy; so does a connection beyond 16 before it is closed. Lines in datagrams are

@@ -19,7 +19,8 @@ Examples:
 
 Each sample is a line with its fields by name, in the units of docs/integrate.md; codes, bits and
 sources are words, and positions are also written as latitude, longitude (WGS-84) and height. An
-unknown value is null in JSON and empty in CSV. Nested samples are JSON objects; in CSV they are
+unknown value is null in JSON and empty in CSV. Identities are text: an address in hexadecimal, a Mode 3/A
+code in octal, an MMSI in decimal digits. Nested samples are JSON objects; in CSV they are
 columns such as stages.fused_ns, and lists are omitted. CAT062 has the items of a gateway, except
 the kinds of contributing sensors. A socket's reader that is too slow is disconnected, and may
 connect again; samples lost by this program are reported on standard error.";
@@ -49,7 +50,7 @@ pub(crate) struct Tap {
     /// The same as --format cat062
     #[arg(long, conflicts_with = "format")]
     asterix: bool,
-    /// Numbers for codes, bits and sources, and no latitude and longitude
+    /// Numbers for codes, bits and sources (not of identities), and no latitude and longitude
     #[arg(long)]
     pub(crate) raw: bool,
     /// Print the JSON Schema of the topic's lines, and end; no instance needs to run

@@ -1,6 +1,7 @@
 //! Fields of a line: a JSON object whose fields are taken by name, so that what is left has no meaning.
 
 use koseki_client::observation::{fault, time_ns_of};
+use messages::IdentityText;
 use messages::admission::Fault;
 use serde_json::{Map, Value};
 
@@ -26,6 +27,16 @@ impl Fields {
         }
     }
 
+    /// Whether the line is one of `koseki tap`.
+    pub(super) fn is_tapped(&self) -> bool {
+        self.0.contains_key(super::tapped::MARK)
+    }
+
+    /// The fields that have not been taken.
+    pub(super) fn all(&self) -> &Map<String, Value> {
+        &self.0
+    }
+
     /// Takes a field; an unknown value (`null`) is no value.
     fn take(&mut self, name: &str) -> Option<Value> {
         self.0.remove(name).filter(|value| !value.is_null())
@@ -37,6 +48,29 @@ impl Fields {
             Some(Value::String(text)) => Ok(Some(text)),
             Some(other) => Err(fault(name, other, "must be a text", "put it between quotation marks")),
         }
+    }
+
+    /// Takes a number of an identity: a text of its digits.
+    pub(super) fn digits(&mut self, spelling: IdentityText) -> Result<Option<u32>, Fault> {
+        let Some(value) = self.take(spelling.key) else {
+            return Ok(None);
+        };
+        let number = match &value {
+            Value::String(text) => spelling.read(text),
+            // Decimal digits mean the same with and without quotation marks.
+            Value::Number(number) if spelling.radix == 10 => number.as_u64().and_then(|number| number.try_into().ok()),
+            _ => None,
+        };
+        let wrong = || {
+            let remedy = format!("write it as in \"{}\"", spelling.example);
+            fault(
+                spelling.key,
+                shortened(&value.to_string()),
+                &format!("must be {}, as text", spelling.form),
+                remedy,
+            )
+        };
+        number.map(Some).ok_or_else(wrong)
     }
 
     pub(super) fn number(&mut self, name: &str) -> Result<Option<f64>, Fault> {

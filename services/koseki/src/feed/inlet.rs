@@ -14,6 +14,7 @@ use messages::{Outgoing, SensorDetection, SensorTrack};
 
 use super::fields::Fields;
 use super::samples;
+use super::tapped::TappedLines;
 use crate::config::Config;
 
 /// Most samples that are collected before they are published.
@@ -53,11 +54,10 @@ struct Inlet {
 /// What the lines of a source are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum InletKind {
-    Tracks,
+    /// Of the source with this number.
+    Tracks(u16),
     /// Detections; whether the configuration has standard deviations for those without their own.
-    Detections {
-        has_sigmas: bool,
-    },
+    Detections { has_sigmas: bool },
 }
 
 /// Publisher of a source, from its first line on, with the samples to be published.
@@ -71,6 +71,7 @@ enum Port {
 pub(super) struct Inlets {
     root: Root,
     frame: SystemFrame,
+    tapped: TappedLines,
     inlets: Vec<Inlet>,
     /// Source of lines that name none.
     usual: Option<usize>,
@@ -92,9 +93,9 @@ impl Inlets {
                 port: Port::Closed,
             });
         };
-        for (source, processing) in config.sources.iter().zip(&config.processing) {
+        for (number, (source, processing)) in (0..).zip(config.sources.iter().zip(&config.processing)) {
             if matches!(source.input, Input::External) {
-                add(&source.name, &source.name, InletKind::Tracks);
+                add(&source.name, &source.name, InletKind::Tracks(number));
             }
             let sensors = config.sensors_of(source);
             let facts = processing.tracker().map(|tracker| &tracker.settings.sensors);
@@ -112,6 +113,7 @@ impl Inlets {
         Self {
             root: root.clone(),
             frame: config.frame,
+            tapped: TappedLines::of(config),
             inlets,
             usual: None,
             clock_limit,
@@ -184,7 +186,7 @@ impl Inlets {
         let name = &inlet.of_topic;
         // Lines are checked here one by one, with the same limit.
         inlet.port = match inlet.kind {
-            InletKind::Tracks => Port::Tracks(unlimited(Publisher::at(&self.root, name)?), Vec::new()),
+            InletKind::Tracks(_) => Port::Tracks(unlimited(Publisher::at(&self.root, name)?), Vec::new()),
             InletKind::Detections { .. } => Port::Detections(
                 unlimited(Publisher::at(&self.root, name)?),
                 Vec::new(),
@@ -217,10 +219,15 @@ impl Inlets {
     /// Returns whether samples are to be flushed.
     fn try_take(&mut self, line: &[u8], received_ns: i64) -> Result<bool, Refusal> {
         let mut fields = Fields::of_line(line)?;
-        let place = match (fields.text("source")?, self.usual) {
-            (Some(name), _) => self.place(&name)?,
-            (None, Some(place)) => place,
-            (None, None) => return Err(missing("source", &format!("name one of {}", self.names())).into()),
+        let is_tapped = fields.is_tapped();
+        let place = match self.usual {
+            // The line names a source of the deployment that was tapped.
+            Some(place) if is_tapped => place,
+            usual => match (fields.text("source")?, usual) {
+                (Some(name), _) => self.place(&name)?,
+                (None, Some(place)) => place,
+                (None, None) => return Err(missing("source", &format!("name one of {}", self.names())).into()),
+            },
         };
         self.open(place).map_err(|error| match error.kind() {
             ErrorKind::Ended | ErrorKind::NotRunning => Refusal::Ended(error),
@@ -238,17 +245,28 @@ impl Inlets {
         let checked = |fault: Option<Fault>| fault.map_or(Ok(()), Err);
         let inlet = &mut self.inlets[place];
         let gathered = match (&mut inlet.port, inlet.kind) {
-            (Port::Tracks(_, waiting), _) => {
-                let track = samples::track(fields)?.sample(&self.frame, received_ns)?;
+            (Port::Tracks(_, waiting), InletKind::Tracks(source)) => {
+                let mut track = match is_tapped {
+                    true => self.tapped.track(fields.all(), source)?,
+                    false => samples::track(fields)?.sample(&self.frame, received_ns)?,
+                };
+                track.source = source;
                 checked(admission::fault(&track, received_ns, Some(limit_ns)))?;
                 waiting.push(track);
                 waiting.len()
             }
             (Port::Detections(_, waiting, scans), InletKind::Detections { has_sigmas }) => {
-                let stated = samples::detection(fields, has_sigmas)?;
-                let mut detection = stated.sample(&self.frame, received_ns)?;
-                checked(admission::fault(&detection, received_ns, Some(limit_ns)))?;
-                stated.count(&mut detection, scans);
+                let detection = if is_tapped {
+                    let detection = self.tapped.detection(fields.all())?;
+                    checked(admission::fault(&detection, received_ns, Some(limit_ns)))?;
+                    detection
+                } else {
+                    let stated = samples::detection(fields, has_sigmas)?;
+                    let mut detection = stated.sample(&self.frame, received_ns)?;
+                    checked(admission::fault(&detection, received_ns, Some(limit_ns)))?;
+                    stated.count(&mut detection, scans);
+                    detection
+                };
                 waiting.push(detection);
                 waiting.len()
             }

@@ -8,6 +8,7 @@ mod doors;
 mod fields;
 mod inlet;
 mod samples;
+mod tapped;
 
 use std::fmt::Write as _;
 use std::net::SocketAddr;

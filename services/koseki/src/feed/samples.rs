@@ -1,9 +1,9 @@
 //! Observations of the lines: a detection or a report of a track. The client library makes the samples.
 
-use koseki_client::observation::{Fields as _, address_of, callsign_of, fault, mmsi_of};
+use koseki_client::observation::{Fields as _, callsign_of, fault, name_of, numbered};
 use koseki_client::{Detection, TrackReport};
 use messages::admission::Fault;
-use messages::{Identity, TrackState};
+use messages::{Identity, IdentityText, TrackState};
 
 use super::fields::Fields;
 
@@ -108,26 +108,16 @@ fn state_of(word: &str) -> Result<TrackState, Fault> {
 
 fn identity(fields: &mut Fields) -> Result<Identity, Fault> {
     let mut identity = Identity::default();
-    if let Some(text) = fields.text("address")? {
-        let what = "must be up to six hexadecimal digits";
-        let wrong = |_| fault("address", &text, what, "write it as in \"3C6589\"");
-        identity = identity.with_address(address_of(u32::from_str_radix(&text, 16).map_err(wrong)?)?);
-    }
-    if let Some(mmsi) = fields.whole("mmsi")? {
-        identity = identity.with_mmsi(mmsi_of(mmsi)?);
-    }
-    if let Some(text) = fields.text("mode_3a")? {
-        let code = u16::from_str_radix(&text, 8)
-            .ok()
-            .filter(|code| *code < 1 << 12 && text.len() == 4);
-        let what = "must be four octal digits";
-        identity = identity.with_mode_3a(code.ok_or_else(|| fault("mode_3a", text, what, "write it as in \"7000\""))?);
+    for spelling in IdentityText::ALL {
+        if let Some(number) = fields.digits(spelling)? {
+            identity = numbered(identity, spelling, number)?;
+        }
     }
     if let Some(text) = fields.text("callsign")? {
         identity = identity.with_callsign(callsign_of(&text)?);
     }
     if let Some(text) = fields.text("name")? {
-        identity = identity.with_name(&text);
+        identity = identity.with_name(name_of(&text)?);
     }
     Ok(identity)
 }

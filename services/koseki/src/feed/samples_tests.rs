@@ -107,6 +107,46 @@ fn identities_are_read() {
 }
 
 #[test]
+fn a_ships_number_is_digits_with_or_without_quotation_marks() {
+    let identity = |fields: &str| {
+        let line = format!(r#"{{"track": 1, "position_m": [1, 2], "sigma_m": 30, {fields}}}"#);
+        tracked(&line).map(|found| found.identity)
+    };
+    for (text, mmsi) in [
+        (r#""227000000""#, 227_000_000),
+        ("227000000", 227_000_000),
+        (r#""002275400""#, 2_275_400),
+    ] {
+        let found = identity(&format!(r#""mmsi": {text}, "name": "QUEEN MARY 2""#)).unwrap();
+        assert_eq!(
+            (found.mmsi(), found.name()),
+            (Some(mmsi), Some("QUEEN MARY 2")),
+            "{text}"
+        );
+        assert_eq!(found.address(), None);
+    }
+    for (fields, field, expected) in [
+        (r#""mmsi": "22700000A""#, "mmsi", "write it as in \"211234560\""),
+        (r#""mmsi": 2270000000"#, "mmsi", "nine digits"),
+        (r#""mmsi": 0"#, "mmsi", "nine digits"),
+        (r#""mmsi": -5"#, "mmsi", "nine digits"),
+        (
+            r#""mmsi": 227000000, "address": "87BEC0""#,
+            "mmsi",
+            "leave one of the two out",
+        ),
+        (r#""address": 8863583"#, "address", "write it as in \"3C6589\""),
+        (r#""mode_3a": 1216"#, "mode_3a", "octal"),
+        (r#""mode_3a": "1218""#, "mode_3a", "octal"),
+        (r#""name": "A NAME OF TWENTY-ONE..""#, "name", "shorten it"),
+    ] {
+        let fault = identity(fields).unwrap_err();
+        assert_eq!(fault.field, field, "{fields}");
+        assert!(fault.to_string().contains(expected), "{fields}: {fault}");
+    }
+}
+
+#[test]
 fn each_mistake_is_named_by_field_and_remedy() {
     let mistakes = [
         ("41.3, 2.1", "line", "must be JSON"),

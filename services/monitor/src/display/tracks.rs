@@ -107,9 +107,9 @@ impl TrackRow {
 fn identity(track: &SystemTrack) -> String {
     let identity = &track.identity;
     let name = identity.callsign().or(identity.name()).map(str::to_owned);
-    let address = || identity.address().map(|address| format!("{address:06X}"));
-    let mmsi = || identity.mmsi().map(|mmsi| mmsi.to_string());
-    let code = || identity.mode_3a().map(|code| format!("A{code:04o}"));
+    let address = || identity.address_text().map(|address| address.to_string());
+    let mmsi = || identity.mmsi_text().map(|mmsi| mmsi.to_string());
+    let code = || identity.mode_3a_text().map(|code| format!("A{code}"));
     name.or_else(address).or_else(mmsi).or_else(code).unwrap_or_default()
 }
 
@@ -198,6 +198,7 @@ mod tests {
             (none.with_mode_3a(0o7000), "A7000"),
             (none.with_mode_3a(0o7000).with_address(0xabc), "000ABC"),
             (none.with_mmsi(211_000_001), "211000001"),
+            (none.with_mmsi(2_275_400), "002275400"),
             (none.with_mmsi(211_000_001).with_name("ANNA"), "ANNA"),
         ] {
             let track = SystemTrack {
