@@ -102,11 +102,11 @@ impl Traffic {
         report.time_of_measurement_ns = self.utc_ns(due_ns);
         report.source = source;
         let mut words = Words::of(source, target, scan);
-        for axis in 0..3 {
-            report.position_m[axis] += report.velocity_mps[axis] * seconds + POSITION_SIGMA_M[axis] * words.noise();
+        for (axis, sigma_m) in POSITION_SIGMA_M.into_iter().enumerate() {
+            report.position_m[axis] += report.velocity_mps[axis] * seconds + sigma_m * words.noise();
         }
-        for axis in 0..3 {
-            report.velocity_mps[axis] += VELOCITY_SIGMA_MPS * words.noise();
+        for velocity_mps in &mut report.velocity_mps {
+            *velocity_mps += VELOCITY_SIGMA_MPS * words.noise();
         }
         if source % 2 == 1 {
             report.identity = Identity::default();

@@ -118,9 +118,9 @@ impl Traffic {
             let tracker = &self.trackers[number];
             let plot_m = PLOT_SIGMA_M[number] * noise(source, target, scan, number as u64);
             errors[number] = tracker.error_after(errors[number], plot_m);
-            for row in 0..3 {
-                report.position_m[row] += axis[row] * errors[number][0];
-                report.velocity_mps[row] += axis[row] * errors[number][1];
+            for (row, part) in axis.iter().enumerate() {
+                report.position_m[row] += part * errors[number][0];
+                report.velocity_mps[row] += part * errors[number][1];
             }
         }
         for (row, column) in (0..3).flat_map(|row| (0..3).map(move |column| (row, column))) {
