@@ -71,7 +71,7 @@ fn commands(document: &str) -> Vec<String> {
     all.filter_map(command).collect()
 }
 
-/// Checks that the commands which documents name, and for which `is_checked`, have the options that are named with them.
+/// Checks that the commands which documents name, and for which `is_checked`, have the options named with them.
 /// Returns the number of options, and of commands.
 pub(crate) fn check_named_options(folder: &Folder, is_checked: impl Fn(&str) -> bool) -> (usize, usize) {
     let mut helps: BTreeMap<String, String> = BTreeMap::new();
