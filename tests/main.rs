@@ -65,3 +65,4 @@ mod torture;
 // Recordings of real sensors.
 mod held_out_sensor;
 mod replay_barcelona;
+mod round4;
