@@ -65,3 +65,4 @@ mod top;
 // Recordings of real sensors.
 mod held_out_sensor;
 mod replay_barcelona;
+mod round4;

@@ -502,9 +502,10 @@ impl TrackSink for Publishing<'_> {
             track.stages.ingested_ns = self.ingested_ns;
             if extrapolated {
                 track.state = TrackState::Coasted as u8;
+                track.valid &= !sensor_track_bits::MEASURED;
             } else if let Some(platform) = self.platform {
                 track.measured_m = platform;
-                track.valid |= sensor_track_bits::PLATFORM;
+                track.valid = track.valid & !sensor_track_bits::MEASURED | sensor_track_bits::PLATFORM;
             }
             self.samples.tracks.push(track);
         }

@@ -246,7 +246,7 @@ impl Gating {
             if innovation.squared_distance > sensor.gates[innovation.dimension - 1] {
                 continue;
             }
-            if replies.are_strangers(&track.identity, &plot.identity) {
+            if replies.are_strangers(&track.identity, track.is_confirmed(), &plot.identity) {
                 if self.strangers.len() < self.strangers.capacity() {
                     self.strangers.push((number, item));
                 }
@@ -298,7 +298,7 @@ impl Gating {
                         continue;
                     }
                     let plot = &plots[item as usize];
-                    if replies.are_strangers(&compared.identity, &plot.identity) {
+                    if replies.are_strangers(&compared.identity, compared.is_confirmed(), &plot.identity) {
                         continue;
                     }
                     let predicted = compared.motion_at(plot.time_ns, &sensor.motion);

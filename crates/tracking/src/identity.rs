@@ -25,12 +25,12 @@
 //! ([`is_common`]). An unexpected value is remembered as a *rival*. If the next detection shows it again, it is the
 //! target's new code with the probability c/(c + g), and becomes the value.
 //!
-//! An address that several detections of the track have stated is more: a gate. A detection with another address is
-//! not of this target. By likelihood alone, such a detection updates the track in each scan that misses the target,
-//! and the place and the code of a neighbour then stand under the track's name. A garbled address costs the track one
-//! detection, and starts a tentative track that finds no second one. Until then, a detection with another address
-//! counts by its likelihood, since the first address may be the garbled one; the track takes nothing else of its
-//! reply. Where replies are not used, contradictions wear an address down by one detection each.
+//! An address is more: a gate. A detection with another address is not of this target. By likelihood alone, such a
+//! detection updates the track in each scan that misses the target, and the place and the code of a neighbour then
+//! stand under the track's name. A garbled address costs the track one detection, and starts a tentative track that
+//! finds no second one with its address. A confirmed track that a single detection has named may have a garbled name:
+//! there, a detection with another address counts by its likelihood, and the track takes nothing else of its reply.
+//! Where replies are not used, contradictions wear an address down by one detection each.
 //!
 //! Replies are garbled as a whole, too: interleaved replies of two aircraft exchange all values. With a probability s
 //! all values are those of another target. So the ratio of a whole reply is (1 − s)·Π + s: contradictions have a price,
@@ -327,14 +327,11 @@ impl TrackIdentity {
         address.value != NONE && address.count > 1 && reply.values[ADDRESS] == address.value
     }
 
-    /// Whether several detections of the track stated another address than a reply.
-    fn has_another_address_than(&self, reply: &PlotIdentity) -> bool {
+    /// Whether the track has another address than a reply: by several detections, if it is confirmed.
+    fn has_another_address_than(&self, reply: &PlotIdentity, is_confirmed: bool) -> bool {
         let (address, stated) = (&self.believed[ADDRESS], reply.values[ADDRESS]);
-        address.value != NONE
-            && address.count > 1
-            && stated != NONE
-            && stated != address.value
-            && !are_of_one_aircraft(ADDRESS, stated, address.value)
+        let is_known = address.value != NONE && (address.count > 1 || !is_confirmed);
+        is_known && stated != NONE && stated != address.value && !are_of_one_aircraft(ADDRESS, stated, address.value)
     }
 
     /// Identity as it is published.
@@ -483,8 +480,8 @@ impl ScanReplies {
     }
 
     /// Whether a detection is not of the target of a track: both have addresses, and they differ.
-    pub(crate) fn are_strangers(&self, track: &TrackIdentity, reply: &PlotIdentity) -> bool {
-        self.any && track.has_another_address_than(reply)
+    pub(crate) fn are_strangers(&self, track: &TrackIdentity, is_confirmed: bool, reply: &PlotIdentity) -> bool {
+        self.any && track.has_another_address_than(reply, is_confirmed)
     }
 
     /// Detections that name the target of a track by address, or by a code that the scan has once.

@@ -386,6 +386,30 @@ fn garbled_addresses_end_no_track_and_start_none_that_is_shown() {
     }
 }
 
+/// Beside a neighbour, a garbled address starts no track that lives on the neighbour's detections, or on its own.
+#[test]
+fn garbled_addresses_of_neighbours_start_no_ghosts() {
+    let path = |north: f64, address: u32, phase: u32| {
+        let at = |second: u32| {
+            let bit = if (second + phase).is_multiple_of(5) {
+                1 << (second % 24)
+            } else {
+                0
+            };
+            ([15.0 * f64::from(second), north], reply(Some(address ^ bit), None))
+        };
+        (0..80).map(at).collect::<Vec<_>>()
+    };
+    let (_, tracker) = fly(&settings(), &[path(0.0, ONE, 0), path(30.0, OTHER, 2)]);
+    assert_eq!((tracker.tracks().len(), tracker.counts().confirmed), (2, 2));
+    let addresses: BTreeSet<_> = tracker
+        .tracks()
+        .iter()
+        .map(|track| track.identity.identity.address())
+        .collect();
+    assert_eq!(addresses, BTreeSet::from([Some(ONE), Some(OTHER)]));
+}
+
 #[test]
 fn a_reply_with_another_address_gives_a_track_nothing_else() {
     let mut one = track(&[reply(Some(ONE), None)]);

@@ -98,6 +98,17 @@ impl DetectionMeasurement {
         }
     }
 
+    /// Measured place with its height, else with the height `up_m`, metres; `None` for a direction.
+    pub(crate) fn position(&self, up_m: f64) -> Option<[f64; 3]> {
+        let ([east, north], _) = self.place()?;
+        let up = match self.kind {
+            DetectionKind::Position3 => self.values[2],
+            DetectionKind::RangeBearingElevation => self.platform_m[2] + self.values[0] * self.values[2].sin(),
+            _ => up_m,
+        };
+        Some([east, north, up])
+    }
+
     /// Whether the height is a part of the measurement.
     pub(crate) fn has_height(&self) -> bool {
         use DetectionKind::{BearingElevation, Position3, RangeBearingElevation};

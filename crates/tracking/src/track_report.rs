@@ -40,6 +40,9 @@ pub struct TrackReport {
     pub target_type: TargetType,
     /// Identity of the target by its transponder's replies.
     pub identity: ReportedIdentity,
+    /// Place of the detection with which the latest scan updated it, metres: what a residual is made of (TI-6). A
+    /// height that is not measured is the track's. `None` without such a detection, and of a direction alone.
+    pub measured_m: Option<[f64; 3]>,
 }
 
 impl TrackReport {
@@ -47,6 +50,7 @@ impl TrackReport {
     pub fn moved_to(&self, time_ns: i64, process_noise_m2ps3: [f64; 2]) -> Self {
         let seconds = time_ns.saturating_sub(self.time_ns) as f64 / NS_PER_S;
         Self {
+            measured_m: self.measured_m.filter(|_| time_ns == self.time_ns),
             time_ns,
             estimate: self.estimate.moved(seconds, noise(process_noise_m2ps3, seconds)),
             ..*self
@@ -86,6 +90,11 @@ impl TrackReport {
             // Unobserved components are not published.
             (track.position_m[2], track.velocity_mps[2]) = (0.0, 0.0);
         }
+        // A detection of one member is none of a group.
+        if let Some([east, north, up]) = self.measured_m.filter(|_| self.group.is_none()) {
+            track.valid |= sensor_track_bits::MEASURED;
+            track.measured_m = [east, north, if self.height_known { up } else { 0.0 }];
+        }
         track
     }
 }
@@ -114,6 +123,7 @@ pub(crate) fn report_of(track: &Track, cluster: &Cluster, time_ns: i64, settings
         origin_m: None,
         target_type: TargetType::default(),
         identity: track.identity.reported(),
+        measured_m: None,
     }
 }
 

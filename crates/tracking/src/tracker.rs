@@ -362,6 +362,16 @@ impl Tracker {
             let cluster = &population.clusters[best.cluster as usize];
             report_of(track, cluster, population.time_ns, settings)
         }));
+        if let Some(last) = self.open.checked_sub(1) {
+            let (scan, first_serial) = (&self.scans[last], self.populations[last].next_serial);
+            for (report, best) in self.reports.iter_mut().zip(&self.best) {
+                // Serial numbers of earlier scans, and that of no detection, are not in this scan.
+                let serial = population.tracks[best.track as usize].history[0];
+                let plot = scan.plots.get(serial.wrapping_sub(first_serial) as usize);
+                let place = plot.and_then(|plot| plot.measurement.position(report.estimate.mean[2]));
+                report.measured_m = place.filter(|_| report.missed == 0);
+            }
+        }
         let (best, reports) = (&self.best, &mut self.reports);
         self.support.amend(population, best, settings, observer, reports);
     }

@@ -39,6 +39,37 @@ fn flying(second: i64, north: f64) -> Detection {
     position(second * S, east, north + 8.0 * noise(step + 3))
 }
 
+/// What a residual of fusion is made of (TI-6): the detection behind a track, and none of a scan without one.
+#[test]
+fn tracks_state_the_detection_that_updated_them() {
+    let mut tracker = Tracker::new(settings()).unwrap();
+    for second in 0..8i64 {
+        let scan = match second {
+            6 => vec![position(second * S, 20_000.0, 0.0)],
+            _ => vec![
+                position(second * S, 20_000.0, 0.0),
+                position(second * S, 15.0 * second as f64 + (second % 2) as f64, 7.0),
+            ],
+        };
+        tracker.scan(1, second * S, &scan).unwrap();
+        let near = |track: &&crate::TrackReport| track.estimate.mean[0] < 1000.0;
+        let Some(track) = tracker.tracks().iter().find(near) else {
+            assert!(second < 5, "{second}: no track");
+            continue;
+        };
+        let sample = track.sensor_track(0);
+        let is_measured = sample.has(messages::sensor_track_bits::MEASURED);
+        assert_eq!(is_measured, second != 6, "{second}");
+        if is_measured {
+            let [east, north, _] = sample.measured_m;
+            assert_eq!([east, north], [15.0 * second as f64 + (second % 2) as f64, 7.0]);
+        }
+    }
+    let mut picture = Vec::new();
+    tracker.picture_at(9 * S, &mut picture);
+    assert!(picture.iter().all(|track| track.measured_m.is_none()), "extrapolated");
+}
+
 #[test]
 fn a_target_is_confirmed_carried_on_and_given_up() {
     let mut tracker = Tracker::new(settings()).unwrap();

@@ -144,7 +144,7 @@ impl Unresolved {
                 let may_be_both = |plot: &Plot| {
                     ![a, b]
                         .iter()
-                        .all(|track| replies.are_strangers(&track.identity, &plot.identity))
+                        .all(|track| replies.are_strangers(&track.identity, track.is_confirmed(), &plot.identity))
                 };
                 find_detections(&middle, pair, plots, may_be_both, sensor, &mut self.detections);
                 self.pairs.push(UnresolvedPair {
