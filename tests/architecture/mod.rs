@@ -290,6 +290,37 @@ fn only_the_runtime_reads_clocks() {
     );
 }
 
+/// `doctest = false` saves a second per crate and run. It must not hide an example.
+#[test]
+fn examples_of_documentation_are_tested() {
+    let metadata = workspace();
+    for (name, package) in packages(&metadata) {
+        let mut targets = package.targets.iter();
+        let is_tested = targets.any(|target| target.doctest);
+        let has_examples = sources(package).iter().any(|source| has_example(&source.text));
+        assert_eq!(is_tested, has_examples, "{name}: `doctest` in its Cargo.toml is wrong");
+    }
+}
+
+/// Whether a comment of the documentation has a block of Rust code.
+fn has_example(text: &str) -> bool {
+    let lines = text.lines().map(str::trim_start);
+    let lines = lines.filter_map(|line| line.strip_prefix("///").or(line.strip_prefix("//!")));
+    // Every second fence closes a block.
+    let mut opening = lines
+        .filter_map(|line| line.trim_start().strip_prefix("```"))
+        .step_by(2);
+    opening.any(|language| ["", "rust", "no_run", "should_panic", "compile_fail"].contains(&language.trim()))
+}
+
+#[test]
+fn an_example_is_found_behind_other_blocks() {
+    assert!(has_example(
+        "//! ```text\n//! a\n//! ```\n    /// ```no_run\n    /// b\n    /// ```\n"
+    ));
+    assert!(!has_example("/// ```text\n/// a\n/// ```\nlet a = \"```\";\n"));
+}
+
 #[test]
 fn modules_do_not_use_each_other_in_circles() {
     let metadata = workspace_and_lab();

@@ -8,6 +8,7 @@ mod foreign;
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
+use std::sync::OnceLock;
 
 use fusion::region::Region;
 use fusion::settings::{AccuracyTable, Settings, Shares, SourceSettings, Weighing};
@@ -397,6 +398,12 @@ fn two(shared: bool, sent: Sent) -> Case {
     }
 }
 
+/// What two centres are worth that exchange nothing: several tests compare others with them.
+fn alone(shared: bool) -> &'static [Worth] {
+    static WORTH: [OnceLock<Vec<Worth>>; 2] = [const { OnceLock::new() }; 2];
+    WORTH[usize::from(shared)].get_or_init(|| run(&two(shared, Sent::Nothing)))
+}
+
 /// Three centres in a ring, with one radar in common.
 fn ring(sent: Sent) -> Case {
     Case {
@@ -496,8 +503,7 @@ fn a_cut_border_heals_without_duplicates_and_with_the_owners_that_there_were() {
 #[test]
 fn nothing_is_counted_twice_where_nobody_says_whose_sensors_contributed() {
     for shared in [true, false] {
-        let alone = run(&two(shared, Sent::Nothing));
-        for (joined, alone) in run(&two(shared, Sent::Unnamed)).iter().zip(&alone) {
+        for (joined, alone) in run(&two(shared, Sent::Unnamed)).iter().zip(alone(shared)) {
             assert!(joined.rmse_m() <= alone.rmse_m(), "{} m", joined.rmse_m());
             assert!((HONEST_MIN..=1.3).contains(&joined.nees()), "{}", joined.nees());
         }
@@ -598,8 +604,7 @@ fn targets_change_hands_once_at_the_border_and_only_those_near_it_are_told_of() 
 #[test]
 fn nothing_is_counted_twice_by_way_of_asterix_and_of_whole_pictures_it_is() {
     for shared in [true, false] {
-        let alone = run(&two(shared, Sent::Nothing));
-        for (joined, alone) in run(&two(shared, Sent::Asterix)).iter().zip(&alone) {
+        for (joined, alone) in run(&two(shared, Sent::Asterix)).iter().zip(alone(shared)) {
             let (rmse_m, alone_m) = (joined.rmse_m(), alone.rmse_m());
             assert!(rmse_m <= 1.02 * alone_m, "{shared}: {rmse_m} m, alone {alone_m} m");
             assert!(

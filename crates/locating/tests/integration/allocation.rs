@@ -49,7 +49,7 @@ fn bearings_allocate_nothing() {
         settings.consistency.disagreement_bearings = 5;
         let mut locator = Locator::new(settings).unwrap();
         let mut state = 12345;
-        for step in 0..20_000 {
+        for step in 0..5_000 {
             let bearing = bearing(step / 8, &mut state);
             let _ = assert_no_alloc(|| locator.bearing(&bearing));
         }

@@ -1,0 +1,4 @@
+//! Sensors on board of platforms that move.
+
+mod carried;
+mod history;

@@ -1,0 +1,4 @@
+//! Recordings of all topics, sound and damaged.
+
+mod damaged;
+mod files;
