@@ -224,7 +224,8 @@ fn two_thousand_ships_and_aircraft_stay_what_they_are_through_every_stage() {
             }
         }
         let mut expected: Vec<u32> = identities.iter().filter_map(Identity::address).collect();
-        (found.sort_unstable(), expected.sort_unstable());
+        found.sort_unstable();
+        expected.sort_unstable();
         assert_eq!((records, found), (TARGETS, expected), "{edition}");
     }
 }

@@ -7,8 +7,8 @@ use std::ffi::{c_char, c_int};
 use std::slice;
 
 use koseki_client::by_name::{self, AnyPublisher};
-use koseki_client::messages::{IdentityText, TrackState};
 use koseki_client::messages::admission::Fault;
+use koseki_client::messages::{IdentityText, TrackState};
 use koseki_client::observation::{Fields, callsign_of, fault, numbered};
 use koseki_client::{Detection, Error, ErrorKind, TrackReport};
 

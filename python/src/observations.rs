@@ -2,8 +2,8 @@
 
 use koseki_client::Error;
 use koseki_client::by_name::AnyPublisher;
-use koseki_client::messages::{IdentityText, TrackState};
 use koseki_client::messages::admission::Fault;
+use koseki_client::messages::{IdentityText, TrackState};
 use koseki_client::observation::{Fields, callsign_of, fault, numbered, time_ns_of};
 use koseki_client::{Detection, TrackReport};
 use pyo3::buffer::PyBuffer;

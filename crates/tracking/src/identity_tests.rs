@@ -644,7 +644,7 @@ fn the_two_numbers_of_a_rescue_aircraft_do_not_contradict() {
     for [first, second] in [[by_ais, by_radar], [by_radar, by_ais]] {
         let known = track(&[first; 2]);
         assert_eq!(ratio(&known, &[], &second), 1.0);
-        assert!(!known.has_another_address_than(&of(&second)));
+        assert!(!known.has_another_address_than(&of(&second), true));
         let both = track(&[first, second, second, second, second, second, second]);
         assert_eq!(both.reported().identity, first.identity);
     }

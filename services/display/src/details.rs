@@ -8,7 +8,7 @@
 //! `turn_sigma_dps`, `modes` (the most probable models of the plane and of the vertical, each `mode` and
 //! `probability`), `level` (of the transponder, hundreds of feet), `level_age_s`, `height_valid`,
 //! `on_ground`, `merged_into`, `owner_track_number` (0: this centre owns the track), `nis`, `covariance` (the 21
-//! elements of the upper triangle), `identity` {`address`, `mmsi`, `mode_3a` (each a text of its digits), `callsign`, `name`, `type`,
+//! elements of the upper triangle), `identity` {`address`, `mmsi`, `mode_3a` (texts), `callsign`, `name`, `type`,
 //! `type_confidence`} and `contributions`. Each contribution has
 //! `source`, `name`, `track_number`, `weight`, `accuracy`, `fresh`, `scored`, `centre` (a system track of another
 //! centre), `origin` (the other centre; `null`: unknown), `time_s`, `time_of_measurement_ns`, and the last position
