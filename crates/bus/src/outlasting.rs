@@ -147,8 +147,8 @@ impl Root {
         Ok(revived)
     }
 
-    /// Publishes `octets`, the last state of memory that was published under `name`. Empty octets become one blank word,
-    /// which every reader rejects: a successor needs to know that there was a predecessor.
+    /// Publishes `octets`, the last state of memory that was published under `name`. Empty octets become one blank
+    /// word, which every reader rejects: a successor needs to know that there was a predecessor.
     ///
     /// # Errors
     /// If there is no memory for it.

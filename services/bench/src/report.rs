@@ -15,8 +15,8 @@ use crate::memory::ProcessMemory;
 use crate::settings::Settings;
 use crate::verdict::FigureVerdict;
 
-/// Share of the engine's updates that chance may make odd: with 16 sources, 6 of 98,000 have been. A part of the reports
-/// that is rejected is larger.
+/// Share of the engine's updates that chance may make odd: with 16 sources, 6 of 98,000 have been. A part of the
+/// reports that is rejected is larger.
 const ODD_SHARE_MAX: f64 = 1e-3;
 
 /// Contents of the file. The top-level figures are those of the first rate; `points` has all rates.

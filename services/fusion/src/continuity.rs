@@ -71,8 +71,8 @@ enum Predecessor {
 }
 
 impl FusionStart {
-    /// Looks for the checkpoint of the previous fusion, which no longer writes. `world_ns` is the begin of the simulated
-    /// world (UTC, nanoseconds), if there is one.
+    /// Looks for the checkpoint of the previous fusion, which no longer writes. `world_ns` is the begin of the
+    /// simulated world (UTC, nanoseconds), if there is one.
     pub(crate) fn look(root: &Root, max_age_ns: i64, world_ns: Option<i64>, engine: &Engine, now: Now) -> Self {
         let layout = engine.checkpoint_layout();
         let found = find(root, max_age_ns, world_ns, &layout, now);

@@ -2,9 +2,10 @@
 //!
 //! The crates of the services contain the processes. This crate contains the command line ([`args`]), the check of
 //! recordings against the configuration ([`recordings`]), and commands: questions ([`check`], [`mod@doctor`],
-//! [`status`], [`top`]), orders ([`order`]), files for the machine ([`mod@generate`]), and work on files ([`mod@recording_info`], [`decode`], [`encode`], [`bearings`],
-//! [`send`]). Commands on tables are in [`offline`]. What few installations need is
-//! in programs that are built apart from this one, and executed by it ([`programs`], [`link`], [`lab`]).
+//! [`status`], [`top`]), orders ([`order`]), files for the machine ([`mod@generate`]), and work on files
+//! ([`mod@recording_info`], [`decode`], [`encode`], [`bearings`], [`send`]). Commands on tables are in [`offline`].
+//! What few installations need is in programs that are built apart from this one, and executed by it ([`programs`],
+//! [`link`], [`lab`]).
 //!
 //! Every command ends with exit code 0, with 2 after wrong usage or configuration, or with 1 after a failure while
 //! running or with a result that is worth nothing; the latter two after one line on standard error (FM-16).

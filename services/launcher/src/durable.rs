@@ -1,7 +1,8 @@
 //! Copies on disk of the memory that outlasts the processes, to survive a reboot.
 //!
 //! The keeper makes copies in a separate thread, every few seconds, from memory still in use. At its start, the
-//! launcher restores missing memory from the copies. An orderly end replaces them by the last state ([`crate::last_end`]).
+//! launcher restores missing memory from the copies. An orderly end replaces them by the last state
+//! ([`crate::last_end`]).
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};

@@ -97,7 +97,8 @@ fn observation(record: &Record<'_>) -> Observation {
     }
 }
 
-/// Calculated Doppler speed, metres per second: the first element of a compound item. `None` if it is absent or doubtful; a raw speed is ambiguous.
+/// Calculated Doppler speed, metres per second: the first element of a compound item. `None` if it is absent or
+/// doubtful; a raw speed is ambiguous.
 fn doppler(item: &[u8]) -> Option<f64> {
     const CALCULATED: u8 = 0x80;
     let (present, element) = item.split_first()?;

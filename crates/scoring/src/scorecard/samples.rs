@@ -183,6 +183,23 @@ impl CardSamples {
     }
 }
 
+/// A target of the truth: its first second, and its velocities, each with its second.
+struct SeenTarget {
+    first_s: i64,
+    seconds: Vec<i64>,
+    velocities_mps: Vec<[f64; 3]>,
+}
+
+impl SeenTarget {
+    fn from(first_s: i64) -> Self {
+        Self {
+            first_s,
+            seconds: Vec::new(),
+            velocities_mps: Vec::new(),
+        }
+    }
+}
+
 /// Path of a target.
 struct Path {
     first_s: i64,
@@ -192,30 +209,28 @@ struct Path {
 
 impl Path {
     fn of_targets(truth: &Timeline, limits: &PhaseLimits) -> FxHashMap<i64, Self> {
-        let mut velocities: BTreeMap<i64, (i64, Vec<i64>, Vec<[f64; 3]>)> = BTreeMap::new();
+        let mut seen: BTreeMap<i64, SeenTarget> = BTreeMap::new();
         if let (Some(first_s), Some(last_s)) = (truth.first_second(), truth.last_second()) {
             let mut pass = TimelinePass::new(truth);
             for second in first_s..=last_s {
                 for target in pass.at(second) {
-                    let (first_s, seconds, of_target) =
-                        velocities.entry(target.id).or_insert((second, Vec::new(), Vec::new()));
-                    *first_s = second.min(*first_s);
+                    let seen = seen.entry(target.id).or_insert_with(|| SeenTarget::from(second));
                     if target.has_velocity {
-                        seconds.push(second);
-                        of_target.push(target.velocity_mps);
+                        seen.seconds.push(second);
+                        seen.velocities_mps.push(target.velocity_mps);
                     }
                 }
             }
         }
-        let path = |(target, (first_s, seconds, velocities)): (i64, (i64, Vec<i64>, Vec<[f64; 3]>))| {
-            let phases = phases_of(&seconds, &velocities, limits);
+        let path = |(target, seen): (i64, SeenTarget)| {
+            let phases = phases_of(&seen.seconds, &seen.velocities_mps, limits);
             let path = Self {
-                first_s,
-                phases: seconds.into_iter().zip(phases).collect(),
+                first_s: seen.first_s,
+                phases: seen.seconds.into_iter().zip(phases).collect(),
             };
             (target, path)
         };
-        velocities.into_iter().map(path).collect()
+        seen.into_iter().map(path).collect()
     }
 
     fn counts(&self, second: i64, settings: &CardSettings) -> bool {

@@ -10,19 +10,20 @@
 //! ```
 //!
 //! Arguments: subscribers that read, subscribers that do not, sources, reports in a slice, and `checkpoint` to write
-//! one; or `engine`, the number of sources, and the number of targets if it is another, for the engine without loop and
-//! bus; or `memory` and the same numbers, for the octets that the engine has allocated. With `turning` the targets turn and
-//! change height, with `tracked` the sources are trackers with full covariances (`traffic`). Each source is external and
-//! observes each target with noise of its own. The bench never waits. The mode `event` makes the loop look fully at
-//! all sources each 200 ms of the bench's time, as often per report as the mode `spin` at some 100,000 reports a
-//! second. Functions of their own take the reports, so that each group can be counted alone: `steady_turn` and
-//! `steady_update` those from report 31 of each sensor track on, `young_update` the reports 7 to 12.
+//! one; or `engine`, the number of sources, and the number of targets if it is another, for the engine without loop
+//! and bus; or `memory` and the same numbers, for the octets that the engine has allocated. With `turning` the targets
+//! turn and change height, with `tracked` the sources are trackers with full covariances (`traffic`). Each source is
+//! external and observes each target with noise of its own. The bench never waits. The mode `event` makes the loop
+//! look fully at all sources each 200 ms of the bench's time, as often per report as the mode `spin` at some 100,000
+//! reports a second. Functions of their own take the reports, so that each group can be counted alone: `steady_turn`
+//! and `steady_update` those from report 31 of each sensor track on, `young_update` the reports 7 to 12.
 //!
-//! On a core of its own, fusion finds its code in the caches as its last turn has left it. Here, sending runs on the same
-//! core, and evicts that code. A second fusion therefore takes the same slice between sending and the counted turn, and
-//! is not counted: it is in the place of the last turn. Its tables compete for the caches, too: data misses of turns are
-//! those of 256 targets. While a report runs through more code than the cache holds, misses of instructions are the same
-//! with and without (984 and 985). For the engine alone, eight reports are made together, and the first of them is not counted.
+//! On a core of its own, fusion finds its code in the caches as its last turn has left it. Here, sending runs on the
+//! same core, and evicts that code. A second fusion therefore takes the same slice between sending and the counted
+//! turn, and is not counted: it is in the place of the last turn. Its tables compete for the caches, too: data misses
+//! of turns are those of 256 targets. While a report runs through more code than the cache holds, misses of
+//! instructions are the same with and without (984 and 985). For the engine alone, eight reports are made together,
+//! and the first of them is not counted.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::path::Path;
