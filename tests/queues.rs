@@ -33,4 +33,8 @@ fn a_deployment_permits_the_configured_queue_and_no_longer_one() {
     let topic = messages::system_tracks();
     assert_eq!(limit(&topic), LENGTH);
     assert!(bus.subscriber_with_queue(&topic, LENGTH, || 0).is_ok());
+    drop(bus);
+    let (status, said) = running.stop();
+    assert_eq!(status.code(), Some(0), "{said}");
+    home.assert_nothing_is_left("test");
 }

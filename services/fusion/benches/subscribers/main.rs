@@ -155,6 +155,13 @@ impl Site {
     }
 }
 
+impl Drop for Site {
+    /// The checkpoint outlives its process.
+    fn drop(&mut self) {
+        self.bus.root().remove_outlasting();
+    }
+}
+
 /// Sends slices of reports, one source after the other, and lets fusion work each off.
 fn drive(case: Case) -> Counted {
     let (mut before, mut site) = (Site::new(case), Site::new(case));
