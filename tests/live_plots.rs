@@ -18,6 +18,7 @@ use crate::common::{Folder, Home, PLACE, Running, free_address, kill, system, un
 /// Time between two scans: so short that a test of many scans is short, too.
 const PERIOD: Duration = Duration::from_millis(200);
 const TARGETS: usize = 4;
+const SPEED_MPS: f64 = 100.0;
 const CODES: [u16; TARGETS] = [0o4213, 0o4214, 0o7000, 0o7000];
 const TRACKER: &str = "detection_probability = 0.8\n[TABLE.motion]\nprocess_noise_m2ps3 = [20.0, 5.0]\n\
                        [TABLE.confirmation]\ndetections_min = 3\n[TABLE.initiation]\nspeed_sigma_mps = 150.0\n";
@@ -32,7 +33,8 @@ struct Radar {
     reports: SensorReports,
     socket: UdpSocket,
     to: SocketAddr,
-    scans: usize,
+    /// Begin of the first turn: the targets' way depends on time, not on how soon a turn follows the one before.
+    first_ns: Option<i64>,
     random: Random,
     /// Whether the targets reply with their identities.
     replies: bool,
@@ -96,7 +98,7 @@ impl Radar {
             reports: SensorReports::new(table, 1, 1, frame, system, 1400).unwrap(),
             socket: UdpSocket::bind("127.0.0.1:0").unwrap(),
             to,
-            scans: 0,
+            first_ns: None,
             random: Random::new(1),
             replies: false,
         }
@@ -126,10 +128,11 @@ impl Radar {
     /// The plots of a turn: targets, each seen nine times out of ten, and false ones.
     fn plots(&mut self, begin_ns: i64, send: &mut dyn FnMut(&[u8])) {
         let mut plots = Vec::new();
+        let since_s = (begin_ns - *self.first_ns.get_or_insert(begin_ns)) as f64 * 1e-9;
         for target in 0..TARGETS {
             let [off_east, off_north, seen] = [self.random.unit(), self.random.unit(), self.random.unit()];
             let east = 10_000.0 + 6000.0 * target as f64 + 60.0 * (off_east - 0.5);
-            let north = 15_000.0 + 20.0 * self.scans as f64 + 60.0 * (off_north - 0.5);
+            let north = 15_000.0 + SPEED_MPS * since_s + 60.0 * (off_north - 0.5);
             if seen < 0.9 {
                 let identity = self.identity(target);
                 plots.push(([east, north, 3000.0], target % 2 == 0, identity));
@@ -150,7 +153,6 @@ impl Radar {
             self.reports.replied_plot(time_ns, place, height, &identity, send);
         }
         self.reports.flush(send);
-        self.scans += 1;
     }
 
     /// Turns until something holds.

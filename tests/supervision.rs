@@ -19,8 +19,10 @@ use rustix::process::Signal;
 use crate::common::home::PATIENCE;
 use crate::common::{Home, Running, free_address, kill, until};
 
-/// Watched closely, so that a test need not wait for long.
-const WATCHED: [&str; 2] = ["--set", "launcher.watchdog_s=2"];
+/// Watched closely, so that a test need not wait for long; a machine that is busy gives each process its turn in less.
+const WATCHED: [&str; 2] = ["--set", "launcher.watchdog_s=3"];
+/// Longer than the launcher waits for a sign of life.
+const TOO_LONG: Duration = Duration::from_millis(3500);
 
 /// System tracks reach whoever joins now.
 fn until_tracks_come(home: &Home) {
@@ -255,7 +257,7 @@ fn who_stood_still_with_the_whole_machine_is_let_live() {
         for pid in children {
             kill(pid, Signal::STOP);
         }
-        std::thread::sleep(Duration::from_millis(2500));
+        std::thread::sleep(TOO_LONG);
         // The worst order: who watches is the first to wake up.
         demo.signal(Signal::CONT);
         std::thread::sleep(Duration::from_millis(300));

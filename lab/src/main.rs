@@ -15,16 +15,12 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use anyhow::Context as _;
-use clap::error::ErrorKind;
 use clap::{CommandFactory as _, Parser as _};
 use clap_mangen::Man;
 
 use args::{LabCli, LabCommand};
+use command_line::{CODE_FAILED, CODE_REFUSED};
 
-/// Exit code of a failure while running.
-const CODE_FAILED: u8 = 1;
-/// Exit code of wrong usage or configuration.
-const CODE_REFUSED: u8 = 2;
 /// Exit code of a command that judges others, where there is no verdict.
 const CODE_NO_VERDICT: u8 = 3;
 
@@ -43,7 +39,7 @@ impl std::error::Error for Usage {}
 fn main() -> ExitCode {
     let cli = match LabCli::try_parse() {
         Ok(cli) => cli,
-        Err(error) => return refuse_usage(&error),
+        Err(error) => return command_line::refuse_usage(&error, &LabCli::command()),
     };
     let done = match cli.root {
         Some(root) => command_line::with_root(&root).map_err(|refused| Usage(refused).into()),
@@ -51,11 +47,7 @@ fn main() -> ExitCode {
     };
     match done.and_then(|()| run(cli.command)) {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            let what = command_line::one_line(&format!("{error:#}"));
-            runtime::notice(format_args!("koseki: {what}"));
-            ExitCode::from(exit_code(&error))
-        }
+        Err(error) => command_line::end_with(exit_code(&error), format_args!("{error:#}")),
     }
 }
 
@@ -78,20 +70,6 @@ fn exit_code(error: &anyhow::Error) -> u8 {
         () if error.is::<torture::OwnFailure>() => CODE_NO_VERDICT,
         () => CODE_FAILED,
     }
-}
-
-/// Help and version go to standard output; everything else is one line, with a hint where to read on.
-fn refuse_usage(error: &clap::Error) -> ExitCode {
-    if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
-        return match error.print() {
-            Ok(()) => ExitCode::SUCCESS,
-            Err(_) => ExitCode::from(CODE_FAILED),
-        };
-    }
-    let words: Vec<String> = std::env::args().collect();
-    let line = command_line::usage_line(error, &LabCli::command(), &words);
-    runtime::notice(format_args!("koseki: {line}"));
-    ExitCode::from(CODE_REFUSED)
 }
 
 /// Prints a result. A closed reader (`| head`) is no failure.

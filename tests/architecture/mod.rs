@@ -15,7 +15,6 @@ use crate::common::{repository, texts};
 const ORDER: &[&str] = &[
     "test-support",
     "settings",
-    "command_line",
     "frames",
     "messages",
     "observations",
@@ -44,6 +43,7 @@ const ORDER: &[&str] = &[
     "net",
     "web",
     "runtime",
+    "command_line",
     "deployment",
     "configuration",
     "adapter",

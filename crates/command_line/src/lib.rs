@@ -5,9 +5,11 @@
 
 #![forbid(unsafe_code)]
 
+mod end;
 mod root;
 mod usage;
 pub mod values;
 
+pub use end::{CODE_FAILED, CODE_REFUSED, end_with, refuse_usage};
 pub use root::with_root;
 pub use usage::{one_line, refusal, usage_line};

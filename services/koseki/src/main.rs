@@ -42,7 +42,6 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
-use clap::error::ErrorKind;
 use clap::{CommandFactory as _, Parser as _};
 use configuration::BUILT_IN_DEMO;
 use deployment::Process;
@@ -52,19 +51,14 @@ use offline::{Host, TableCommand, Terminal, Usage};
 use runtime::{Now, Options};
 
 use args::{Cli, Command, Serve};
-use command_line::one_line;
+use command_line::{CODE_FAILED, CODE_REFUSED};
 use config::Config;
 use recordings::{Depth, UnusableRecording};
-
-/// Exit code of a failure while running.
-const CODE_FAILED: u8 = 1;
-/// Exit code of wrong usage or configuration.
-const CODE_REFUSED: u8 = 2;
 
 fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
-        Err(error) => return refuse_usage(&error),
+        Err(error) => return command_line::refuse_usage(&error, &Cli::command()),
     };
     let done = match cli.root {
         Some(root) => command_line::with_root(&root).map_err(|refused| Usage(refused).into()),
@@ -72,11 +66,7 @@ fn main() -> ExitCode {
     };
     match done.and_then(|()| run(cli.command)) {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            let what = one_line(&format!("{error:#}"));
-            runtime::notice(format_args!("koseki: {what}"));
-            ExitCode::from(exit_code(&error))
-        }
+        Err(error) => command_line::end_with(exit_code(&error), format_args!("{error:#}")),
     }
 }
 
@@ -263,20 +253,6 @@ fn process_name(kind: ProcessKind, given: Option<String>, config: &Config) -> Re
 fn exit_code(error: &anyhow::Error) -> u8 {
     let refused = offline::is_refused(error) || error.is::<UnusableRecording>() || error.is::<launcher::ChildRefused>();
     if refused { CODE_REFUSED } else { CODE_FAILED }
-}
-
-/// Help and version go to standard output; everything else is one line, with a hint where to read on.
-fn refuse_usage(error: &clap::Error) -> ExitCode {
-    if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
-        return match error.print() {
-            Ok(()) => ExitCode::SUCCESS,
-            Err(_) => ExitCode::from(CODE_FAILED),
-        };
-    }
-    let words: Vec<String> = std::env::args().collect();
-    let line = command_line::usage_line(error, &Cli::command(), &words);
-    runtime::notice(format_args!("koseki: {line}"));
-    ExitCode::from(CODE_REFUSED)
 }
 
 /// Prints an answer.
