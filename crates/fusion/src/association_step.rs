@@ -16,7 +16,7 @@
 //! (module `linking`). The values of the gates are keys of `[fusion.association]` (`settings/association.rs`).
 
 use estimation::{ComparedComponents, Gaussian, statistical_distance};
-use messages::{Covariance, SensorTrack, TrackState, sensor_track_bits};
+use messages::{Covariance, Identity, SensorTrack, TrackState, sensor_track_bits};
 
 use crate::identity;
 use crate::measurement::gaussian_of;
@@ -347,6 +347,24 @@ impl Search<'_> {
         let forbidden = self.settings.association.use_identity
             && identity::contradict(&report.identity, &entry.identity, exponents);
         !forbidden && self.can_be_seen_together(report, system)
+    }
+
+    /// Whether the addresses of two system tracks, or of their sensor tracks, show two targets: then no agreement of
+    /// their states shows one.
+    pub(crate) fn are_two_targets(&self, one: SystemSlot, other: SystemSlot) -> bool {
+        let members = self.tracks.member_entries(one);
+        let mut identities = members.map(|(_, member)| &member.latest.identity);
+        self.excludes(other, &self.tracks.systems.get(one).identity)
+            || identities.any(|identity| self.excludes(other, identity))
+    }
+
+    /// Whether the address of a system track, or of one of its sensor tracks, shows another target than `identity`.
+    pub(crate) fn excludes(&self, system: SystemSlot, identity: &Identity) -> bool {
+        let is_other = |theirs: &Identity| identity.has_other_number(theirs);
+        let mut members = self.tracks.member_entries(system);
+        self.settings.association.uses_addresses()
+            && (is_other(&self.tracks.systems.get(system).identity)
+                || members.any(|(_, member)| is_other(&member.latest.identity)))
     }
 
     /// Heights must agree if known, and be within the coverage of every source concerned.

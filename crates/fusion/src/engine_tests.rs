@@ -1,5 +1,6 @@
 //! The engine as its caller sees it.
 
+mod addresses;
 mod bad_input;
 mod centres;
 mod clutter;

@@ -6,6 +6,9 @@
 //! - it repeatedly appears crossed with another track of its source, on a target beside its own ([`crossing`]);
 //! - the sensor track, or its whole system track, repeatedly agrees with another system track without a common source
 //!   (a target started twice).
+//!
+//! Two system tracks with different addresses are two targets, however well they agree. They are never merged: a sensor
+//! track without an address that fits the other one better goes there alone.
 
 use messages::{Counter, Decision, DecisionKind, NO_SOURCE, SensorTrack, TrackState};
 
@@ -91,7 +94,7 @@ impl Linking<'_> {
         }
         let address = entry.latest.identity.unique_number();
         let known = address
-            .filter(|_| self.uses_addresses())
+            .filter(|_| self.settings.association.uses_addresses())
             .and_then(|address| self.tracks.systems.with_address(address));
         if let Some(system) = known {
             self.tracks.join(sensor, system);
@@ -154,7 +157,9 @@ impl Linking<'_> {
     fn reassociate<S: Sink>(&mut self, sensor: SensorSlot, report: &SensorTrack, out: &mut Outlet<'_, S>) -> Next {
         let entry = self.tracks.sensors.get(sensor);
         let (system, identity) = (entry.system, entry.latest.identity);
-        let mine = identity.unique_number().filter(|_| self.uses_addresses());
+        let mine = identity
+            .unique_number()
+            .filter(|_| self.settings.association.uses_addresses());
         if let Some(mine) = mine {
             let theirs = self.tracks.systems.get(system).identity.unique_number();
             if theirs.is_some_and(|theirs| theirs.excludes(mine)) && self.is_free(system) {
@@ -189,11 +194,6 @@ impl Linking<'_> {
             return self.leave(sensor, out);
         }
         self.look_for_duplicate(system, (now_ns, sources), out)
-    }
-
-    fn uses_addresses(&self) -> bool {
-        let settings = &self.settings.association;
-        settings.use_identity && settings.exponents.address > 0.0
     }
 
     /// Returns whether no order binds a system track. Identities and crossings decide nothing about a bound track.
@@ -343,19 +343,26 @@ impl Linking<'_> {
         }
     }
 
-    /// Moves a sensor track to another system track. If nothing fresh stays behind, the two are merged.
+    /// Moves a sensor track to another system track, unless their addresses differ. If nothing fresh stays behind, the
+    /// two system tracks are merged, if they can be one target.
     fn move_to<S: Sink>(&mut self, sensor: SensorSlot, target: SystemSlot, d2: f64, out: &mut Outlet<'_, S>) -> Next {
         let entry = self.tracks.sensors.get(sensor);
         let (old, now_ns) = (entry.system, entry.latest.time_of_measurement_ns);
-        if self.tracks.is_alone(sensor, now_ns) {
-            return self.merge(old, target, now_ns, d2, out);
+        let search = self.search();
+        if !search.are_two_targets(old, target) {
+            if self.tracks.is_alone(sensor, now_ns) {
+                return self.merge(old, target, now_ns, d2, out);
+            }
+        } else if search.excludes(target, &entry.latest.identity) {
+            return Next::Done;
         }
         self.tracks.unlink(sensor);
         self.tracks.join(sensor, target);
         Next::Done
     }
 
-    /// Merges two system tracks. The confirmed track survives; of two equal tracks the older.
+    /// Merges two system tracks, unless their addresses differ. The confirmed track survives; of two equal tracks the
+    /// older.
     pub(crate) fn merge<S: Sink>(
         &mut self,
         a: SystemSlot,
@@ -364,6 +371,9 @@ impl Linking<'_> {
         d2: f64,
         out: &mut Outlet<'_, S>,
     ) -> Next {
+        if self.search().are_two_targets(a, b) {
+            return Next::Done;
+        }
         let rank = |slot: SystemSlot| {
             let entry = self.tracks.systems.get(slot);
             (entry.life == TrackState::Tentative, entry.number)

@@ -70,6 +70,7 @@ impl Search<'_> {
                 let both = [own, *system].map(|slot| self.tracks.systems.get(slot));
                 self.tracks.sources_of(*system, now_ns) & sources == 0
                     && both.iter().all(|entry| entry.bond == Bond::Free)
+                    && !self.are_two_targets(own, *system)
             })
     }
 

@@ -41,6 +41,7 @@
 //! Source: Y. Bar-Shalom, P. Willett, X. Tian, *Tracking and Data Fusion* (YBS, 2011), chapter 9, for the model.
 
 mod changes;
+mod displacement;
 mod errors;
 mod gauge;
 mod model;
@@ -58,6 +59,7 @@ use kept::kept;
 use messages::AXES;
 use serde::{Deserialize, Serialize};
 
+use crate::registration::displacement::Displacement;
 use crate::registration::errors::{ERROR_MAX_SIGMA, PRIOR_SIGMA, SAMPLES_MIN, clock_of, sensitivity};
 use crate::registration::progress::{SETTLED_MIN, SolutionProgress};
 use crate::registration::recent::{RECENT_S, Recent, SOLUTIONS_MIN};
@@ -150,6 +152,8 @@ pub(crate) struct Registration {
     /// Share of the sums that is left after one tick, and of those of sources that drift.
     keep: f64,
     keep_drifting: f64,
+    /// How far the errors of each source displace its reports.
+    displacements: Vec<Displacement>,
     solution: SolutionProgress,
     steps: StepSearch,
     /// Of each source: what its latest step revealed, its estimate before that, and for how many ticks more its states
@@ -178,6 +182,7 @@ impl Registration {
             targets: 1.0,
             keep: (-tick_s / memory_s).exp(),
             keep_drifting: (-tick_s / RECENT_S.min(memory_s)).exp(),
+            displacements: vec![Displacement::UNKNOWN; sources],
             solution: SolutionProgress::new(sources),
             sources: vec![unknown; sources],
             steps: StepSearch::new(sources),
@@ -277,10 +282,11 @@ impl Registration {
     /// hardly 0. Few offsets determine their spread poorly, so the variance is enlarged by `(n + 1)·n / (n − 1)²`.
     fn common_offset_m2(&self) -> f64 {
         let (mut sum, mut total, mut count) = (0.0, 0.0, 0.0);
-        let is_of_offset = |known: &&SourceErrors| known.samples >= SAMPLES_MIN && !known.model.is_polar();
-        for known in self.sources.iter().filter(is_of_offset) {
-            let weight = known.closeness(0..2);
-            sum += weight * weight * known.excess_m2();
+        let is_of_offset =
+            |(known, _): &(&SourceErrors, &Displacement)| known.samples >= SAMPLES_MIN && !known.model.is_polar();
+        for (known, displacement) in self.sources.iter().zip(&self.displacements).filter(is_of_offset) {
+            let weight = displacement.closeness(&known.errors);
+            sum += weight * weight * displacement.offset_excess_m2(&known.errors);
             total += weight;
             count += 1.0;
         }

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use proptest::prelude::*;
+
 use super::*;
 use crate::registration::rows::{AZIMUTH, RANGE};
 
@@ -37,11 +39,25 @@ fn registered_while(
     late_s: [f64; 3],
     offset_m: impl Fn(u16, u32) -> [f64; 2],
 ) -> Registration {
+    let velocity = |target: u32| {
+        let heading = f64::from(target) * 0.7;
+        [200.0 * heading.sin(), 200.0 * heading.cos(), 0.0]
+    };
+    registered_in(velocity, reference, seconds, late_s, offset_m)
+}
+
+/// The same in traffic of which each target has this velocity.
+fn registered_in(
+    velocity: impl Fn(u32) -> [f64; 3],
+    reference: Option<u16>,
+    seconds: u32,
+    late_s: [f64; 3],
+    offset_m: impl Fn(u16, u32) -> [f64; 2],
+) -> Registration {
     let mut registration = Registration::new(3, reference, 300.0, 1.0);
     for second in 0..seconds {
         for target in 0..20u32 {
-            let heading = f64::from(target) * 0.7;
-            let velocity = [200.0 * heading.sin(), 200.0 * heading.cos(), 0.0];
+            let velocity = velocity(target);
             let truth = [f64::from(target) * 3000.0, f64::from(second) * 100.0, 5000.0];
             let of = |source: u16| {
                 let (offset_m, late_s) = (offset_m(source, second), late_s[usize::from(source)]);
@@ -88,6 +104,34 @@ fn one_that_is_far_off_among_several_is_the_one() {
             .all(|source| registration.of(source).errors[0].abs() < 8.0)
     );
     assert!(registration.common_offset_m2() < 60.0, "the others agree");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(40))]
+
+    /// A time error explains an offset along the flight as well. Which of the two it is does not matter to the targets.
+    #[test]
+    fn in_parallel_traffic_as_in_any_other_one_that_is_far_off_moves_no_other(
+        course in 0.0..6.3f64, bearing in 0.0..6.3f64, off_m in 60.0..500.0f64, speed_mps in 20.0..250.0f64,
+        wrong in 0..3_u16, is_parallel in any::<bool>(),
+    ) {
+        let velocity = |target: u32| {
+            let course = course + if is_parallel { 0.0 } else { std::f64::consts::PI * f64::from(target % 2) };
+            [speed_mps * course.sin(), speed_mps * course.cos(), 0.0]
+        };
+        let off = [off_m * bearing.sin(), off_m * bearing.cos()];
+        let offset_m = |source: u16, _| if source == wrong { off } else { [0.0; 2] };
+        let found = registered_in(velocity, None, 60, [0.0; 3], offset_m);
+        for source in 0..3 {
+            let expected = offset_m(source, 0);
+            for target in 0..2 {
+                let effect: [f64; 3] = (sensitivity([0.0; 3], velocity(target), None) * found.of(source).errors).into();
+                let apart_m = (effect[0] - expected[0]).hypot(effect[1] - expected[1]);
+                prop_assert!(apart_m < 12.0, "{source}: {apart_m} m, {:?}", found.of(source));
+            }
+        }
+        prop_assert!(found.common_offset_m2() < 60.0, "the others agree");
+    }
 }
 
 #[test]

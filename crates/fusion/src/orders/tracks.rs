@@ -7,6 +7,7 @@
 use estimation::{ComparedComponents, Gaussian, statistical_distance};
 use messages::{Decision, DecisionKind, Order, OrderKind, OrderStatus, Refusal, TrackState};
 
+use crate::association_step::Search;
 use crate::engine::Engine;
 use crate::explanation::Sink;
 use crate::filter::TargetFilter;
@@ -36,7 +37,8 @@ impl Engine {
             return Err(Refusal::BoundTrack);
         }
         if kind == OrderKind::Join {
-            let other = self.tracks.systems.get(live(order.other_track)?);
+            let other_system = live(order.other_track)?;
+            let other = self.tracks.systems.get(other_system);
             if is_suspended(other.life) {
                 return Err(Refusal::UnknownTrack);
             }
@@ -46,8 +48,12 @@ impl Engine {
             if other.bond != Bond::Free {
                 return Err(Refusal::BoundTrack);
             }
-            let uses_identity = self.settings.association.use_identity;
-            if uses_identity && entry.identity.has_other_number(&other.identity) {
+            let search = Search {
+                settings: &self.settings,
+                tracks: &self.tracks,
+                sources: &self.sources,
+            };
+            if search.are_two_targets(system, other_system) {
                 return Err(Refusal::TwoAddresses);
             }
         }

@@ -5,6 +5,7 @@
 //! states of its tracker lag behind the step for some scans: until then its measurements are compared with the states
 //! of others, its states are compared with nothing, and the innovations of misled filters teach nothing.
 
+use crate::registration::displacement::Displacement;
 use crate::registration::errors::{SAMPLES_MIN, SourceErrors};
 use crate::registration::recent::{Recent, SOLUTIONS_MIN, step_limit};
 use crate::registration::rows::{AZIMUTH, RANGE};
@@ -33,6 +34,7 @@ impl Registration {
         self.solutions[own] = 0;
         self.sources[own] = SourceErrors::unknown();
         self.seeds[own] = Seed::NONE;
+        self.displacements[own] = Displacement::UNKNOWN;
         self.formers[own] = None;
         self.young[own] = 0;
         self.steps.clear();

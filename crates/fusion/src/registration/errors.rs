@@ -4,8 +4,6 @@
 //! in them to first order: [`TargetView::sensitivity`] is the matrix of its derivatives at the place and velocity of
 //! the target. `registration` estimates them from differences of reports by several sources.
 
-use std::ops::Range;
-
 use estimation::Symmetric3;
 use kept::kept;
 use messages::AXES;
@@ -149,12 +147,6 @@ impl SourceErrors {
     pub(crate) fn excess_m2(&self) -> f64 {
         let excess = |axis: usize| self.errors[axis] * self.errors[axis] - self.variances[axis];
         0.5 * (excess(0) + excess(1))
-    }
-
-    /// Weight in the geometric median of all sources: inverse of the distance from it, as far as that is known.
-    pub(crate) fn closeness(&self, rows: Range<usize>) -> f64 {
-        let squared = |row: usize| self.errors[row] * self.errors[row] + self.variances[row];
-        1.0 / rows.map(squared).sum::<f64>().sqrt()
     }
 
     /// Whether a source can have these errors; none that are not a number.

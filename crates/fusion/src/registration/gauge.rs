@@ -1,56 +1,62 @@
 //! Gauge of the solution: the part of the errors that all sources have in common shows in no difference.
 //!
 //! Without a reference source, the geometric median of all sources is taken as true: a single outlier hardly moves it.
-//! Sources with wrong clocks weigh less.
+//! The distance from the median is what differences determine of it, per direction (module `displacement`). Sources
+//! with wrong clocks weigh less.
 //!
 //! Source: E. Weiszfeld, *Sur le point pour lequel la somme des distances de n points donnés est minimum*, Tôhoku
 //! Mathematical Journal 43 (1937).
 
-use std::ops::Range;
-
+use crate::registration::displacement::{Displacement, MeanErrors, ROWS};
 use crate::registration::errors::{ClockError, SourceErrors, clock_of};
-use crate::registration::rows::{Errors, TIME};
+use crate::registration::rows::{Errors, UP};
 use crate::source_ref::SOURCES_MAX;
 
 /// Subtracts the common part of the errors: one step towards the median (Weiszfeld).
-pub(crate) fn fix(sources: &mut [SourceErrors], clocks: &[ClockError]) {
+pub(super) fn fix(sources: &mut [SourceErrors], displacements: &[Displacement], clocks: &[ClockError]) {
     let is_any_off = clocks.iter().any(|clock| clock.excess_s > 0.0);
     // Range and azimuth biases are observable in absolute terms, from different positions. So is the offset, relative
     // to a source that is known to have none.
     let is_anchored = sources
         .iter()
         .any(|source| source.samples > 0.0 && !source.model.has_offset());
-    for rows in [0..2, 2..3, TIME..TIME + 1].into_iter().skip(usize::from(is_anchored)) {
-        let middle = match is_any_off {
-            true => median_by_clocks(sources, rows.clone(), clocks),
-            false => step_to_median(sources, rows.clone()),
-        };
-        for source in sources.iter_mut().filter(|source| source.samples > 0.0) {
-            for row in rows.clone() {
-                source.errors[row] -= middle[row];
-            }
-        }
+    let mut middle = match is_any_off {
+        true => median_by_clocks(sources, clocks),
+        false => step_to_median(sources, displacements, is_anchored),
+    };
+    if is_anchored {
+        middle.fixed_rows_mut::<2>(0).fill(0.0);
+    }
+    for source in sources.iter_mut().filter(|source| source.samples > 0.0) {
+        source.errors -= middle;
     }
 }
 
 /// Returns a step from 0 towards the geometric median of the compared sources.
-fn step_to_median(sources: &[SourceErrors], rows: Range<usize>) -> Errors {
-    let mut total = 0.0;
-    let mut middle = Errors::zeros();
-    // The offset of a rotation is that of the point about which it turns.
-    let is_used = |source: &&SourceErrors| source.samples > 0.0 && (rows.start >= 2 || !source.model.is_polar());
-    for source in sources.iter().filter(is_used) {
-        let weight = source.closeness(rows.clone());
+fn step_to_median(sources: &[SourceErrors], displacements: &[Displacement], is_anchored: bool) -> Errors {
+    let (mut horizontal, mut up, mut total) = (MeanErrors::new(), 0.0, 0.0);
+    let known = sources.iter().zip(displacements);
+    for (source, displacement) in known.filter(|(source, _)| source.samples > 0.0) {
+        // The offset of a rotation is that of the point about which it turns.
+        match is_anchored || source.model.is_polar() {
+            true => horizontal.add(&displacement.by_time(), &source.errors),
+            false => horizontal.add(displacement, &source.errors),
+        }
+        let weight = 1.0 / (source.errors[UP] * source.errors[UP] + source.variances[UP]).sqrt();
+        up += weight * source.errors[UP];
         total += weight;
-        middle += source.errors * weight;
     }
-    if total > 0.0 { middle / total } else { Errors::zeros() }
+    let mut middle = horizontal.mean();
+    if total > 0.0 {
+        middle[UP] = up / total;
+    }
+    middle
 }
 
 /// Returns the median of each error over the compared sources; sources with wrong clocks weigh less.
-fn median_by_clocks(sources: &[SourceErrors], rows: Range<usize>, clocks: &[ClockError]) -> Errors {
+fn median_by_clocks(sources: &[SourceErrors], clocks: &[ClockError]) -> Errors {
     let mut middle = Errors::zeros();
-    for row in rows {
+    for row in ROWS.into_iter().chain([UP]) {
         let mut values = [(0.0, 0.0); SOURCES_MAX];
         let (mut count, mut total) = (0, 0.0);
         for (own, source) in sources.iter().enumerate() {

@@ -9,7 +9,8 @@ pub type Errors = SVector<f64, ERRORS>;
 /// Matrix of normal equations.
 pub(crate) type NormalMatrix = SMatrix<f64, ERRORS, ERRORS>;
 
-/// Places of the time offset, the range bias and the azimuth bias among the errors.
+/// Places of the vertical offset, the time offset, the range bias and the azimuth bias among the errors.
+pub(crate) const UP: usize = 2;
 pub(crate) const TIME: usize = 3;
 pub(crate) const RANGE: usize = 4;
 pub(crate) const AZIMUTH: usize = 5;

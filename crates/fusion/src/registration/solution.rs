@@ -3,6 +3,7 @@
 //! A few sweeps of block Gauss–Seidel solve for the errors of one source after the other, with the errors of the others
 //! fixed. Then the models of each source are compared. The estimates change once all of it is complete.
 
+use crate::registration::displacement::Displacement;
 use crate::registration::errors::{ClockError, PRIOR_SIGMA, SAMPLES_MIN, clock_of, prior_variances};
 use crate::registration::progress::SETTLED_MIN;
 use crate::registration::recent::SOLUTIONS_MIN;
@@ -90,7 +91,7 @@ impl Registration {
             own += 1;
             if own == self.sources.len() {
                 if self.reference.is_none() {
-                    gauge::fix(&mut self.solution.sources, clocks);
+                    gauge::fix(&mut self.solution.sources, &self.displacements, clocks);
                 }
                 (sweep, own) = (sweep + 1, 0);
             }
@@ -128,6 +129,8 @@ impl Registration {
             pair.right *= keep;
             normal += pair.own;
         }
+        let sums = partners(self.partners[own]).map(|other| &self.pairs[own * count + other].own);
+        self.displacements[own] = Displacement::new(&self.seeds[own].normal, sums);
         self.solution.sources[own].model.hold(&mut normal);
         let is_sought = self.reference != Some(own as u16) && self.sources[own].samples != 0.0;
         let factor = if is_sought { normal.cholesky() } else { None };

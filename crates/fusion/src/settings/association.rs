@@ -82,6 +82,11 @@ impl AssociationSettings {
         self.join_probability.gate()
     }
 
+    /// Whether addresses tell targets apart.
+    pub(crate) fn uses_addresses(&self) -> bool {
+        self.use_identity && self.exponents.address > 0.0
+    }
+
     /// Gate on d² of position, velocity and height together.
     pub fn scan_gate(&self) -> f64 {
         self.join_gate() + self.velocity_probability.gate()

@@ -1,0 +1,123 @@
+//! Displacement of a source's reports by its errors, as far as differences of reports determine it.
+//!
+//! If all targets move in one direction, an offset along it and a time offset displace all reports alike: differences
+//! determine their sum alone, and the variance of each is that of its prior. Across that direction the offset may be
+//! known to a metre. A distance of two sources that adds the variances of all directions is then as uncertain as the
+//! worst direction. So the distance is the mean square of the displacement of the compared reports,
+//! θᵀ·(Σ HᵀWH / Σ W)·θ. What no difference determines displaces no report, and does not count.
+
+use nalgebra::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
+
+use crate::registration::errors::PRIOR_SIGMA;
+use crate::registration::rows::{Errors, NormalMatrix, TIME};
+
+/// Errors that may displace all reports alike: the horizontal offset, and the time offset.
+pub(super) const ROWS: [usize; 3] = [0, 1, TIME];
+
+/// Mean square by which [`ROWS`] of the errors displace the reports of a source.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(super) struct Displacement {
+    /// Quadratic form, m² per square of the errors: Σ HᵀWH relative to the mean of Σ W over both axes.
+    form: Matrix3<f64>,
+    /// Variance per axis of the displacement, m².
+    variance_m2: f64,
+}
+
+impl Displacement {
+    /// Nothing has been compared.
+    pub(super) const UNKNOWN: Self = Self {
+        form: Matrix3::from_array_storage(nalgebra::ArrayStorage([[0.0; 3]; 3])),
+        variance_m2: PRIOR_SIGMA[0] * PRIOR_SIGMA[0],
+    };
+
+    /// Returns the displacement of a source with these sums over its differences, one per partner. Of what a step
+    /// revealed (`seed`) only the horizontal offset displaces reports; the rest is carried over.
+    pub(super) fn new<'a>(seed: &NormalMatrix, sums: impl Iterator<Item = &'a NormalMatrix>) -> Self {
+        let mut form = Matrix3::zeros();
+        form.fixed_view_mut::<2, 2>(0, 0)
+            .copy_from(&seed.fixed_view::<2, 2>(0, 0));
+        for sum in sums {
+            form += Matrix3::from_fn(|row, column| sum[(ROWS[row], ROWS[column])]);
+        }
+        let information = 0.5 * (form[(0, 0)] + form[(1, 1)]);
+        if information > 0.0 {
+            Self {
+                form: form / information,
+                variance_m2: 1.0 / (information + 1.0 / Self::UNKNOWN.variance_m2),
+            }
+        } else {
+            Self::UNKNOWN
+        }
+    }
+
+    /// Returns the displacement by the time offset alone.
+    pub(super) fn by_time(&self) -> Self {
+        Self {
+            form: Matrix3::from_fn(|row, column| if row.min(column) == 2 { self.form[(2, 2)] } else { 0.0 }),
+            ..*self
+        }
+    }
+
+    /// Returns the mean square per axis of the displacement by the offset alone, minus the part explained by chance, m².
+    pub(super) fn offset_excess_m2(&self, errors: &Errors) -> f64 {
+        let mut offset = *errors;
+        offset[TIME] = 0.0;
+        0.5 * self.squared_m2(&offset) - self.variance_m2
+    }
+
+    /// Returns the sum over both axes, m².
+    fn squared_m2(&self, errors: &Errors) -> f64 {
+        let errors = of_rows(errors);
+        errors.dot(&(self.form * errors))
+    }
+
+    /// Returns the weight in the geometric median of all sources: inverse of the distance from it, as far as that is
+    /// known.
+    pub(super) fn closeness(&self, errors: &Errors) -> f64 {
+        1.0 / (self.squared_m2(errors) + 2.0 * self.variance_m2).sqrt()
+    }
+}
+
+/// Weighted mean of the errors of several sources, per direction: each counts where differences determine it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MeanErrors {
+    normal: Matrix3<f64>,
+    right: Vector3<f64>,
+}
+
+impl MeanErrors {
+    pub(super) fn new() -> Self {
+        Self {
+            normal: Matrix3::zeros(),
+            right: Vector3::zeros(),
+        }
+    }
+
+    /// Adds the errors of a source.
+    pub(super) fn add(&mut self, displacement: &Displacement, errors: &Errors) {
+        let weight = displacement.closeness(errors);
+        let weighted = displacement.form * weight;
+        self.normal += weighted;
+        self.right += weighted * of_rows(errors);
+        // The prior decides between errors that displace all reports alike.
+        for (place, row) in ROWS.into_iter().enumerate() {
+            self.normal[(place, place)] += weight * displacement.variance_m2 / (PRIOR_SIGMA[row] * PRIOR_SIGMA[row]);
+        }
+    }
+
+    /// Returns the mean; 0 in all other rows, and without sources.
+    pub(super) fn mean(&self) -> Errors {
+        let mut mean = Errors::zeros();
+        if let Some(factor) = self.normal.cholesky() {
+            for (row, value) in ROWS.into_iter().zip(&factor.solve(&self.right)) {
+                mean[row] = *value;
+            }
+        }
+        mean
+    }
+}
+
+fn of_rows(errors: &Errors) -> Vector3<f64> {
+    Vector3::from(ROWS.map(|row| errors[row]))
+}
