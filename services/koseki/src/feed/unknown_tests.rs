@@ -98,10 +98,11 @@ impl Errors {
             return Err(format!("the velocity of {:?} m/s is unknown", flight.velocity_mps));
         }
         let truth_m = flight.place_m((track.reference_time_ns - START_NS) as f64 / S as f64);
-        for axis in 0..if track.height_valid == 0 { 2 } else { AXES } {
+        let axes = if track.height_valid == 0 { 2 } else { AXES };
+        for (axis, truth_m) in truth_m.into_iter().enumerate().take(axes) {
             let p = |row, column| track.covariance.get(row, column);
             let error = [
-                track.position_m[axis] - truth_m[axis],
+                track.position_m[axis] - truth_m,
                 track.velocity_mps[axis] - flight.velocity_mps[axis],
             ];
             let variances = [p(axis, axis), p(axis, axis + AXES), p(axis + AXES, axis + AXES)];
