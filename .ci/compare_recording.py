@@ -131,7 +131,9 @@ def system_track(message, frame):
             'merged_into': message.merged_into or None, **description(message),
             'utc': datetime.datetime.fromtimestamp(message.reference_time_ns // 10**9, datetime.timezone.utc),
             'latitude': Rounded(latitude), 'longitude': Rounded(longitude),
-            'flight_level': where(message.height_valid, Rounded(height_m / 30.48)), **ship(message)}
+            'flight_level': where(message.height_valid, Rounded(height_m / 30.48)), **ship(message),
+            'velocity_valid': message.velocity_valid,
+            'climb_valid': int(bool(message.height_valid) and message.covariance.upper[20] < 200)}
 
 
 def detection(message, _):

@@ -1,6 +1,6 @@
 //! Recordings on which Koseki once failed, a function for each case of the folder `round4`.
 
-use test_support::recordings;
+use test_support::{column, recordings};
 
 use crate::common::Folder;
 
@@ -17,4 +17,46 @@ fn bugs_negative_level() {
         record["090"]["FL"].as_f64()
     });
     assert_eq!(levels.collect::<Vec<_>>(), [Some(-10.0); 5]);
+}
+
+/// Reports of one track without a velocity, 0.4 s apart, of a target at 60 m/s: it is not taken for one that stands still.
+#[test]
+fn bugs_position_only_track() {
+    const CASE: &str = "round4/bugs/position-only-track/track.csv";
+    let Some(data) = recordings(CASE) else { return };
+    let folder = Folder::with::<&str>(&[]);
+    folder.succeed(&format!("fuse --tracks {} --out fused.csv", data.join(CASE).display()));
+    let fused = folder.read("fused.csv");
+    let numbers = |name: &str| -> Vec<f64> {
+        let cells = column(&fused, name).into_iter();
+        cells.map(|cell| cell.parse().unwrap()).collect()
+    };
+    let [times_s, places_m, variances_m2, known] = ["time_s", "x", "P00", "velocity_valid"].map(numbers);
+    let from = 3;
+    assert!(times_s.len() > 30, "{} rows", times_s.len());
+    assert_eq!(
+        (known[0], known[from]),
+        (0.0, 1.0),
+        "the first position shows no velocity"
+    );
+    for ((time_s, place_m), variance_m2) in times_s.iter().zip(&places_m).zip(&variances_m2).skip(from) {
+        let error_m = place_m - 60.0 * (time_s - times_s[0]);
+        let sigma_m = variance_m2.sqrt();
+        assert!(error_m.abs() <= 3.0 * sigma_m, "{time_s} s: {error_m} m at {sigma_m} m");
+    }
+}
+
+/// Files in which nothing is known of any position, or a variance is beyond all limits.
+#[test]
+fn bugs_all_rows_invalid() {
+    for (name, limit) in [("zero", "is 0, so nothing is known"), ("huge", "is beyond 1e14")] {
+        let case = format!("round4/bugs/all-rows-invalid/{name}.csv");
+        let Some(data) = recordings(&case) else { return };
+        let folder = Folder::with::<&str>(&[]);
+        let said = folder.line_of(
+            2,
+            &format!("fuse --tracks {} --out fused.csv", data.join(&case).display()),
+        );
+        assert!(said.contains("line 2, column P00") && said.contains(limit), "{said}");
+    }
 }

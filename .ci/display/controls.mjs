@@ -20,6 +20,7 @@ const flight = (change = {}) =>
     type: "A320",
     height: 3048,
     speedEast: 100,
+    knowsVelocity: true,
     source: 1,
     sourceCount: 2,
     sourcesLow: 0b110,

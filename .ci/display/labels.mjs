@@ -185,6 +185,7 @@ test("labels say the fields that are configured, and always alerts", () => {
     isLevel: true,
     climb: -10.16,
     speedEast: 100,
+    knowsVelocity: true,
     alerts: 2,
     sourceCount: 2,
   });

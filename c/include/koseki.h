@@ -114,7 +114,8 @@ typedef struct {
   double north_m;                 /* Place of the target in the system frame, metres north. */
   double up_m;                    /* Place of the target in the system frame, metres up. */
   double sigma_m;                 /* Standard deviation of the position along each horizontal axis, metres, above 0. */
-  double height_sigma_m;          /* Standard deviation of the height, metres, above 0; that of the position if not stated. */
+  double height_sigma_m;          /* Standard deviation of the height, metres; that of the position if not stated. 0: the height is
+                                     unknown. */
   double range_m;                 /* Slant range from the sensor, metres. */
   double bearing_deg;             /* Direction from the sensor, degrees clockwise, from -360 to 360: from true north at a
                                      sensor in latitude and longitude, from the system frame's north at one in metres. */
@@ -148,14 +149,16 @@ typedef struct {
   double north_m;                 /* Place of the target in the system frame, metres north. */
   double up_m;                    /* Place of the target in the system frame, metres up. */
   double sigma_m;                 /* Standard deviation of the position along each horizontal axis, metres, above 0. */
-  double height_sigma_m;          /* Standard deviation of the height, metres, above 0; that of the position if not stated. */
+  double height_sigma_m;          /* Standard deviation of the height, metres; that of the position if not stated. 0: the height is
+                                     unknown. */
   double speed_mps;               /* Speed over ground, metres per second. */
   double course_deg;              /* Direction of the motion, degrees clockwise from true north at the target, from -360 to 360. */
   double climb_mps;               /* Rate of climb, metres per second. */
   double velocity_east_mps;       /* Velocity in the system frame, metres per second east; in place of speed and course. */
   double velocity_north_mps;      /* Velocity in the system frame, metres per second north. */
   double velocity_up_mps;         /* Velocity in the system frame, metres per second up. */
-  double velocity_sigma_mps;      /* Standard deviation of the velocity along each axis, metres per second, above 0. */
+  double velocity_sigma_mps;      /* Standard deviation of the velocity along each axis, metres per second. 0: the velocity is
+                                     unknown. */
 } koseki_track_report;
 
 /* Fill an observation in that states nothing; `size` is that of the struct. */

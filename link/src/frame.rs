@@ -22,6 +22,10 @@ pub(crate) trait Placed {
 
 impl Placed for SensorTrack {
     fn change_frame(&mut self, change: &FrameChange) {
+        if self.is_incomplete() && !self.gives_trace() {
+            // Turned, the variance of 0 of an unknown component would be a small one, and claim to be known well.
+            *self = self.completed([None; 2]);
+        }
         let has_height = self.has(sensor_track_bits::HEIGHT);
         self.position_m = at_height(change.position(self.position_m), has_height);
         self.measured_m = match (self.has(sensor_track_bits::PLATFORM), self.measured_m) {
@@ -106,7 +110,7 @@ mod tests {
         let ((origin, one), (_, other)) = (frame(41.3, 2.0), frame(41.9, 4.0));
         let change = change(&origin, &other).unwrap().unwrap();
         let mut track = SensorTrack {
-            valid: sensor_track_bits::HEIGHT,
+            valid: sensor_track_bits::HEIGHT | sensor_track_bits::VELOCITY | sensor_track_bits::VERTICAL_RATE,
             position_m: [3e4, -2e4, 9e3],
             velocity_mps: [200.0, 30.0, -5.0],
             covariance: Covariance::diagonal([100.0, 20.0, 30.0], [3.0, 2.0, 1.0]),
@@ -131,6 +135,29 @@ mod tests {
             assert!((track.position_m[axis] - before.position_m[axis]).abs() < 1e-4);
             assert!((track.velocity_mps[axis] - before.velocity_mps[axis]).abs() < 1e-9);
         }
+    }
+
+    #[test]
+    fn what_is_unknown_here_is_unknown_there() {
+        let ((origin, _), (_, other)) = (frame(41.3, 2.0), frame(41.9, 4.0));
+        let change = change(&origin, &other).unwrap().unwrap();
+        let mut track = SensorTrack {
+            valid: sensor_track_bits::HEIGHT,
+            position_m: [3e4, -2e4, 9e3],
+            covariance: Covariance::diagonal([10.0; 3], [0.0; 3]),
+            ..SensorTrack::default()
+        };
+        track.change_frame(&change);
+        for component in 3..6 {
+            assert!(!track.states(component) && track.covariance.get(component, component) > 100.0);
+        }
+        let mut of_trace = SensorTrack {
+            valid: sensor_track_bits::HEIGHT | sensor_track_bits::TRACE,
+            trace_m2: 800.0,
+            ..SensorTrack::default()
+        };
+        of_trace.change_frame(&change);
+        assert_eq!(of_trace.covariance, Covariance::default());
     }
 
     #[test]

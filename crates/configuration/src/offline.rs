@@ -163,6 +163,20 @@ impl Offline {
         self.build(seen).map_err(|error| self.in_file(error))
     }
 
+    /// Ids of the sensors for which the file states how accurate their positions are.
+    pub fn accurate_sensors(&self) -> Vec<u32> {
+        let is_accurate = |sensor: &&OfflineSensorTable| {
+            let accuracy = sensor.weighing.accuracy.as_ref();
+            accuracy.is_some_and(|accuracy| accuracy.model != AccuracyModel::Reported)
+        };
+        self.raw
+            .sensors
+            .iter()
+            .filter(is_accurate)
+            .map(|sensor| sensor.id)
+            .collect()
+    }
+
     fn in_file(&self, error: SettingsError) -> ConfigError {
         let located = Document::parse(&self.text, &[]).map(|document| document.located(error.clone()));
         super::in_file(&self.path, located.unwrap_or(error))

@@ -82,6 +82,16 @@ impl<const N: usize> ColumnPlace<[&'static str; N]> for [Column; N] {
     }
 }
 
+impl<const N: usize> ColumnPlace<[&'static str; N]> for [Option<Column>; N] {
+    fn find<R: Read>(table: &Table<R>, names: [&'static str; N]) -> Result<Self, CsvError> {
+        let mut found = [None; N];
+        for (place, name) in found.iter_mut().zip(names) {
+            *place = table.optional(name)?;
+        }
+        Ok(found)
+    }
+}
+
 impl<const N: usize> ColumnPlace<[&'static str; N]> for Option<[Column; N]> {
     fn find<R: Read>(table: &Table<R>, names: [&'static str; N]) -> Result<Self, CsvError> {
         match table.optional(names[0])? {

@@ -3,13 +3,17 @@
 //! A row is a report: time, identity of the track, state vector, upper triangle of the covariance, and state of the
 //! track. Identity of the target, method, trace, and flags for observed height and velocity may follow; without the
 //! two flag columns, both were observed. A source with only the trace of its covariance leaves the covariance columns
-//! empty, or omits them (TI-1). Further optional columns are the subject of the track (`kind`: `single`, or `group`
+//! empty, or omits them (TI-1).
+//!
+//! What is left empty is unknown, as is what has a variance of 0: the height, and each component of the velocity. A
+//! position needs variances, from the row or from the configured accuracy of its sensor. Further optional columns are the subject of the track (`kind`: `single`, or `group`
 //! with its `members`), the target's `type` with its `type_confidence`, and a ship's `mmsi` and `name`. `arrival_s` is
 //! the time at which the report arrived (absolute, not before `time_s`); without the column, a report arrives at its
 //! time. A column `truth_id` is never read: it must stay hidden from fusion.
 
 use std::io::{self, Read, Write};
 
+use messages::admission::COVARIANCE_MAX;
 use messages::sensor_track_bits as bits;
 use messages::{Covariance, STATE_LEN, SensorTrack, TYPE_NAME_MAX, TargetType, TrackKind, TrackState};
 
@@ -23,6 +27,8 @@ use crate::rows::{Columns, Reference, Row, RowReader, RowWriter};
 
 /// Excess of a covariance over the product of its standard deviations that is accepted: files round to a few decimals.
 const ROUNDING: f64 = 1e-3;
+/// Components of a position that every row has.
+const PLACES: usize = 2;
 /// Part of a variance that is lost where four decimals are written: a target that stands still may have none left.
 const VARIANCE_ROUNDING: f64 = 5e-5;
 
@@ -43,10 +49,10 @@ columns! {
     time: Column = "time_s" => Time(row.track.time_of_measurement_ns),
     sensor: Column = "sensor_id" => row.sensor_id,
     number: Column = "sensor_track_id" => row.track.track_number,
-    kinematics: [Column; KINEMATICS.len()] = KINEMATICS => kinematics(&row.track.position_m, &row.track.velocity_mps),
+    kinematics: [Option<Column>; KINEMATICS.len()] = KINEMATICS => kinematics(&row.track.position_m, &row.track.velocity_mps),
     // Missing where the trace alone is given.
     covariance: Option<[Column; COVARIANCE_COLUMNS.len()]> = COVARIANCE_COLUMNS => covariance(&row.track.covariance),
-    state: Column = "state" => TrackState::from_code(row.track.state).map(TrackState::word),
+    state: Option<Column> = "state" => TrackState::from_code(row.track.state).map(TrackState::word),
     address: Option<Column> = "address" => row.track.identity.address_text(),
     mode_3a: Option<Column> = "mode_3a" => row.track.identity.mode_3a_text(),
     callsign: Option<Column> = "callsign" => row.track.identity.callsign().map(word),
@@ -84,6 +90,8 @@ pub struct SensorTrackColumns<F> {
     at: SensorTrackPlaces,
     identity: IdentityPlaces,
     arrival: Option<Column>,
+    /// Sensors whose accuracy is configured, so that their positions need no variances; `None`: all.
+    accurate: Option<Vec<u32>>,
     /// Time of arrival of the row read last, nanoseconds.
     arrival_ns: i64,
 }
@@ -97,6 +105,9 @@ impl<R: Read, F: FnMut(u32) -> Option<u16>> SensorTrackReader<R, F> {
     pub fn new(input: R, first_day_ns: i64, source_of: F) -> Result<Self, CsvError> {
         let table = Table::new(input)?;
         let at = SensorTrackPlaces::find(&table)?;
+        for name in &KINEMATICS[..PLACES] {
+            table.required(name)?;
+        }
         if at.covariance.is_none() && at.trace.is_none() {
             table.required(COVARIANCE_COLUMNS[0])?;
         }
@@ -112,6 +123,7 @@ impl<R: Read, F: FnMut(u32) -> Option<u16>> SensorTrackReader<R, F> {
             },
             at,
             arrival: table.optional("arrival_s")?,
+            accurate: Some(Vec::new()),
             arrival_ns: first_day_ns,
         };
         Ok(Self { table, columns })
@@ -119,6 +131,13 @@ impl<R: Read, F: FnMut(u32) -> Option<u16>> SensorTrackReader<R, F> {
 }
 
 impl<R: Read, F> SensorTrackReader<R, F> {
+    /// Accepts positions without variances of these sensors, `None` of all: their accuracy is configured.
+    #[must_use]
+    pub fn with_accuracies_of(mut self, sensor_ids: Option<Vec<u32>>) -> Self {
+        self.columns.accurate = sensor_ids;
+        self
+    }
+
     /// Whether the file states when its reports arrived.
     pub fn has_arrivals(&self) -> bool {
         self.columns.arrival.is_some()
@@ -140,9 +159,18 @@ impl<F: FnMut(u32) -> Option<u16>> Columns for SensorTrackColumns<F> {
             let reason = "is no sensor of this run; name it in the configuration, or leave its file out";
             row.error(self.at.sensor, reason)
         })?;
-        let [x, y, z, vx, vy, vz] = self.at.kinematics.map(|column| row.number(column));
+        let mut state = [None; STATE_LEN];
+        for (value, column) in state.iter_mut().zip(self.at.kinematics) {
+            *value = row.number_or_empty(column)?;
+        }
+        for (column, value) in self.at.kinematics.iter().zip(&state).take(PLACES) {
+            if let (Some(column), None) = (column, value) {
+                return Err(row.error(*column, "is empty; write a number"));
+            }
+        }
         let trace_m2 = self.trace(row)?;
-        let covariance = self.covariance(row, trace_m2)?;
+        let has_accuracy = self.accurate.as_ref().is_none_or(|ids| ids.contains(&sensor));
+        let covariance = self.covariance(row, trace_m2, &state, has_accuracy)?;
         let (kind, members) = self.kind(row)?;
         let time_ns = row.time_ns(self.at.time)?.saturating_add(self.first_day_ns);
         self.arrival_ns = self.arrival_of(row, time_ns)?;
@@ -150,10 +178,10 @@ impl<F: FnMut(u32) -> Option<u16>> Columns for SensorTrackColumns<F> {
             time_of_measurement_ns: time_ns,
             track_number: row.whole(self.at.number)?,
             source,
-            valid: self.valid(row, covariance.is_some(), trace_m2.is_some())?,
+            valid: self.valid(row, covariance.is_some(), trace_m2.is_some(), &state)?,
             identity: self.identity.read(row)?,
-            position_m: [x?, y?, z?],
-            velocity_mps: [vx?, vy?, vz?],
+            position_m: [0, 1, 2].map(|component: usize| state[component].unwrap_or_default()),
+            velocity_mps: [3, 4, 5].map(|component: usize| state[component].unwrap_or_default()),
             covariance: covariance.unwrap_or_default(),
             trace_m2: trace_m2.unwrap_or_default(),
             state: self.state(row)? as u8,
@@ -180,26 +208,43 @@ impl<F> SensorTrackColumns<F> {
     }
 
     fn state(&self, row: Cells<'_>) -> Result<TrackState, CsvError> {
-        let word = row.text(self.at.state)?.unwrap_or_default();
+        let (Some(column), Some(word)) = (self.at.state, row.text(self.at.state)?) else {
+            return Ok(TrackState::Confirmed);
+        };
         TrackState::from_word(word).ok_or_else(|| {
             let words = TrackState::ALL.map(TrackState::word).join(", ");
-            row.error(self.at.state, format!("is no state; write one of {words}"))
+            row.error(column, format!("is no state; write one of {words}"))
         })
     }
 
-    fn valid(&self, row: Cells<'_>, covariance: bool, trace: bool) -> Result<u16, CsvError> {
-        let height = flag(row, self.at.height_valid)?;
-        let velocity = flag(row, self.at.velocity_valid)?;
+    fn valid(
+        &self,
+        row: Cells<'_>,
+        covariance: bool,
+        trace: bool,
+        state: &[Option<f64>; STATE_LEN],
+    ) -> Result<u16, CsvError> {
+        let [_, _, z, vx, vy, vz] = state.map(|value| value.is_some());
+        let height = flag(row, self.at.height_valid)? && z;
+        let is_flagged = flag(row, self.at.velocity_valid)?;
+        // One component may be known alone; its variance states that.
+        let velocity = is_flagged && (if covariance { vx || vy } else { vx && vy });
         let bit = |set: bool, bit: u16| if set { bit } else { 0 };
         Ok(bit(covariance, bits::OWN_COVARIANCE)
             | bit(height, bits::HEIGHT)
             | bit(velocity, bits::VELOCITY)
-            | bit(height && velocity, bits::VERTICAL_RATE)
+            | bit(height && is_flagged && vz, bits::VERTICAL_RATE)
             | bit(trace, bits::TRACE))
     }
 
     /// The covariance; `None` if the row has its trace instead.
-    fn covariance(&self, row: Cells<'_>, trace_m2: Option<f64>) -> Result<Option<Covariance>, CsvError> {
+    fn covariance(
+        &self,
+        row: Cells<'_>,
+        trace_m2: Option<f64>,
+        state: &[Option<f64>; STATE_LEN],
+        has_accuracy: bool,
+    ) -> Result<Option<Covariance>, CsvError> {
         // By reference: the places of 21 columns are half a kilobyte.
         let columns = match (&self.at.covariance, self.at.trace, trace_m2) {
             (None, Some(column), None) => return Err(row.error(column, "is empty, and there are no covariances")),
@@ -209,12 +254,26 @@ impl<F> SensorTrackColumns<F> {
         };
         let mut covariance = Covariance::default();
         for (place, column) in covariance.upper.iter_mut().zip(columns) {
-            *place = row.number(*column)?;
+            let value = row.number_or_empty(*column)?.unwrap_or_default();
+            if value.abs() > COVARIANCE_MAX {
+                let reason = format!("is beyond {COVARIANCE_MAX:e}, the limit of variances and covariances");
+                return Err(row.error(*column, reason));
+            }
+            *place = value;
         }
         let variances: [f64; STATE_LEN] = std::array::from_fn(|line| covariance.get(line, line));
         if let Some(line) = variances.iter().position(|variance| *variance < 0.0) {
             let column = columns[Covariance::index(line, line)];
             return Err(row.error(column, "is negative, which no variance is"));
+        }
+        let is_unknown = |line: &usize| variances[*line] == 0.0;
+        if let Some(line) = (0..PLACES)
+            .find(is_unknown)
+            .filter(|_| !has_accuracy && trace_m2.is_none())
+        {
+            let reason = "is 0, so nothing is known of the position; write a variance above 0 (30 m are 900), or the \
+                          accuracy of this sensor in a configuration";
+            return Err(row.error(columns[Covariance::index(line, line)], reason));
         }
         // The upper triangle, line by line: the variance of a line precedes its covariances.
         let mut places = columns.iter().zip(&covariance.upper);
@@ -227,6 +286,9 @@ impl<F> SensorTrackColumns<F> {
                     return Err(row.error(*column, reason));
                 }
             }
+        }
+        for line in (PLACES..STATE_LEN).filter(|line| state[*line].is_none()) {
+            (0..STATE_LEN).for_each(|column| covariance.set(line, column, 0.0));
         }
         Ok(Some(covariance))
     }

@@ -106,6 +106,23 @@ columns! {
     "level_age_s" => (row.track.level_valid != 0).then_some(Plain(f64::from(row.track.level_age_ms) / 1e3, 3)),
     "mmsi" => row.track.identity.mmsi_text(),
     "name" => row.track.identity.name().map(words),
+    "velocity_valid" => row.track.velocity_valid,
+    "climb_valid" => KnownRow(&row.track).climb_valid(),
+}
+
+/// What is known of the velocity, written as the last part of a row.
+struct KnownRow<'a>(&'a SystemTrack);
+
+impl KnownRow<'_> {
+    fn climb_valid(&self) -> u8 {
+        u8::from(self.0.height_valid != 0 && self.0.covariance.knows_climb())
+    }
+}
+
+columns! {
+    KnownRow<'_>: |row|
+    "velocity_valid" => row.0.velocity_valid,
+    "climb_valid" => row.climb_valid(),
 }
 
 /// The columns of every system track.
@@ -113,13 +130,15 @@ struct SystemTrackRow<'a>(&'a SystemTrack);
 
 impl Row for SystemTrack {
     fn columns() -> String {
-        [SystemTrackRow::columns(), ShipRow::columns()].join(",")
+        [SystemTrackRow::columns(), ShipRow::columns(), KnownRow::columns()].join(",")
     }
 
     fn write(&self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
         SystemTrackRow(self).write(out, reference)?;
         out.write_all(b",")?;
-        ShipRow(&self.identity).write(out, reference)
+        ShipRow(&self.identity).write(out, reference)?;
+        out.write_all(b",")?;
+        KnownRow(self).write(out, reference)
     }
 }
 
@@ -309,7 +328,7 @@ mod tests {
         before.write(&track).unwrap();
         let before = String::from_utf8(before.into_inner()).unwrap();
         for (line, before) in text.lines().zip(before.lines()) {
-            let of_all = before.rsplitn(3, ',').last().unwrap();
+            let of_all = before.rsplitn(5, ',').last().unwrap();
             assert!(line.starts_with(&format!("{of_all},")), "{line}");
         }
         let without_height = SystemTrack {
@@ -317,6 +336,6 @@ mod tests {
             level_valid: 0,
             ..track
         };
-        assert!(written(&without_height).ends_with(",41.2500000,-2.5000000,,,,,\n"));
+        assert!(written(&without_height).ends_with(",41.2500000,-2.5000000,,,,,,0,0\n"));
     }
 }

@@ -119,21 +119,14 @@ impl Accuracies {
         stated: StatedAccuracy<'_>,
     ) -> f64 {
         let index = usize::from(source);
-        let base = match accuracy.base {
-            AccuracyBase::Constant { sigma_m } => sigma_m,
-            AccuracyBase::Polar {
-                place_m,
-                range_sigma_m,
-                azimuth_sigma_rad,
-            } => {
-                let range = (position_m[0] - place_m[0]).hypot(position_m[1] - place_m[1]);
-                range_sigma_m.hypot(azimuth_sigma_rad * range)
-            }
-            AccuracyBase::Reported => {
+        let estimated = self.mean_squares[index].filter(|_| matches!(accuracy.base, AccuracyBase::Estimated { .. }));
+        let base = match (estimated, accuracy.base.configured_m(position_m)) {
+            (Some(square_m2), _) => square_m2.sqrt(),
+            (None, Some(configured_m)) => configured_m,
+            (None, None) => {
                 let reported = stated.covariance;
                 (0.5 * (reported.get(0, 0) + reported.get(1, 1))).sqrt()
             }
-            AccuracyBase::Estimated { initial_m, .. } => self.mean_squares[index].map_or(initial_m, f64::sqrt),
         };
         let by_speed = match accuracy.per_speed_s {
             0.0 => 0.0,

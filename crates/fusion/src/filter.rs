@@ -16,8 +16,8 @@
 use estimation::{Gaussian, Plane, Rotation, Vertical};
 use kept::kept;
 use messages::{
-    AXES, HorizontalMovement, LongitudinalMovement, Movement, NS_PER_S, STATE_LEN, SensorTrack, VerticalMovement,
-    movement_bits, sensor_track_bits,
+    AXES, HorizontalMovement, LongitudinalMovement, Movement, NS_PER_S, STATE_LEN, SensorTrack,
+    UNKNOWN_CLIMB_SIGMA_MPS, VerticalMovement, movement_bits, sensor_track_bits,
 };
 use serde::{Deserialize, Serialize};
 
@@ -46,7 +46,7 @@ const TURN_S: f64 = 4.0;
 const SURELY_STRAIGHT: f64 = 0.1;
 const SURELY_TURNING: f64 = 0.5;
 /// Variance of the rate of climb of a target whose height is observed for the first time, m²/s².
-const VERTICAL_SPEED_M2PS2: f64 = 400.0;
+const VERTICAL_SPEED_M2PS2: f64 = UNKNOWN_CLIMB_SIGMA_MPS * UNKNOWN_CLIMB_SIGMA_MPS;
 
 /// State of a target's filter at a time.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
@@ -394,10 +394,12 @@ impl TargetFilter {
         (speed_mps > MOVING_MPS).then_some(rate)
     }
 
-    /// Returns the rate of climb, m/s, and its variance, m²/s²; `None` without observed height.
+    /// Returns the rate of climb, m/s, and its variance, m²/s²; `None` without observed height, or as long as a single
+    /// height leaves the rate unknown.
     pub(crate) fn climb_rate(&self) -> Option<[f64; 2]> {
-        let rate = [self.estimate.mean[5], self.estimate.covariance.get(5, 5)];
-        self.has_height.then_some(rate)
+        let covariance = &self.estimate.covariance;
+        let rate = [self.estimate.mean[5], covariance.get(5, 5)];
+        (self.has_height && covariance.knows_climb()).then_some(rate)
     }
 
     /// How the target moves, as far as that is sure.

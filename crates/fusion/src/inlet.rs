@@ -1,6 +1,6 @@
 //! Checks of a report before it is believed.
 
-use messages::{AXES, Counter, Covariance, Identity, NS_PER_S, STATE_LEN, SensorTrack, TrackState, sensor_track_bits};
+use messages::{AXES, Counter, Covariance, Identity, NS_PER_S, STATE_LEN, SensorTrack, TrackState};
 
 use crate::filter::TargetFilter;
 use crate::gross;
@@ -10,8 +10,6 @@ use crate::system_tracks::SystemTracks;
 /// Smallest variances that are believed, of position (m²) and velocity (m²/s²): to a millimetre and a tenth of a
 /// millimetre per second nothing is known.
 const VARIANCE_MIN: [f64; 2] = [1e-6, 1e-8];
-/// Standard deviation of a velocity that a report does not give, metres per second.
-const UNKNOWN_VELOCITY_SIGMA_MPS: f64 = 100.0;
 /// Largest distance between two reports of the same address for the same target, metres.
 const ADDRESS_REACH_M: f64 = 10e3;
 /// Silence beyond which that distance grows no more, seconds.
@@ -132,28 +130,38 @@ pub(crate) fn without_biases(
     corrected
 }
 
-/// Returns a report with only the trace of its covariance, completed with a covariance: positions with equal
-/// uncertainty on each axis, velocities as from two such positions a period apart. `None` for other reports.
+/// Returns a report that leaves something unknown, completed with what its source is known for, and then with what
+/// stands for an unknown value (`messages`, module `unknown`). `None` for complete reports.
+#[inline]
 pub(crate) fn completed(report: &SensorTrack, sources: &[SourceSettings]) -> Option<SensorTrack> {
-    if report.covariance.upper[0] != 0.0 || !report.has(sensor_track_bits::TRACE) {
+    if !report.is_incomplete() {
         return None;
     }
-    let period_s = sources.get(usize::from(report.source))?.period_ns as f64 / NS_PER_S;
-    let sigma_m = (0.5 * report.trace_m2).sqrt();
-    let sigma_mps = match report.has(sensor_track_bits::VELOCITY) {
-        true => std::f64::consts::SQRT_2 * sigma_m / period_s,
-        false => UNKNOWN_VELOCITY_SIGMA_MPS,
-    };
-    let covariance = Covariance::diagonal([sigma_m; AXES], [sigma_mps; AXES]);
-    Some(SensorTrack { covariance, ..*report })
+    Some(completed_from(report, sources.get(usize::from(report.source))?))
+}
+
+/// The completed report of a source. In place of a whole covariance, a source may give its trace: positions with equal
+/// uncertainty on each axis, velocities as from two such positions a period apart. A position without either has the
+/// accuracy that the configuration states.
+#[inline(never)]
+fn completed_from(report: &SensorTrack, source: &SourceSettings) -> SensorTrack {
+    if report.gives_trace() {
+        let sigma_m = (0.5 * report.trace_m2).sqrt();
+        let sigma_mps = std::f64::consts::SQRT_2 * sigma_m / (source.period_ns as f64 / NS_PER_S);
+        let covariance = Covariance::diagonal([sigma_m; AXES], [sigma_mps; AXES]);
+        return SensorTrack { covariance, ..*report }.completed([None; 2]);
+    }
+    let configured_m2 = source
+        .accuracy
+        .base
+        .configured_m(report.position_m)
+        .map(|sigma_m| sigma_m * sigma_m);
+    report.completed([configured_m2; 2])
 }
 
 /// Returns whether all variances are plausible, and the covariance is positive definite.
 pub(crate) fn is_usable(covariance: &Covariance) -> bool {
-    let is_believed = |index: usize| {
-        let variance = covariance.get(index, index);
-        variance == 0.0 || variance >= VARIANCE_MIN[index / AXES]
-    };
+    let is_believed = |index: usize| covariance.get(index, index) >= VARIANCE_MIN[index / AXES];
     (0..STATE_LEN).fold(true, |all, index| all & is_believed(index))
         && (covariance.is_diagonal() || estimation::is_usable(covariance))
 }
@@ -163,12 +171,11 @@ pub(crate) fn is_usable(covariance: &Covariance) -> bool {
 pub(crate) fn repaired(report: &SensorTrack) -> Option<SensorTrack> {
     let mut full = estimation::unpacked(&report.covariance);
     for component in 0..STATE_LEN {
-        let variance = full[(component, component)];
         let least = VARIANCE_MIN[component / AXES];
-        if variance < least {
+        if full[(component, component)] < least {
             full.row_mut(component).fill(0.0);
             full.column_mut(component).fill(0.0);
-            full[(component, component)] = if variance == 0.0 { 1.0 } else { least };
+            full[(component, component)] = least;
         }
     }
     let covariance = estimation::packed(&estimation::repaired(&full)?);

@@ -313,7 +313,8 @@ impl Registration {
     /// Learns from two views of one target at one time. `points_m2` is the variance per axis between the detected
     /// points, m²; `reports` is the number of reports of the target per source, in `age_s` seconds.
     pub(crate) fn learn(&mut self, a: &TargetView, b: &TargetView, points_m2: f64, (reports, age_s): (f64, f64)) {
-        let apart_mps = |axis: usize| a.velocity_mps[axis] - b.velocity_mps[axis];
+        let (of_a_mps, of_b_mps) = (a.velocity_beside(b), b.velocity_beside(a));
+        let apart_mps = |axis: usize| of_a_mps[axis] - of_b_mps[axis];
         let apart_m = |axis: usize| a.position_m[axis] - b.position_m[axis];
         // Written so that NaN is rejected.
         let may_be_one = is_within([apart_mps(0), apart_mps(1)], VELOCITY_GATE_MPS)
@@ -347,7 +348,7 @@ impl Registration {
         let points_m2 = (times * points_m2, times.min(RECENT_TIMES) * points_m2);
         // One velocity for both views: a common part of all clock errors then shows in no difference, and the
         // solution does not run away when the part is subtracted.
-        let velocity_mps = std::array::from_fn(|axis| 0.5 * (a.velocity_mps[axis] + b.velocity_mps[axis]));
+        let velocity_mps = std::array::from_fn(|axis| 0.5 * (of_a_mps[axis] + of_b_mps[axis]));
         let (of_a, of_b) = (a.sensitivity(velocity_mps), b.sensitivity(velocity_mps));
         let (by_a, by_b) = (
             of_a.effect(&self.of(a.source).errors),

@@ -23,6 +23,7 @@ fn view(source: u16, truth: [f64; 3], velocity: [f64; 3], offset: [f64; 2], late
         position_m: std::array::from_fn(place),
         covariance_m2: [400.0, 0.0, 0.0, 400.0, 0.0, 400.0],
         velocity_mps: velocity,
+        has_velocity: true,
         has_height: true,
         place_m: None,
     }

@@ -369,6 +369,10 @@ impl Sources {
         (earlier, seconds): (&SensorEntry, f64),
         (measurement, unfiltered): (&mut Option<Measurement>, &mut UnfilteredContent),
     ) {
+        if !(report.has(sensor_track_bits::VELOCITY) && earlier.latest.has(sensor_track_bits::VELOCITY)) {
+            // A velocity that nobody stated shows nothing of a gain.
+            return;
+        }
         let before_m = earlier.reported_position_m();
         let before_mps = earlier.latest.velocity_mps;
         let change = Change {

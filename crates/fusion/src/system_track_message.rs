@@ -89,6 +89,7 @@ pub(crate) fn write(
     message.position_m = entry.state.position_m;
     message.velocity_mps = entry.state.velocity_mps;
     message.covariance = entry.state.covariance;
+    message.velocity_valid = u8::from(entry.state.covariance.knows_velocity());
     message.movement = match entry.life {
         TrackState::Tentative | TrackState::Confirmed => entry.filter.movement(),
         TrackState::Coasted | TrackState::Suspended | TrackState::Terminated => Movement::default(),

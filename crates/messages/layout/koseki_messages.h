@@ -15,7 +15,7 @@
 #define KOSEKI_PLATFORM_STATE_SCHEMA UINT64_C(0x8d494f0b5412852b) /* BatchHeader.schema of its slices. */
 #define KOSEKI_WIDE_AREA_SCHEMA UINT64_C(0x3b99c7106b96bc51) /* BatchHeader.schema of its slices. */
 #define KOSEKI_CUE_SCHEMA UINT64_C(0x628bf8748d0293cc) /* BatchHeader.schema of its slices. */
-#define KOSEKI_SYSTEM_TRACK_SCHEMA UINT64_C(0x65ea2ab17958d2dc) /* BatchHeader.schema of its slices. */
+#define KOSEKI_SYSTEM_TRACK_SCHEMA UINT64_C(0x69c11c4f06cb2382) /* BatchHeader.schema of its slices. */
 #define KOSEKI_ALARM_SCHEMA UINT64_C(0x63c086661489479) /* BatchHeader.schema of its slices. */
 #define KOSEKI_DECISION_SCHEMA UINT64_C(0x9f26827141266f51) /* BatchHeader.schema of its slices. */
 #define KOSEKI_HEALTH_SCHEMA UINT64_C(0xe920fd2f602e146d) /* BatchHeader.schema of its slices. */
@@ -368,8 +368,8 @@ typedef struct KosekiSensorTrack {
     uint16_t valid; /* Which fields hold something: see `sensor_track_bits`. */
     KosekiIdentity identity; /* Identity of the target, as far as it is known. */
     double position_m[3]; /* Position east, north, up, metres. */
-    double velocity_mps[3]; /* Velocity east, north, up, metres per second. */
-    KosekiCovariance covariance; /* Covariance of position and velocity; all 0 where the source gives its `trace_m2` instead. */
+    double velocity_mps[3]; /* Velocity east, north, up, metres per second. A component with a variance of 0 is unknown. */
+    KosekiCovariance covariance; /* Covariance of position and velocity; all 0 where the source gives its `trace_m2` instead. A variance of 0 */
     double measured_m[3]; /* Measured position, before the source's own filter, metres. See the bit `PLATFORM`. */
     double trace_m2; /* Trace of the source's position covariance over east and north, square metres. */
     uint8_t state; /* State of the track at its source: a `TrackState` code. */
@@ -711,7 +711,7 @@ typedef struct KosekiSystemTrack {
     float nis; /* Normalised innovation squared (NIS) of the report that caused this state, in the plane; 0 if there was none. */
     int16_t level; /* Newest level of the target's transponder, in steps of 25 feet at 1013.25 hPa; 0 if there is none. */
     uint8_t level_valid; /* 1 if `level` is known, and no older than two periods of the source that has it. */
-    uint8_t reserved; /* Reserved, 0. */
+    uint8_t velocity_valid; /* 1 if the horizontal velocity is known: a source states it, or positions have shown it; else `velocity_mps` has */
     uint32_t level_age_ms; /* Age of `level` at the reference time, milliseconds. */
     KosekiIdentityAges identity_ages; /* Ages of the values of `identity` at the reference time. */
     float existence; /* Probability that the target exists, in (0, 1]; 0: not estimated. */
@@ -719,7 +719,7 @@ typedef struct KosekiSystemTrack {
     float qnh_hpa; /* Pressure at mean sea level in the target's region, hPa; 0: no altitude, the flight level counts. */
     float pressure_offset_m; /* Height by pressure minus height above the ellipsoid in the region and layer of the target, metres, as */
     float pressure_offset_sigma_m; /* Standard deviation of `pressure_offset_m` for one aircraft, metres; 0: unknown. */
-    float climb_rate_mps; /* Rate of climb by the vertical filter, metres per second. */
+    float climb_rate_mps; /* Rate of climb by the vertical filter, metres per second; 0 if it is unknown. */
     float climb_rate_variance; /* Variance of `climb_rate_mps`, square metres per square second; 0: unknown. */
     float turn_rate_radps; /* Rate of turn, clockwise from above, radians per second. */
     float turn_rate_sigma_radps; /* Standard deviation of `turn_rate_radps`, radians per second; 0: unknown. */
@@ -760,7 +760,7 @@ static_assert(offsetof(KosekiSystemTrack, contributions) == 408, "offset");
 static_assert(offsetof(KosekiSystemTrack, nis) == 1432, "offset");
 static_assert(offsetof(KosekiSystemTrack, level) == 1436, "offset");
 static_assert(offsetof(KosekiSystemTrack, level_valid) == 1438, "offset");
-static_assert(offsetof(KosekiSystemTrack, reserved) == 1439, "offset");
+static_assert(offsetof(KosekiSystemTrack, velocity_valid) == 1439, "offset");
 static_assert(offsetof(KosekiSystemTrack, level_age_ms) == 1440, "offset");
 static_assert(offsetof(KosekiSystemTrack, identity_ages) == 1444, "offset");
 static_assert(offsetof(KosekiSystemTrack, existence) == 1456, "offset");

@@ -17,7 +17,7 @@ SENSOR_SPECTRUM_SCHEMA = 0x294141f134fd3cce  # BatchHeader.schema of its slices.
 PLATFORM_STATE_SCHEMA = 0x8d494f0b5412852b  # BatchHeader.schema of its slices.
 WIDE_AREA_SCHEMA = 0x3b99c7106b96bc51  # BatchHeader.schema of its slices.
 CUE_SCHEMA = 0x628bf8748d0293cc  # BatchHeader.schema of its slices.
-SYSTEM_TRACK_SCHEMA = 0x65ea2ab17958d2dc  # BatchHeader.schema of its slices.
+SYSTEM_TRACK_SCHEMA = 0x69c11c4f06cb2382  # BatchHeader.schema of its slices.
 ALARM_SCHEMA = 0x63c086661489479  # BatchHeader.schema of its slices.
 DECISION_SCHEMA = 0x9f26827141266f51  # BatchHeader.schema of its slices.
 HEALTH_SCHEMA = 0xe920fd2f602e146d  # BatchHeader.schema of its slices.
@@ -436,8 +436,8 @@ class SensorTrack(ctypes.Structure):
         ("valid", ctypes.c_uint16),  # Which fields hold something: see `sensor_track_bits`.
         ("identity", Identity),  # Identity of the target, as far as it is known.
         ("position_m", ctypes.c_double * 3),  # Position east, north, up, metres.
-        ("velocity_mps", ctypes.c_double * 3),  # Velocity east, north, up, metres per second.
-        ("covariance", Covariance),  # Covariance of position and velocity; all 0 where the source gives its `trace_m2` instead.
+        ("velocity_mps", ctypes.c_double * 3),  # Velocity east, north, up, metres per second. A component with a variance of 0 is unknown.
+        ("covariance", Covariance),  # Covariance of position and velocity; all 0 where the source gives its `trace_m2` instead. A variance of 0
         ("measured_m", ctypes.c_double * 3),  # Measured position, before the source's own filter, metres. See the bit `PLATFORM`.
         ("trace_m2", ctypes.c_double),  # Trace of the source's position covariance over east and north, square metres.
         ("state", ctypes.c_uint8),  # State of the track at its source: a `TrackState` code.
@@ -859,7 +859,7 @@ class SystemTrack(ctypes.Structure):
         ("nis", ctypes.c_float),  # Normalised innovation squared (NIS) of the report that caused this state, in the plane; 0 if there was none.
         ("level", ctypes.c_int16),  # Newest level of the target's transponder, in steps of 25 feet at 1013.25 hPa; 0 if there is none.
         ("level_valid", ctypes.c_uint8),  # 1 if `level` is known, and no older than two periods of the source that has it.
-        ("reserved", ctypes.c_uint8),  # Reserved, 0.
+        ("velocity_valid", ctypes.c_uint8),  # 1 if the horizontal velocity is known: a source states it, or positions have shown it; else `velocity_mps` has
         ("level_age_ms", ctypes.c_uint32),  # Age of `level` at the reference time, milliseconds.
         ("identity_ages", IdentityAges),  # Ages of the values of `identity` at the reference time.
         ("existence", ctypes.c_float),  # Probability that the target exists, in (0, 1]; 0: not estimated.
@@ -867,7 +867,7 @@ class SystemTrack(ctypes.Structure):
         ("qnh_hpa", ctypes.c_float),  # Pressure at mean sea level in the target's region, hPa; 0: no altitude, the flight level counts.
         ("pressure_offset_m", ctypes.c_float),  # Height by pressure minus height above the ellipsoid in the region and layer of the target, metres, as
         ("pressure_offset_sigma_m", ctypes.c_float),  # Standard deviation of `pressure_offset_m` for one aircraft, metres; 0: unknown.
-        ("climb_rate_mps", ctypes.c_float),  # Rate of climb by the vertical filter, metres per second.
+        ("climb_rate_mps", ctypes.c_float),  # Rate of climb by the vertical filter, metres per second; 0 if it is unknown.
         ("climb_rate_variance", ctypes.c_float),  # Variance of `climb_rate_mps`, square metres per square second; 0: unknown.
         ("turn_rate_radps", ctypes.c_float),  # Rate of turn, clockwise from above, radians per second.
         ("turn_rate_sigma_radps", ctypes.c_float),  # Standard deviation of `turn_rate_radps`, radians per second; 0: unknown.
@@ -914,7 +914,7 @@ assert SystemTrack.contributions.offset == 408
 assert SystemTrack.nis.offset == 1432
 assert SystemTrack.level.offset == 1436
 assert SystemTrack.level_valid.offset == 1438
-assert SystemTrack.reserved.offset == 1439
+assert SystemTrack.velocity_valid.offset == 1439
 assert SystemTrack.level_age_ms.offset == 1440
 assert SystemTrack.identity_ages.offset == 1444
 assert SystemTrack.existence.offset == 1456

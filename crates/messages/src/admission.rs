@@ -308,9 +308,7 @@ impl Admission for SensorTrack {
     }
 
     fn value_fault(&self) -> Option<Fault> {
-        // A source that states only a trace leaves its covariance 0.
-        let has_trace = self.covariance.upper[0] == 0.0 && self.valid & sensor_track_bits::TRACE != 0;
-        let spread = || match has_trace {
+        let spread = || match self.gives_trace() {
             true => positive("trace_m2", self.trace_m2, COVARIANCE_MAX, VARIANCE),
             false => self.covariance.fault(),
         };

@@ -3,14 +3,16 @@
 //! A recording holds the schema of its samples ([`Layout::ros2_schema`]). A layout revision adds, moves and removes
 //! fields; the remaining fields keep name and type. A conversion therefore copies each field of the recorded layout to
 //! the field of the same name and type. Fields that the recorded layout lacks are 0, the value for "unknown", and are
-//! listed by [`Conversion::missing`].
+//! listed by [`Conversion::missing`]. One is derived: whether the velocity of a system track is known, which its
+//! covariance shows.
 //!
 //! The schema comes from a file and may be damaged: sizes, depth and number of fields are bounded.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use crate::layout::{ALL, Layout, SampleField};
+use crate::SystemTrack;
+use crate::layout::{ALL, Layout, Sample as _, SampleField};
 
 /// Maximum size of a recorded sample, bytes.
 const SIZE_MAX: usize = 1 << 16;
@@ -28,6 +30,8 @@ pub struct Conversion {
     size: usize,
     copies: Vec<ByteCopy>,
     missing: Vec<Range<usize>>,
+    /// Place of `velocity_valid` of a system track whose recorded layout lacks it.
+    velocity_valid: Option<usize>,
 }
 
 /// Bytes that a conversion copies: offsets in the recorded and in the present sample, and their number.
@@ -59,8 +63,12 @@ impl Conversion {
             size: layout.size,
             copies: Vec::new(),
             missing: Vec::new(),
+            velocity_valid: None,
         };
         conversion.visit(layout, "", 0, &recorded);
+        let place = std::mem::offset_of!(SystemTrack, velocity_valid);
+        let lacks = conversion.missing.iter().any(|range| range.contains(&place));
+        conversion.velocity_valid = (layout.name == SystemTrack::LAYOUT.name && lacks).then_some(place);
         Some(conversion)
     }
 
@@ -80,6 +88,11 @@ impl Conversion {
         for copy in &self.copies {
             let from = &recorded[copy.from..copy.from + copy.bytes];
             converted[copy.to..copy.to + copy.bytes].copy_from_slice(from);
+        }
+        if let Some(place) = self.velocity_valid
+            && let Some(track) = SystemTrack::of_octets(converted)
+        {
+            converted[place] = u8::from(track.covariance.knows_velocity());
         }
         true
     }
@@ -215,8 +228,7 @@ fn number_type(kind: &str) -> Option<(String, usize)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::layout::Sample as _;
-    use crate::{PlatformState, SystemTrack};
+    use crate::{Covariance, PlatformState};
 
     #[test]
     fn a_present_layout_converts_to_itself() {
@@ -256,6 +268,21 @@ mod tests {
         assert!(is_missing(std::mem::offset_of!(PlatformState, heading_rad)));
         assert!(is_missing(std::mem::offset_of!(PlatformState, valid)));
         assert!(!conversion.convert(&recorded[1..], &mut converted));
+    }
+
+    #[test]
+    fn a_recorded_covariance_shows_whether_the_velocity_is_known() {
+        let schema = SystemTrack::LAYOUT.ros2_schema().replace("velocity_valid", "reserved");
+        let conversion = Conversion::of_schema("SystemTrack", &schema).unwrap();
+        for (sigma_mps, expected) in [(3.0, 1), (100.0, 0)] {
+            let track = SystemTrack {
+                covariance: Covariance::diagonal([10.0; 3], [sigma_mps; 3]),
+                ..SystemTrack::default()
+            };
+            let mut converted = Vec::new();
+            assert!(conversion.convert(SystemTrack::octets(&[track]), &mut converted));
+            assert_eq!(SystemTrack::of_octets(&converted).unwrap().velocity_valid, expected);
+        }
     }
 
     #[test]

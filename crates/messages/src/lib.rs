@@ -53,6 +53,7 @@ mod stages;
 mod system_track;
 mod target_type;
 mod topics;
+mod unknown;
 mod wide_area;
 mod work_step;
 
@@ -98,6 +99,7 @@ pub use topics::{
     sensor_bearings, sensor_detections, sensor_fixes, sensor_spectrum, sensor_tracks, smoothed_tracks, system_tracks,
     visit, wide_area,
 };
+pub use unknown::{UNKNOWN_CLIMB_SIGMA_MPS, UNKNOWN_HEIGHT_SIGMA_M, UNKNOWN_VELOCITY_SIGMA_MPS};
 pub use wide_area::{Cue, WideArea, wide_area_bits};
 pub use work_step::{StepKind, WorkStep, work_step_bits};
 

@@ -104,7 +104,7 @@ sample! {
         east_mps: f32,
         /// Speed north, metres per second.
         north_mps: f32,
-        /// Rate of the height above the ellipsoid, metres per second.
+        /// Rate of the height above the ellipsoid, metres per second; NaN: unknown.
         climb_mps: f32,
         /// Longer half axis of the ellipse of one standard deviation, metres; 0: unknown.
         semi_major_m: f32,

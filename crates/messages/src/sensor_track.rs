@@ -79,9 +79,10 @@ sample! {
         identity: Identity,
         /// Position east, north, up, metres.
         position_m: [f64; 3],
-        /// Velocity east, north, up, metres per second.
+        /// Velocity east, north, up, metres per second. A component with a variance of 0 is unknown.
         velocity_mps: [f64; 3],
-        /// Covariance of position and velocity; all 0 where the source gives its `trace_m2` instead.
+        /// Covariance of position and velocity; all 0 where the source gives its `trace_m2` instead. A variance of 0
+        /// means that the component is unknown, except those of east and north, which every report needs.
         covariance: Covariance,
         /// Measured position, before the source's own filter, metres. See the bit `PLATFORM`.
         measured_m: [f64; 3],
@@ -139,15 +140,16 @@ impl SensorTrack {
         let shares = |uid: &u32| *uid == 0 || contributions.iter().any(|contribution| contribution.sensor_uid == *uid);
         let shared = sensor_uids.iter().enumerate().filter(|(_, uid)| shares(uid));
         let flag = |is_set: bool, bits| if is_set { bits } else { 0 };
-        let height = sensor_track_bits::HEIGHT | sensor_track_bits::VERTICAL_RATE;
+        let has_climb = track.height_valid != 0 && track.covariance.knows_climb();
         Some(Self {
             time_of_measurement_ns: track.reference_time_ns,
             stages: track.stages,
             track_number: track.track_number,
             source,
-            valid: sensor_track_bits::VELOCITY
-                | sensor_track_bits::OWN_COVARIANCE
-                | flag(track.height_valid != 0, height)
+            valid: sensor_track_bits::OWN_COVARIANCE
+                | flag(track.velocity_valid != 0, sensor_track_bits::VELOCITY)
+                | flag(track.height_valid != 0, sensor_track_bits::HEIGHT)
+                | flag(has_climb, sensor_track_bits::VERTICAL_RATE)
                 | flag(track.on_ground != 0, sensor_track_bits::ON_GROUND)
                 | flag(is_known, sensor_track_bits::CONTRIBUTORS)
                 | flag(track.level_valid != 0, sensor_track_bits::LEVEL),

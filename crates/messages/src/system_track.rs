@@ -136,8 +136,9 @@ sample! {
         level: i16,
         /// 1 if `level` is known, and no older than two periods of the source that has it.
         level_valid: u8,
-        /// Reserved, 0.
-        reserved: u8,
+        /// 1 if the horizontal velocity is known: a source states it, or positions have shown it; else `velocity_mps` has
+        /// no meaning.
+        velocity_valid: u8,
         /// Age of `level` at the reference time, milliseconds.
         level_age_ms: u32,
         /// Ages of the values of `identity` at the reference time.
@@ -153,7 +154,7 @@ sample! {
         pressure_offset_m: f32,
         /// Standard deviation of `pressure_offset_m` for one aircraft, metres; 0: unknown.
         pressure_offset_sigma_m: f32,
-        /// Rate of climb by the vertical filter, metres per second.
+        /// Rate of climb by the vertical filter, metres per second; 0 if it is unknown.
         climb_rate_mps: f32,
         /// Variance of `climb_rate_mps`, square metres per square second; 0: unknown.
         climb_rate_variance: f32,

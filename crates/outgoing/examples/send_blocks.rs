@@ -163,6 +163,7 @@ fn system_track(number: u32, chance: &mut Chance) -> SystemTrack {
         state: track.state,
         alerts: track.alerts,
         height_valid: u8::from(chance.holds()),
+        velocity_valid: 1,
         on_ground: u8::from(chance.holds()),
         source_count: chance.below(4) as u16,
         ..SystemTrack::default()

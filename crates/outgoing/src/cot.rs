@@ -191,14 +191,14 @@ fn movement(event: &mut String, track: &SystemTrack, place: &TargetPlace) {
         .horizontal(has_height)
         .map(|axis| place::along(axis, track.velocity_mps));
     let speed = east.hypot(north);
-    if !speed.is_finite() {
+    if track.velocity_valid == 0 || !speed.is_finite() {
         return;
     }
     // A course of 359.96° or more is 0.0 when rounded.
     let course = (east.atan2(north).to_degrees().rem_euclid(360.0) * 10.0).round() % 3600.0 / 10.0;
     let _ = write!(event, "<track course=\"{course:.1}\" speed=\"{speed:.1}\"");
     let climb = place::along(place.up(), track.velocity_mps);
-    if has_height && climb.is_finite() {
+    if has_height && track.covariance.knows_climb() && climb.is_finite() {
         let _ = write!(event, " slope=\"{:.1}\"", climb.atan2(speed).to_degrees());
     }
     event.push_str("/>");
@@ -266,6 +266,7 @@ mod tests {
             state: TrackState::Confirmed.code(),
             source_count: 3,
             height_valid: 1,
+            velocity_valid: 1,
             position_m: [0.0, 0.0, 3000.0],
             velocity_mps: [200.0, 0.0, 10.0],
             covariance,
@@ -351,6 +352,19 @@ mod tests {
         assert_eq!(sent(&mut events, &tentative) + &sent(&mut events, &nowhere), "");
         let counts = events.counts();
         assert_eq!((counts.records, counts.withheld, counts.refused_position), (0, 1, 1));
+    }
+
+    #[test]
+    fn an_unknown_velocity_and_an_unknown_climb_are_left_out() {
+        let still = SystemTrack {
+            velocity_valid: 0,
+            ..aircraft()
+        };
+        assert!(!sent(&mut events(), &still).contains("<track"));
+        let mut unsure = aircraft();
+        unsure.covariance.set(5, 5, 400.0);
+        let text = sent(&mut events(), &unsure);
+        assert!(text.contains("speed=\"200.0\"/>"), "{text}");
     }
 
     proptest! {

@@ -83,8 +83,17 @@ fn of_turn(track: &SystemTrack) -> Option<[f64; 3]> {
     (is_updated && is_sure).then_some([vy, -vx, 0.0])
 }
 
-/// Writes I062/220; `up` is the direction of the height at the target.
+/// Whether the rate of climb at the target is known: that in the system's plane, and the velocity along the plane, which
+/// is part of it.
+pub(super) fn has_climb(track: &SystemTrack) -> bool {
+    track.velocity_valid != 0 && (has_rate(track) || track.covariance.knows_climb())
+}
+
+/// Writes I062/220, where the rate is known; `up` is the direction of the height at the target.
 pub(super) fn climb(track: &SystemTrack, up: Axis, record: &mut RecordWriter) {
+    if !has_climb(track) {
+        return;
+    }
     let [vx, vy, vz] = track.velocity_mps;
     let vz = if has_rate(track) {
         f64::from(track.climb_rate_mps)

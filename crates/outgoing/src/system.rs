@@ -382,8 +382,10 @@ impl RecordForm {
         items::quantities(record, &CARTESIAN_POSITION, [x, y]);
         let has_height = track.height_valid != 0;
         let [east, north] = report.place.horizontal(has_height);
-        let velocity = [east, north].map(|axis| place::along(axis, track.velocity_mps));
-        items::quantities(record, &VELOCITY, velocity);
+        if track.velocity_valid != 0 {
+            let velocity = [east, north].map(|axis| place::along(axis, track.velocity_mps));
+            items::quantities(record, &VELOCITY, velocity);
+        }
         motion::acceleration(track, [east, north], record);
         if let Some(code) = track.identity.mode_3a() {
             record.item(MODE_3A).put(CODE, code & 0o7777);
@@ -521,8 +523,11 @@ impl StandardDeviations {
                 .filter(|_| xy.is_finite())
                 .map(|(x, y)| [x, y, xy.abs().sqrt().copysign(xy)]),
             height: quantity::sigma(of_position(up, up)).filter(|_| has_height),
-            velocity: both(of_velocity(east, east), of_velocity(north, north)).map(Into::into),
-            climb: quantity::sigma(motion::climb_variance(report.track, of_velocity(up, up))).filter(|_| has_height),
+            velocity: both(of_velocity(east, east), of_velocity(north, north))
+                .filter(|_| report.track.velocity_valid != 0)
+                .map(Into::into),
+            climb: quantity::sigma(motion::climb_variance(report.track, of_velocity(up, up)))
+                .filter(|_| has_height && motion::has_climb(report.track)),
         }
     }
 }

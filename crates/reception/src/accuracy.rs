@@ -5,7 +5,7 @@
 //! without a statement get the configured accuracy.
 
 use frames::{SensorFrame, polar_covariance};
-use messages::{Counter, Covariance};
+use messages::{Counter, Covariance, UNKNOWN_CLIMB_SIGMA_MPS, UNKNOWN_HEIGHT_SIGMA_M, UNKNOWN_VELOCITY_SIGMA_MPS};
 
 use super::placing::SystemPosition;
 use super::velocity::Slope;
@@ -15,16 +15,12 @@ use observations::{Observation, Position, Quality};
 
 /// Standard deviation given to a position of unknown accuracy, metres.
 pub(crate) const UNKNOWN_POSITION_SIGMA_M: f64 = 500.0;
-/// Standard deviation given to a velocity that is not known, metres per second.
-pub(crate) const UNKNOWN_VELOCITY_SIGMA_MPS: f64 = 100.0;
 /// Covariance given to a velocity that is not known.
 pub(crate) const UNKNOWN_VELOCITY: Horizontal = [
     UNKNOWN_VELOCITY_SIGMA_MPS * UNKNOWN_VELOCITY_SIGMA_MPS,
     0.0,
     UNKNOWN_VELOCITY_SIGMA_MPS * UNKNOWN_VELOCITY_SIGMA_MPS,
 ];
-/// Standard deviation given to a height that is not known, metres.
-const UNKNOWN_HEIGHT_SIGMA_M: f64 = 5000.0;
 /// A derived velocity is at best this much less accurate than a delivered one.
 const DERIVED_VELOCITY_FACTOR: f64 = 2.0;
 /// Standard deviation of a target's acceleration since the time of the derived velocity, metres per second².
@@ -104,7 +100,7 @@ pub(crate) fn covariance(
     model: &ConversionModel,
     placed: &SystemPosition,
     own: Option<Horizontal>,
-    height_known: bool,
+    (height_known, climb_known): (bool, bool),
     velocity: Velocity,
 ) -> Covariance {
     let height = if height_known {
@@ -115,14 +111,12 @@ pub(crate) fn covariance(
     let sensor = sensor_position(model, placed);
     let position = wider(own.unwrap_or(sensor), model, placed);
     let rate = model.covariance.velocity_sigma_mps;
-    let (vertical, horizontal) = match velocity {
-        Velocity::Delivered(_, own) => (rate, own.unwrap_or([rate * rate, 0.0, rate * rate])),
-        Velocity::Derived(slope) => {
-            let floor = DERIVED_VELOCITY_FACTOR * rate;
-            (floor, no_less(of_slope(sensor, slope), floor))
-        }
-        Velocity::Unknown => (UNKNOWN_VELOCITY_SIGMA_MPS, UNKNOWN_VELOCITY),
+    let horizontal = match velocity {
+        Velocity::Delivered(_, own) => own.unwrap_or([rate * rate, 0.0, rate * rate]),
+        Velocity::Derived(slope) => no_less(of_slope(sensor, slope), DERIVED_VELOCITY_FACTOR * rate),
+        Velocity::Unknown => UNKNOWN_VELOCITY,
     };
+    let vertical = if climb_known { rate } else { UNKNOWN_CLIMB_SIGMA_MPS };
     let mut covariance = Covariance::diagonal([0.0, 0.0, height], [0.0, 0.0, vertical]);
     for (first, [xx, xy, yy]) in [(0, position), (3, horizontal)] {
         covariance.set(first, first, xx);

@@ -2,8 +2,10 @@
 
 use std::io::Write as _;
 
-use messages::layout::{ALL, Layout, Sample as _, SampleField};
-use messages::{Identity, IdentityText, PlatformState, SystemTrack, platform_state_bits};
+use messages::layout::{ALL, Layout, Sample, SampleField};
+use messages::{
+    Identity, IdentityText, PlatformState, SensorTrack, SystemTrack, platform_state_bits, sensor_track_bits,
+};
 
 use crate::names::{SampleNames, Word};
 
@@ -46,12 +48,70 @@ impl LineWriter {
         if state.is_some_and(|state| state.valid & platform_state_bits::NO_POSITION != 0) {
             return Some([f64::NAN; 4]);
         }
-        let track = Some(sample).filter(|_| self.layout.name == SystemTrack::LAYOUT.name);
-        let track = track
-            .and_then(SystemTrack::of_octets)
+        let track = self
+            .sample_of::<SystemTrack>(sample)
             .filter(|track| track.level_valid != 0);
         let level = track.map_or(f64::NAN, |track| f64::from(track.level) / 4.0);
+        let height_m = if self.has_height(sample) { height_m } else { f64::NAN };
         Some([latitude, longitude, height_m, level])
+    }
+
+    fn sample_of<T: Sample>(&self, sample: &[u8]) -> Option<T> {
+        let is_meant = self.layout.name == T::LAYOUT.name;
+        Some(sample).filter(|_| is_meant).and_then(T::of_octets)
+    }
+
+    /// Whether the height of a sample's position is known.
+    fn has_height(&self, sample: &[u8]) -> bool {
+        let of_system = self
+            .sample_of::<SystemTrack>(sample)
+            .map(|track| track.height_valid != 0);
+        let of_sensor = || {
+            let track = self.sample_of::<SensorTrack>(sample);
+            track.map(|track| track.has(sensor_track_bits::HEIGHT))
+        };
+        of_system.or_else(of_sensor).unwrap_or(true)
+    }
+
+    /// Whether the components of a sample's velocity are known.
+    fn has_velocity(&self, sample: &[u8]) -> [bool; 3] {
+        if let Some(track) = self.sample_of::<SystemTrack>(sample) {
+            let (plane, height) = (track.velocity_valid != 0, track.height_valid != 0);
+            return [plane, plane, height && track.covariance.knows_climb()];
+        }
+        let track = self.sample_of::<SensorTrack>(sample);
+        track.map_or([true; 3], |track| {
+            // A source that gives its trace alone states no variance of its velocity.
+            let states =
+                |component: usize, bit: u16| track.has(bit) && (track.gives_trace() || track.states(component));
+            [
+                states(3, sensor_track_bits::VELOCITY),
+                states(4, sensor_track_bits::VELOCITY),
+                states(5, sensor_track_bits::VERTICAL_RATE),
+            ]
+        })
+    }
+
+    /// Returns the sample with NaN in place of the height, the velocity and the rate of climb that are not known.
+    pub(crate) fn without_unknown(&self, sample: &[u8]) -> Vec<u8> {
+        let mut shown = sample.to_vec();
+        let mut blank = |name: &str, known: &[bool]| {
+            let Some(field) = self.layout.fields.iter().find(|field| field.name == name) else {
+                return;
+            };
+            let components = shown[field.offset..field.offset + field.size].chunks_exact_mut(8);
+            for (component, _) in components.zip(known).filter(|(_, is_known)| !**is_known) {
+                component.copy_from_slice(&f64::NAN.to_le_bytes());
+            }
+        };
+        blank("position_m", &[true, true, self.has_height(sample)]);
+        blank("velocity_mps", &self.has_velocity(sample));
+        let climb = self.layout.fields.iter().find(|field| field.name == "climb_rate_mps");
+        let is_unknown = |track: &SystemTrack| track.climb_rate_variance == 0.0;
+        if let (Some(field), true) = (climb, self.sample_of(sample).as_ref().is_some_and(is_unknown)) {
+            shown[field.offset..field.offset + field.size].copy_from_slice(&f32::NAN.to_le_bytes());
+        }
+        shown
     }
 
     /// Whether samples are written with their places.
@@ -74,8 +134,16 @@ impl LineWriter {
         }
     }
 
-    /// Appends the line of a sample, given as the bytes of its layout.
+    /// Appends the line of a sample, given as the bytes of its layout. What is not known of a track's height and motion
+    /// is no number, unless all numbers stay as they are.
     pub fn write(&self, sample: &[u8], text: &mut Vec<u8>) {
+        match self.names {
+            Some(_) => self.write_all(&self.without_unknown(sample), text),
+            None => self.write_all(sample, text),
+        }
+    }
+
+    fn write_all(&self, sample: &[u8], text: &mut Vec<u8>) {
         match self.format {
             LineFormat::Json => {
                 self.object(self.layout, sample, text);
@@ -324,7 +392,7 @@ fn csv_text(octets: &[u8], text: &mut Vec<u8>) {
 #[cfg(test)]
 mod tests {
     use frames::{Geodetic, SystemFrame};
-    use messages::{Contribution, NO_SOURCE, TrackState, contribution_bits};
+    use messages::{Contribution, Covariance, NO_SOURCE, TrackState, contribution_bits};
 
     use super::*;
 
@@ -380,6 +448,7 @@ mod tests {
             selected_source: NO_SOURCE,
             trigger_source: 9,
             position_m: [0.0, 1000.0, 50.0],
+            height_valid: 1,
             level: 1401,
             level_valid: 1,
             ..track()
@@ -410,6 +479,57 @@ mod tests {
         assert_eq!(
             (at("state"), at("selected_source"), at("flight_level")),
             ("confirmed", "", "350.25")
+        );
+    }
+
+    #[test]
+    fn a_height_and_a_motion_that_are_not_known_are_no_numbers() {
+        let known = SystemTrack {
+            height_valid: 1,
+            velocity_valid: 1,
+            climb_rate_variance: 1.0,
+            ..SystemTrack::default()
+        };
+        let unsure = SystemTrack {
+            covariance: Covariance::diagonal([1.0; 3], [1.0, 1.0, 20.0]),
+            climb_rate_variance: 0.0,
+            ..known
+        };
+        let nulls = |track: SystemTrack| {
+            let json: serde_json::Value = serde_json::from_str(&line(LineFormat::Json, track, Some(names()))).unwrap();
+            let velocity = &json["velocity_mps"];
+            let values = [
+                &json["position_m"][2],
+                &json["height_m"],
+                &velocity[0],
+                &velocity[1],
+                &velocity[2],
+                &json["climb_rate_mps"],
+            ];
+            values.map(|value| u8::from(value.is_null()))
+        };
+        assert_eq!(nulls(known), [0; 6]);
+        assert_eq!(
+            nulls(SystemTrack {
+                height_valid: 0,
+                ..known
+            }),
+            [1, 1, 0, 0, 1, 0]
+        );
+        assert_eq!(
+            nulls(SystemTrack {
+                velocity_valid: 0,
+                ..known
+            }),
+            [0, 0, 1, 1, 0, 0]
+        );
+        assert_eq!(nulls(unsure), [0, 0, 0, 0, 1, 1]);
+        let raw: serde_json::Value =
+            serde_json::from_str(&line(LineFormat::Json, SystemTrack::default(), None)).unwrap();
+        assert_eq!(
+            raw["velocity_mps"],
+            serde_json::json!([0.0, 0.0, 0.0]),
+            "all numbers stay"
         );
     }
 

@@ -117,7 +117,7 @@ type SensorTrackRows = SensorTrackReader<Cursor<Vec<u8>>, fn(u32) -> Option<u16>
 impl RecordedTracks {
     fn open(bytes: Vec<u8>, first_day_ns: i64) -> Result<Self, CsvError> {
         let any_sensor: fn(u32) -> Option<u16> = |_| Some(0);
-        let reader = SensorTrackReader::new(Cursor::new(bytes), first_day_ns, any_sensor)?;
+        let reader = SensorTrackReader::new(Cursor::new(bytes), first_day_ns, any_sensor)?.with_accuracies_of(None);
         Ok(Self {
             reader: Some(Box::new(reader)),
             rows: 0,

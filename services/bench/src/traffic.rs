@@ -45,7 +45,7 @@ impl Traffic {
             let spacing_m = SPACING_M.min(SIDE_MAX_M / f64::from(side));
             SensorTrack {
                 track_number: number + 1,
-                valid: bits::VELOCITY | bits::HEIGHT,
+                valid: bits::VELOCITY | bits::HEIGHT | bits::VERTICAL_RATE,
                 identity: Identity::default().with_address(number + 1),
                 position_m: [spacing_m * (column - middle), spacing_m * (row - middle), 5_000.0],
                 velocity_mps: [100.0 + column % 7.0, row % 11.0 - 5.0, 0.0],

@@ -112,6 +112,7 @@ export class Connection {
         height: track.height_m,
         speedEast: track.east_mps,
         speedNorth: track.north_mps,
+        knowsVelocity: (track.flags & PICTURE_TRACK.VELOCITY) !== 0,
         isLevel: (track.flags & PICTURE_TRACK.LEVEL) !== 0,
         isAltitude: (track.flags & PICTURE_TRACK.ALTITUDE) !== 0,
         climb: track.climb_mps,

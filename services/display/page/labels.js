@@ -44,7 +44,7 @@ export function labelOf(track, units, mainName, lines = LABEL_LINES) {
 
 /** Rate of the height: hundreds of feet a minute, or metres a second. @param {import("./picture.js").Track} track @param {string} units */
 function rateText(track, units) {
-  if (!Number.isFinite(track.height)) return "";
+  if (!Number.isFinite(track.height) || !Number.isFinite(track.climb)) return "";
   if (units === "metric") return `${signed(track.climb)}`;
   const rate = Math.round((track.climb * 60) / HUNDRED_FEET_M);
   return `${rate < 0 ? "−" : "+"}${String(Math.abs(rate)).padStart(2, "0")}`;
@@ -52,7 +52,7 @@ function rateText(track, units) {
 
 /** Direction of the motion, degrees. @param {import("./picture.js").Track} track */
 function angleText(track) {
-  if (Math.hypot(track.speedEast, track.speedNorth) < 0.5) return "---°";
+  if (!track.knowsVelocity || Math.hypot(track.speedEast, track.speedNorth) < 0.5) return "---°";
   return `${String(Math.round(bearing(track.speedEast, track.speedNorth)) % 360).padStart(3, "0")}°`;
 }
 
@@ -96,7 +96,7 @@ export const NO_MOTION = { climb: NaN, climbSigma: NaN, turn: NaN, turnSigma: Na
 /** Rate of climb with its error. @param {{height: number, climb: number}} track @param {Motion} motion */
 export function climbText(track, motion) {
   if (Number.isFinite(motion.climb)) return `${signed(motion.climb)} ± ${motion.climbSigma.toFixed(1)} m/s`;
-  return Number.isFinite(track.height) ? `${signed(track.climb)} m/s` : "–";
+  return Number.isFinite(track.height) && Number.isFinite(track.climb) ? `${signed(track.climb)} m/s` : "–";
 }
 
 /** Rate of turn with its error. @param {Motion} motion */
@@ -121,8 +121,9 @@ function signed(value) {
   return text === "-0.0" ? "0.0" : text.replace("-", "−");
 }
 
-/** Ground speed. @param {import("./picture.js").Track} track @param {string} units */
+/** Ground speed; dashes if it is unknown. @param {import("./picture.js").Track} track @param {string} units */
 export function speedText(track, units) {
+  if (!track.knowsVelocity) return "---";
   const speed = Math.hypot(track.speedEast, track.speedNorth);
   if (units === "metric") return `${Math.round(speed)}m/s`;
   return (speed / KNOT_MPS).toFixed(track.isShip || units === "maritime" ? 1 : 0);

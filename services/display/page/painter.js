@@ -309,6 +309,7 @@ export class Painter {
     const m = view.matrix();
     const batch = new Batch();
     for (const { track, x, y } of this.drawn) {
+      if (!track.knowsVelocity) continue;
       const dx = (m.a * track.speedEast + m.c * track.speedNorth) * settings.vector;
       const dy = (m.b * track.speedEast + m.d * track.speedNorth) * settings.vector;
       if (Math.abs(dx) + Math.abs(dy) < VECTOR_MIN) continue;

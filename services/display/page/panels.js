@@ -120,7 +120,7 @@ export class TrackPanel {
    */
   update(track, shares, history, facts, known, units, palette, isPast) {
     const place = placeOf(known.origin, track.east, track.north);
-    const speed = Math.hypot(track.speedEast, track.speedNorth);
+    const speed = track.knowsVelocity ? Math.hypot(track.speedEast, track.speedNorth) : 0;
     const alerts = ALERTS.filter(([bit]) => (track.alerts & bit) !== 0).map(([, word]) => word);
     const unit = units === "metric" ? "" : " kt";
     this.head.replaceChildren(
@@ -135,7 +135,7 @@ export class TrackPanel {
         figure("code", track.code || "–"),
         figure("type", track.type || "–"),
         figure(units === "metric" ? "height" : "level", heightText(track, units) || "–"),
-        figure("speed", `${speedText(track, units)}${unit}`),
+        figure("speed", track.knowsVelocity ? `${speedText(track, units)}${unit}` : "–"),
         figure(
           "track angle",
           speed > 0.5 ? courseText(bearing(track.speedEast, track.speedNorth), known.declination) : "–",

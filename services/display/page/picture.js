@@ -19,6 +19,7 @@ import { ALERT } from "./wire.js";
  * @property {number} climb Rate of the height, metres per second.
  * @property {boolean} climbs @property {boolean} sinks Whether it is shown as climbing, or as descending.
  * @property {number} speedEast @property {number} speedNorth metres per second
+ * @property {boolean} knowsVelocity Whether the speeds are known; else they have no meaning.
  * @property {number} sourceCount
  * @property {number} sourcesLow Bit n: source n contributes. @property {number} sourcesHigh The same of source 32 + n.
  * @property {number} alerts Bits, as the messages have them.
@@ -139,6 +140,7 @@ export function blankTrack() {
     sinks: false,
     speedEast: 0,
     speedNorth: 0,
+    knowsVelocity: false,
     sourceCount: 0,
     sourcesLow: 0,
     sourcesHigh: 0,

@@ -150,7 +150,7 @@ export function readPictureHeader(view, at) {
  * @property {number} height_m Height that is shown, metres: the transponder's level, else the height above the ellipsoid; NaN: unknown.
  * @property {number} east_mps Speed east, metres per second.
  * @property {number} north_mps Speed north, metres per second.
- * @property {number} climb_mps Rate of the height above the ellipsoid, metres per second.
+ * @property {number} climb_mps Rate of the height above the ellipsoid, metres per second; NaN: unknown.
  * @property {number} semi_major_m Longer half axis of the ellipse of one standard deviation, metres; 0: unknown.
  * @property {number} semi_minor_m Shorter half axis, metres.
  * @property {number} semi_major_rad Direction of the longer one, radians clockwise from north, in [0, pi).

@@ -109,9 +109,9 @@ fn live(world: &World, number: u32) -> Option<Value> {
         "time_of_measurement_ns": track.time_of_measurement_ns.to_string(),
         "trigger_source": source(track.trigger_source),
         "position_m": track.position_m,
-        "velocity_mps": track.velocity_mps,
+        "velocity_mps": velocity(track.velocity_valid != 0, track.velocity_mps),
         "height_m": finite(known.record.height_m),
-        "climb_mps": finite(known.record.height_m).map(|_| known.record.climb_mps),
+        "climb_mps": finite(known.record.height_m).and_then(|_| finite(known.record.climb_mps)),
         "climb_rate_mps": vertical::filtered_climb_mps(track, world.observed.frame()),
         "climb_sigma_mps": rate_sigma(track.climb_rate_variance.sqrt()),
         "turn_rate_dps": rate_sigma(track.turn_rate_sigma_radps).map(|_| track.turn_rate_radps.to_degrees()),
@@ -120,6 +120,7 @@ fn live(world: &World, number: u32) -> Option<Value> {
         "level": track.level_m().map(|_| f64::from(track.level) / 4.0),
         "level_age_s": track.level_m().map(|_| f64::from(track.level_age_ms) / 1e3),
         "height_valid": track.height_valid != 0,
+        "velocity_valid": track.velocity_valid != 0,
         "on_ground": track.on_ground != 0,
         "merged_into": track.merged_into,
         "owner_track_number": track.owner_track_number,
@@ -137,6 +138,7 @@ fn past(world: &World, viewer: &Viewer, number: u32, state: u64) -> Option<Value
     let parts: Vec<Value> = parts
         .map(|part| contribution(world, part, viewer.report_then(world, part)))
         .collect();
+    let has_velocity = record.flags & picture_track_bits::VELOCITY != 0;
     let known = world.identities.get(&number).map(|known| known.record);
     let (known, target_type) = known.map_or_else(Default::default, |known| named(&known));
     Some(json!({
@@ -148,15 +150,21 @@ fn past(world: &World, viewer: &Viewer, number: u32, state: u64) -> Option<Value
         "reference_time_ns": moment.time_ns.to_string(),
         "time_of_measurement_ns": moment.measured_ns.to_string(),
         "position_m": [record.east_m, record.north_m],
-        "velocity_mps": [record.east_mps, record.north_mps],
+        "velocity_mps": velocity(has_velocity, [record.east_mps, record.north_mps]),
         "height_m": finite(record.height_m),
-        "climb_mps": finite(record.height_m).map(|_| record.climb_mps),
+        "climb_mps": finite(record.height_m).and_then(|_| finite(record.climb_mps)),
         "height_valid": record.flags & picture_track_bits::HEIGHT != 0,
+        "velocity_valid": has_velocity,
         "on_ground": record.flags & picture_track_bits::ON_GROUND != 0,
         "nis": nis(moment.nis),
         "identity": identity(&known, &target_type),
         "contributions": parts,
     }))
+}
+
+/// A velocity; `null` in place of each component of an unknown one.
+fn velocity<T, const N: usize>(is_known: bool, velocity_mps: [T; N]) -> [Option<T>; N] {
+    velocity_mps.map(|component| is_known.then_some(component))
 }
 
 fn word<T>(value: Option<T>, word: impl Fn(T) -> &'static str) -> Option<&'static str> {
@@ -305,14 +313,19 @@ pub(crate) fn aircraft(world: &World, now: Now) -> Value {
             "type": "other",
             "lat": place.latitude_deg(),
             "lon": place.longitude_deg(),
-            "gs": east.hypot(north) * KNOTS_PER_MPS,
-            "track": east.atan2(north).to_degrees().rem_euclid(360.0),
             "seen": seen_s,
             "seen_pos": seen_s,
             "messages": track.sequence,
             "rssi": -1.0,
         });
         let object = one.as_object_mut()?;
+        if track.velocity_valid != 0 {
+            object.insert("gs".to_owned(), json!(east.hypot(north) * KNOTS_PER_MPS));
+            object.insert(
+                "track".to_owned(),
+                json!(east.atan2(north).to_degrees().rem_euclid(360.0)),
+            );
+        }
         if record.flags & picture_track_bits::ON_GROUND != 0 {
             object.insert("alt_baro".to_owned(), json!("ground"));
         } else if let Some(level_m) = track.level_m() {
@@ -323,7 +336,9 @@ pub(crate) fn aircraft(world: &World, now: Now) -> Value {
         {
             let rate = geometric.climb_mps * FEET_PER_M * 60.0;
             object.insert("alt_geom".to_owned(), json!((geometric.height_m * FEET_PER_M).round()));
-            object.insert("geom_rate".to_owned(), json!(rate.round()));
+            if vertical::knows_climb(track) {
+                object.insert("geom_rate".to_owned(), json!(rate.round()));
+            }
         }
         if let Some(callsign) = track.identity.callsign() {
             object.insert("flight".to_owned(), json!(format!("{callsign:8}")));

@@ -78,6 +78,7 @@ pub(crate) fn track(number: u32, east_m: f64) -> SystemTrack {
         position_m: [east_m, 2_000.0, 300.0],
         velocity_mps: [100.0, 0.0, 0.0],
         height_valid: 1,
+        velocity_valid: 1,
         contribution_count: 1,
         source_count: 1,
         selected_source: 0,

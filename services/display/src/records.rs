@@ -47,7 +47,7 @@ pub(crate) fn track(track: &SystemTrack, frame: Option<&SystemFrame>, before: u8
         state: track.state,
         kind: track.kind,
         alerts: track.alerts,
-        flags: picture_track_bits::VELOCITY
+        flags: flag(track.velocity_valid != 0, picture_track_bits::VELOCITY)
             | vertical.flags
             | flag(track.on_ground != 0, picture_track_bits::ON_GROUND),
         ..PictureTrack::default()

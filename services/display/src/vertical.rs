@@ -25,7 +25,8 @@ const SURE_SIGMAS: f64 = 2.0;
 pub(crate) struct DisplayedHeight {
     /// Metres; NaN: unknown.
     pub(crate) height_m: f32,
-    /// Rate of the height above the ellipsoid, metres per second; 0 without a height.
+    /// Rate of the height above the ellipsoid, metres per second; 0 without a height above the ellipsoid, NaN if there is
+    /// one and its rate is unknown.
     pub(crate) climb_mps: f32,
     /// The `picture_track_bits` concerning height and climb.
     pub(crate) flags: u8,
@@ -41,12 +42,17 @@ pub(crate) fn geometric(track: &SystemTrack, frame: Option<&SystemFrame>) -> Opt
     Some(Vertical { height_m, ..vertical })
 }
 
+/// Whether the rate of the height above the ellipsoid is known. The velocity along the plane of the system is part of it.
+pub(crate) fn knows_climb(track: &SystemTrack) -> bool {
+    track.velocity_valid != 0 && track.covariance.knows_climb()
+}
+
 /// Returns the rate of the height above the ellipsoid by the vertical filter, m/s; `None` without such a rate, or if
 /// the frame is unknown.
 pub(crate) fn filtered_climb_mps(track: &SystemTrack, frame: Option<&SystemFrame>) -> Option<f32> {
     let [vx, vy, _] = track.velocity_mps;
     let velocity_mps = [vx, vy, f64::from(track.climb_rate_mps)];
-    let frame = frame.filter(|_| track.climb_rate_variance > 0.0)?;
+    let frame = frame.filter(|_| track.velocity_valid != 0 && track.climb_rate_variance > 0.0)?;
     Some(frame.vertical(track.position_m, velocity_mps).climb_mps as f32)
 }
 
@@ -67,7 +73,10 @@ pub(crate) fn shown(track: &SystemTrack, frame: Option<&SystemFrame>, before: u8
         (None, Some(_)) => LEVEL,
         (None, None) => 0,
     };
-    let climb_mps = geometric.map_or(0.0, |geometric| geometric.climb_mps);
+    let climb_mps = match knows_climb(track) {
+        true => geometric.map_or(0.0, |geometric| geometric.climb_mps),
+        false => f64::NAN,
+    };
     let sigma_mps = track.covariance.get(5, 5).max(0.0).sqrt();
     let begins = climb_mps.abs() >= BEGINS_MPS.max(SURE_SIGMAS * sigma_mps);
     let arrow = if climb_mps > 0.0 { CLIMBS } else { SINKS };
@@ -75,6 +84,7 @@ pub(crate) fn shown(track: &SystemTrack, frame: Option<&SystemFrame>, before: u8
     DisplayedHeight {
         height_m: height_m as f32,
         climb_mps: climb_mps as f32,
+        // What is not a number has no arrow.
         flags: HEIGHT | reference | if begins || goes_on { arrow } else { 0 },
     }
 }
@@ -109,6 +119,7 @@ mod tests {
             position_m: at(0.0),
             velocity_mps: [0, 1, 2].map(|axis| to[axis] - from[axis]),
             height_valid: 1,
+            velocity_valid: 1,
             covariance: Covariance::diagonal([30.0; 3], [1.0; 3]),
             ..SystemTrack::default()
         }

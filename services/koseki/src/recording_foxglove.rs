@@ -192,7 +192,10 @@ fn entity(state: &SystemTrack, stamp: &Value) -> Value {
             "pose": origin,
             "thickness": 2.0,
             "scale_invariant": true,
-            "points": [point(state.position_m), point(ahead)],
+            "points": match state.velocity_valid {
+                0 => Vec::new(),
+                _ => vec![point(state.position_m), point(ahead)],
+            },
             "color": colour(state),
             "colors": [],
             "indices": [],

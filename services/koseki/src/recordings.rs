@@ -386,7 +386,8 @@ fn read_lines(bytes: &[u8], key: &RecordingOwner) -> Result<RecordingFindings, S
 fn read_rows(bytes: &[u8], key: &RecordingOwner) -> Result<RecordingFindings, String> {
     let table = |error| key.no_table(&error, "sensor tracks");
     let mut found = RecordingFindings::default();
-    for track in SensorTrackReader::new(bytes, 0, |_| Some(0)).map_err(table)? {
+    let rows = SensorTrackReader::new(bytes, 0, |_| Some(0)).map_err(table)?;
+    for track in rows.with_accuracies_of(None) {
         let time_ns = track.map_err(table)?.time_of_measurement_ns;
         found.records += 1;
         found.first_time_ns = found.first_time_ns.or(Some(time_ns));

@@ -60,12 +60,23 @@ pub(crate) struct TargetView {
     pub(crate) position_m: [f64; AXES],
     pub(crate) covariance_m2: Symmetric3,
     pub(crate) velocity_mps: [f64; AXES],
+    /// Whether the source states the horizontal velocity.
+    pub(crate) has_velocity: bool,
     pub(crate) has_height: bool,
     /// Position of the sensor, if known.
     pub(crate) place_m: Option<[f64; 2]>,
 }
 
 impl TargetView {
+    /// Returns the velocity of the target; where the source states none, that of another view.
+    pub(crate) fn velocity_beside(&self, other: &Self) -> [f64; AXES] {
+        if self.has_velocity {
+            self.velocity_mps
+        } else {
+            other.velocity_mps
+        }
+    }
+
     /// Returns the displacement of the report of a target with this velocity by the source's biases.
     pub(crate) fn sensitivity(&self, velocity_mps: [f64; AXES]) -> Sensitivity {
         Sensitivity::new(self.position_m, velocity_mps, self.place_m)

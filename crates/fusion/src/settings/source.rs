@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use messages::{BiasKind, NS_PER_S, Registration, registration_bits};
+use messages::{AXES, BiasKind, NS_PER_S, Registration, registration_bits};
 use settings::{Degrees, KeyValue, Node, Place, Range, Seconds, SettingsError};
 
 use crate::coverage::{CoverageArea, CoverageTable};
@@ -418,6 +418,27 @@ pub enum AccuracyBase {
         /// How many residuals the mean reaches back over.
         memory: f64,
     },
+}
+
+impl AccuracyBase {
+    /// What the configuration states for a target at this place, metres; `None` if the source itself states it. An
+    /// estimate counts before there are residuals.
+    #[inline]
+    pub(crate) fn configured_m(&self, [east, north, _]: [f64; AXES]) -> Option<f64> {
+        match *self {
+            Self::Constant { sigma_m } => Some(sigma_m),
+            Self::Polar {
+                place_m,
+                range_sigma_m,
+                azimuth_sigma_rad,
+            } => {
+                let range_m = (east - place_m[0]).hypot(north - place_m[1]);
+                Some(range_sigma_m.hypot(azimuth_sigma_rad * range_m))
+            }
+            Self::Reported => None,
+            Self::Estimated { initial_m, .. } => Some(initial_m),
+        }
+    }
 }
 
 impl Accuracy {

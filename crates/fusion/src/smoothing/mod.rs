@@ -157,6 +157,7 @@ fn with_kinematics(state: &SystemTrack, smoothed: &SmoothedState, common_error_m
         let variance = &mut message.covariance.upper[Covariance::index(axis, axis)];
         *variance += common_error_m2;
     }
+    message.velocity_valid = u8::from(message.covariance.knows_velocity());
     [message.turn_rate_radps, message.turn_rate_sigma_radps] = smoothed.turn_rate.map(|value| value as f32);
     message.mode_probabilities[..5].copy_from_slice(&smoothed.plane_modes);
     set_vertical(&mut message, state, smoothed);
@@ -184,8 +185,9 @@ fn set_vertical(message: &mut SystemTrack, live: &SystemTrack, smoothed: &Smooth
     for (row, column, value) in [(z, z, zz), (z, vz, cross), (vz, vz, rr)] {
         message.covariance.set(row, column, value);
     }
-    message.climb_rate_mps = rate as f32;
-    message.climb_rate_variance = rr as f32;
+    let climb = message.covariance.knows_climb().then_some([rate, rr]);
+    [message.climb_rate_mps, message.climb_rate_variance] =
+        climb.map_or([0.0; 2], |rate| rate.map(|value| value as f32));
     message.mode_probabilities[5..].copy_from_slice(&modes);
 }
 

@@ -85,6 +85,7 @@ impl Sources {
             position_m: state.position_m(),
             covariance_m2: state.position_covariance(),
             velocity_mps: state.velocity_mps(),
+            has_velocity: entry.latest.has(sensor_track_bits::VELOCITY),
             has_height: entry.latest.has(sensor_track_bits::HEIGHT),
             place_m: place_of(&sources[usize::from(source)]),
         }

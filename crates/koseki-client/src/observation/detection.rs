@@ -5,7 +5,7 @@ use messages::admission::Fault;
 use messages::{DetectionKind, Identity, SensorDetection, sensor_detection_bits};
 
 use super::place::{Place, Placed};
-use super::{Observation, Scans, angle, missing, observation, sigma};
+use super::{Observation, Scans, angle, missing, observation, sigma, sigma_or_unknown};
 
 observation! {
     /// A detection of a sensor: a position, or a bearing with what else was measured from the sensor's place.
@@ -32,7 +32,7 @@ observation! {
             up_m,
             /// Standard deviation of the position along each horizontal axis, metres, above 0.
             sigma_m,
-            /// Standard deviation of the height, metres, above 0; that of the position if not stated.
+            /// Standard deviation of the height, metres; that of the position if not stated. 0: the height is unknown.
             height_sigma_m,
             /// Slant range from the sensor, metres.
             range_m,
@@ -107,9 +107,9 @@ impl Detection {
 
     fn of_position(&self, placed: Placed) -> Result<Measured, Fault> {
         let sigma_m = sigma("sigma_m", self.sigma_m)?;
-        let height_sigma_m = sigma("height_sigma_m", self.height_sigma_m)?;
+        let height_sigma_m = sigma_or_unknown("height_sigma_m", self.height_sigma_m)?;
         let [east, north, up] = placed.position_m;
-        Ok(match placed.has_height {
+        Ok(match placed.has_height && height_sigma_m != Some(0.0) {
             true => {
                 let sigmas = sigma_m.map(|sigma_m| [sigma_m, sigma_m, height_sigma_m.unwrap_or(sigma_m)]);
                 (DetectionKind::Position3, [east, north, up], sigmas)

@@ -152,6 +152,14 @@ fn sigma(name: &str, sigma: Option<f64>) -> Result<Option<f64>, Fault> {
     }
 }
 
+/// Passes a standard deviation on; one of 0 means that its value is unknown.
+fn sigma_or_unknown(name: &str, stated: Option<f64>) -> Result<Option<f64>, Fault> {
+    match stated {
+        Some(0.0) => Ok(stated),
+        _ => sigma(name, stated),
+    }
+}
+
 /// Passes an angle in degrees on, as radians.
 fn angle(name: &str, degrees: Option<f64>) -> Result<Option<f64>, Fault> {
     match degrees {

@@ -253,7 +253,7 @@ fn each_mistake_is_named_by_field_and_remedy() {
         ),
         (report.speed_mps(5.0), "course_deg"),
         (report.course_deg(5.0), "speed_mps"),
-        (report.climb_mps(5.0), "speed_mps"),
+        (report.climb_mps(5.0), "velocity_sigma_mps"),
         (report.speed_mps(5.0).course_deg(400.0), "course_deg"),
         (report.speed_mps(5.0).course_deg(40.0), "velocity_sigma_mps"),
         (report.velocity_east_mps(5.0), "velocity_north_mps"),

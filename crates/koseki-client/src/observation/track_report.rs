@@ -5,7 +5,7 @@ use messages::admission::Fault;
 use messages::{Covariance, Identity, SensorTrack, TrackState, sensor_track_bits};
 
 use super::place::{Place, Placed};
-use super::{Observation, angle, fault, missing, observation, sigma};
+use super::{Observation, angle, fault, missing, observation, sigma, sigma_or_unknown};
 
 observation! {
     /// A report of a track: position, and velocity as speed and course or by its components.
@@ -32,7 +32,7 @@ observation! {
             up_m,
             /// Standard deviation of the position along each horizontal axis, metres, above 0.
             sigma_m,
-            /// Standard deviation of the height, metres, above 0; that of the position if not stated.
+            /// Standard deviation of the height, metres; that of the position if not stated. 0: the height is unknown.
             height_sigma_m,
             /// Speed over ground, metres per second.
             speed_mps,
@@ -46,7 +46,7 @@ observation! {
             velocity_north_mps,
             /// Velocity in the system frame, metres per second up.
             velocity_up_mps,
-            /// Standard deviation of the velocity along each axis, metres per second, above 0.
+            /// Standard deviation of the velocity along each axis, metres per second. 0: the velocity is unknown.
             velocity_sigma_mps,
         }
         /// Time of measurement, UTC, nanoseconds since 1970; `None`: now.
@@ -60,6 +60,13 @@ observation! {
     }
 }
 
+/// Velocity in the system frame, and which parts of it are stated.
+struct StatedVelocity {
+    velocity_mps: [f64; 3],
+    has_plane: bool,
+    has_climb: bool,
+}
+
 impl TrackReport {
     /// A report of the track `track` at a latitude and a longitude (WGS-84, degrees).
     pub fn of(track: u32, latitude: f64, longitude: f64) -> Self {
@@ -70,8 +77,8 @@ impl TrackReport {
         report.latitude(latitude).longitude(longitude)
     }
 
-    /// Velocity in the system frame, and whether its vertical part is known.
-    fn velocity(&self, placed: Placed, frame: &SystemFrame) -> Result<Option<([f64; 3], bool)>, Fault> {
+    /// Velocity in the system frame; `None` if nothing of it is stated.
+    fn velocity(&self, placed: Placed, frame: &SystemFrame) -> Result<Option<StatedVelocity>, Fault> {
         let components = [self.velocity_east_mps, self.velocity_north_mps, self.velocity_up_mps];
         let [east, north, up] = components;
         let course = angle("course_deg", self.course_deg)?;
@@ -80,18 +87,33 @@ impl TrackReport {
         let together = "give speed_mps and course_deg together";
         match (components, polar) {
             ([None, None, None], [None, None, None]) => Ok(None),
+            ([None, None, up @ Some(_)], [None, None, None]) | ([None, None, None], [None, None, up @ Some(_)]) => {
+                Ok(Some(StatedVelocity {
+                    velocity_mps: [0.0, 0.0, up.unwrap_or_default()],
+                    has_plane: false,
+                    has_climb: true,
+                }))
+            }
             ([None, None, None], [Some(speed), Some(course), climb]) => {
                 let axes = frame.axes(placed.position_m);
                 let parts = [speed * course.sin(), speed * course.cos(), climb.unwrap_or_default()];
                 let along = |axis: usize| (0..3).map(|part| parts[part] * axes[part][axis]).sum();
-                Ok(Some(([along(0), along(1), along(2)], climb.is_some())))
+                Ok(Some(StatedVelocity {
+                    velocity_mps: [along(0), along(1), along(2)],
+                    has_plane: true,
+                    has_climb: climb.is_some(),
+                }))
             }
             ([None, None, None], [None, ..]) => Err(missing("speed_mps", together)),
             ([None, None, None], _) => Err(missing("course_deg", together)),
             (_, [None, None, None]) => {
                 let east = east.ok_or_else(|| missing("velocity_east_mps", both))?;
                 let north = north.ok_or_else(|| missing("velocity_north_mps", both))?;
-                Ok(Some(([east, north, up.unwrap_or_default()], up.is_some())))
+                Ok(Some(StatedVelocity {
+                    velocity_mps: [east, north, up.unwrap_or_default()],
+                    has_plane: true,
+                    has_climb: up.is_some(),
+                }))
             }
             _ => Err(fault(
                 "velocity_east_mps",
@@ -120,30 +142,34 @@ impl Observation for TrackReport {
             placed.ok_or_else(|| missing("latitude", "give latitude and longitude, or a position in metres"))?;
         let stated = "state the standard deviation of the position";
         let sigma_m = sigma("sigma_m", self.sigma_m)?.ok_or_else(|| missing("sigma_m", stated))?;
-        let height_sigma_m = sigma("height_sigma_m", self.height_sigma_m)?.unwrap_or(sigma_m);
+        let height_sigma_m = sigma_or_unknown("height_sigma_m", self.height_sigma_m)?.unwrap_or(sigma_m);
         let velocity = self.velocity(placed, frame)?;
-        let velocity_sigma = sigma("velocity_sigma_mps", self.velocity_sigma_mps)?;
-        let mut valid = bits::OWN_COVARIANCE;
-        valid |= if placed.has_height { bits::HEIGHT } else { 0 };
+        let velocity_sigma = sigma_or_unknown("velocity_sigma_mps", self.velocity_sigma_mps)?;
+        let has_height = placed.has_height && height_sigma_m > 0.0;
+        let flag = |is_set: bool, bit: u16| if is_set { bit } else { 0 };
+        let mut valid = bits::OWN_COVARIANCE | flag(has_height, bits::HEIGHT);
+        // What has a variance of 0 is unknown.
         let (velocity_mps, velocity_sigmas) = match (velocity, velocity_sigma) {
-            (None, _) => ([0.0; 3], [0.0; 3]),
+            (None, _) | (Some(_), Some(0.0)) => ([0.0; 3], [0.0; 3]),
             (Some(_), None) => {
                 let stated = "state the standard deviation of the velocity";
                 return Err(missing("velocity_sigma_mps", stated));
             }
-            (Some((velocity_mps, has_climb)), Some(sigma)) => {
-                valid |= bits::VELOCITY | if has_climb { bits::VERTICAL_RATE } else { 0 };
-                (velocity_mps, [sigma, sigma, if has_climb { sigma } else { 0.0 }])
+            (Some(stated), Some(sigma)) => {
+                valid |= flag(stated.has_plane, bits::VELOCITY) | flag(stated.has_climb, bits::VERTICAL_RATE);
+                let [plane, climb] =
+                    [stated.has_plane, stated.has_climb].map(|is_stated| if is_stated { sigma } else { 0.0 });
+                (stated.velocity_mps, [plane, plane, climb])
             }
         };
         let [east, north, up] = placed.position_m;
-        let up_sigma_m = if placed.has_height { height_sigma_m } else { 0.0 };
+        let up_sigma_m = if has_height { height_sigma_m } else { 0.0 };
         Ok(SensorTrack {
             time_of_measurement_ns: self.time_ns.unwrap_or(now_ns),
             track_number,
             valid,
             identity: self.identity,
-            position_m: [east, north, if placed.has_height { up } else { 0.0 }],
+            position_m: [east, north, if has_height { up } else { 0.0 }],
             velocity_mps,
             covariance: Covariance::diagonal([sigma_m, sigma_m, up_sigma_m], velocity_sigmas),
             state: self.state.unwrap_or(TrackState::Confirmed) as u8,

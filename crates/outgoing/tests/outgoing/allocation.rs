@@ -30,6 +30,7 @@ fn system_track(number: u32, state: TrackState) -> SystemTrack {
         covariance: messages::Covariance::diagonal([10.0; 3], [1.0; 3]),
         state: state as u8,
         height_valid: 1,
+        velocity_valid: 1,
         contribution_count: 1,
         source_count: 1,
         alerts: number as u8,

@@ -86,6 +86,7 @@ fn the_longest_record_of_every_edition_fits_the_least_block() {
         velocity_mps: [100.0, 100.0, 10.0],
         state: TrackState::Coasted as u8,
         height_valid: 1,
+        velocity_valid: 1,
         on_ground: 1,
         alerts: u8::MAX,
         ..SystemTrack::default()

@@ -50,6 +50,7 @@ fn cat062() {
         track_number: 17,
         identity: Identity::default().with_address(0x4CA7B3).with_mode_3a(0o7421),
         velocity_mps: [10.0, -20.0, 0.0],
+        velocity_valid: 1,
         state: TrackState::Confirmed as u8,
         source_count: 1,
         contribution_count: 1,

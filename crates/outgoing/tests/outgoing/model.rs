@@ -232,7 +232,7 @@ prop_compose! {
     pub(crate) fn system_track()(reference_ns in time_ns())(
         track_number in prop_oneof![1..6u32, Just(65_536 + 3), any::<u32>()],
         position_m in position(400e3), velocity_mps in velocity(), covariance in covariance(), identity in identity(),
-        state in state(), alerts in prop_oneof![Just(0), any::<u8>()], height_valid in 0..2u8, on_ground in 0..2u8,
+        state in state(), alerts in prop_oneof![Just(0), any::<u8>()], height_valid in 0..2u8, velocity_valid in 0..2u8, on_ground in 0..2u8,
         contributions in prop::collection::vec(contribution(reference_ns), 0..4), movement in movement(),
         reference_time_ns in Just(reference_ns), rates in prop::array::uniform3(0..3u8),
         pressure_offset_m in -500.0..500.0f32, altitude_m in -600.0..6e3f32, has_qnh in any::<bool>(),
@@ -244,7 +244,7 @@ prop_compose! {
         listed[..contributions.len()].copy_from_slice(&contributions);
         SystemTrack {
             reference_time_ns, track_number, identity, position_m, velocity_mps, covariance, state, alerts,
-            height_valid, on_ground, movement, climb_rate_mps, turn_rate_radps,
+            height_valid, velocity_valid, on_ground, movement, climb_rate_mps, turn_rate_radps,
             pressure_offset_m,
             trigger_source,
             time_of_measurement_ns: reference_time_ns - i64::from(report_ms) * 1_000_000,

@@ -174,8 +174,9 @@ impl Case {
         sent.near(&["100", "Y"], track.position_m[1], 0.5);
         let has_height = track.height_valid != 0;
         let [east, north, up] = self.world.velocity(track.position_m, track.velocity_mps, has_height);
-        sent.near(&["185", "VX"], east, 0.25);
-        sent.near(&["185", "VY"], north, 0.25);
+        let has_velocity = track.velocity_valid != 0;
+        sent.near_if(&["185", "VX"], has_velocity.then_some(east), 0.25);
+        sent.near_if(&["185", "VY"], has_velocity.then_some(north), 0.25);
         self.check_motion(sent, track, up);
         self.check_height(sent, track);
         self.check_identity(sent, track);
@@ -198,7 +199,7 @@ impl Case {
                 .velocity(track.position_m, [vx, vy, f64::from(track.climb_rate_mps)], true)[2],
             false => up_mps,
         };
-        sent.near_if(&["220"], has_height.then_some(climb_mps * 60.0 / FOOT_M), 6.25);
+        sent.near_if(&["220"], has_climb(track).then_some(climb_mps * 60.0 / FOOT_M), 6.25);
         let stated = track.movement.acceleration_mps2.map(f64::from);
         // To the right of the velocity for a turn to the right: its direction turned clockwise.
         let rate = f64::from(track.turn_rate_radps);
@@ -350,7 +351,11 @@ impl Case {
             let level = gradient(|vector| self.world.velocity(track.position_m, vector, has_height)[axis]);
             (known, level)
         };
+        assert_eq!(sent.has(&["500", "ATV"]), track.velocity_valid != 0);
         for (axis, element) in [(0, "X"), (1, "Y")] {
+            if track.velocity_valid == 0 {
+                continue;
+            }
             let (_, row) = row(axis);
             let variance = World::velocity_covariance(covariance, row, row);
             sent.near_sigma(&["500", "ATV", element], variance.sqrt(), 0.25, 255);
@@ -364,17 +369,23 @@ impl Case {
         let of_height = |reference| has_height && self.height == reference;
         assert_eq!(sent.has(&["500", "AGA"]), of_height(HeightReference::Geometric));
         assert_eq!(sent.has(&["500", "ABA"]), of_height(HeightReference::Barometric));
-        assert_eq!(sent.has(&["500", "ARC"]), has_height);
+        assert_eq!(sent.has(&["500", "ARC"]), has_climb(track));
         if of_height(HeightReference::Geometric) {
             sent.near_sigma(&["500", "AGA"], height_sigma_m / FOOT_M, 6.25, 255);
         }
         if of_height(HeightReference::Barometric) {
             sent.near_sigma(&["500", "ABA"], height_sigma_m / LEVEL_M, 0.25, 255);
         }
-        if has_height {
+        if has_climb(track) {
             sent.near_sigma(&["500", "ARC"], climb_sigma_mps / CLIMB_LSB_MPS * 6.25, 6.25, 255);
         }
     }
+}
+
+/// Whether the rate of climb is known: half of the variance of an unknown one is 200 m²/s².
+fn has_climb(track: &SystemTrack) -> bool {
+    let is_sure = track.climb_rate_variance > 0.0 || track.covariance.get(5, 5) < 200.0;
+    track.height_valid != 0 && track.velocity_valid != 0 && is_sure
 }
 
 proptest! {

@@ -57,7 +57,7 @@ impl Converter {
             Some(sigma) => along_the_ground(&placed, platform_m, sigma),
             None => {
                 let velocity = Velocity::Unknown;
-                let covariance = accuracy::covariance(&self.model, &placed, own, height.is_known(), velocity);
+                let covariance = accuracy::covariance(&self.model, &placed, own, (height.is_known(), false), velocity);
                 let sigma = |axis| covariance.get(axis, axis).sqrt();
                 let kind = if height.is_known() {
                     DetectionKind::Position3

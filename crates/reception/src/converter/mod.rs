@@ -6,12 +6,12 @@ use estimation::SourceClock;
 use frames::SensorFrame;
 use frames::time::DayUnroller;
 use messages::{
-    Counter, Counters, Covariance, SensorTrack, StageTimes, TrackState, level_of, pressure_correction_m,
-    sensor_track_bits as bits,
+    Counter, Counters, Covariance, SensorTrack, StageTimes, TrackState, UNKNOWN_VELOCITY_SIGMA_MPS, level_of,
+    pressure_correction_m, sensor_track_bits as bits,
 };
 use rustc_hash::FxHashMap;
 
-use super::accuracy::{self, UNKNOWN_POSITION_SIGMA_M, UNKNOWN_VELOCITY_SIGMA_MPS, Velocity};
+use super::accuracy::{self, UNKNOWN_POSITION_SIGMA_M, Velocity};
 use super::placing::{Height, SystemPosition, place};
 use super::plausibility::{TimeCheck, TrackMemory};
 use super::truncated_time::complete;
@@ -156,7 +156,8 @@ impl Converter {
         }
         let mut track = self.blank(number, time_ns, ingested_ns);
         track.position_m = placed.position_m;
-        track.covariance = accuracy::covariance(&self.model, &placed, own, height.is_known(), velocity);
+        let known = (height.is_known(), observation.vertical_rate_mps.is_some());
+        track.covariance = accuracy::covariance(&self.model, &placed, own, known, velocity);
         let stated = self.level(observation, number, time_ns, is_believed);
         let mut set = |condition: bool, bit: u16| track.valid |= if condition { bit } else { 0 };
         set(!is_believed, bits::WILD_CLOCK);

@@ -112,7 +112,7 @@ impl Traffic {
         let range_m = sight[0].hypot(sight[1]);
         let [east, north] = sight.map(|length_m| length_m / range_m);
         let axes = [[east, north, 0.0], [-north, east, 0.0], [0.0, 0.0, 1.0]];
-        report.valid |= sensor_track_bits::HEIGHT;
+        report.valid |= sensor_track_bits::HEIGHT | sensor_track_bits::VERTICAL_RATE;
         report.position_m[2] = HEIGHT_M;
         for (number, axis) in axes.iter().enumerate() {
             let tracker = &self.trackers[number];
@@ -147,7 +147,7 @@ fn turn(report: &mut SensorTrack, target: u64, second: f64) {
         -CLIMB_MPS
     };
     let radius_m = SPEED_MPS / TURN_RADPS;
-    report.valid |= sensor_track_bits::HEIGHT;
+    report.valid |= sensor_track_bits::HEIGHT | sensor_track_bits::VERTICAL_RATE;
     report.position_m = [
         CIRCLES_M * (target % 16) as f64 + radius_m * sin,
         CIRCLES_M * (target / 16) as f64 + radius_m * cos,

@@ -9,6 +9,8 @@ mod fields;
 mod inlet;
 mod samples;
 mod tapped;
+#[cfg(test)]
+mod unknown_tests;
 
 use std::fmt::Write as _;
 use std::net::SocketAddr;

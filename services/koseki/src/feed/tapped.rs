@@ -35,26 +35,34 @@ pub(super) struct TappedLines {
 
 impl TappedLines {
     pub(super) fn of(config: &Config) -> Self {
-        let names: Vec<String> = config.sources.iter().map(|source| source.name.clone()).collect();
+        let names = config.sources.iter().map(|source| source.name.clone()).collect();
+        let uids = config.sources.iter().map(|source| source.uid).collect();
+        Self::new(names, config.frame, (config.origin, uids))
+    }
+
+    /// Lines for a deployment with sources of these names.
+    pub(super) fn new(names: Vec<String>, frame: SystemFrame, (origin, uids): (u32, Vec<u32>)) -> Self {
         let reader = |layout: &'static Layout| LineReader::new(layout, names.clone());
         Self {
             tracks: reader(&SensorTrack::LAYOUT),
             states: reader(&SystemTrack::LAYOUT),
             detections: reader(&SensorDetection::LAYOUT),
-            frame: config.frame,
-            origin: config.origin,
-            uids: config.sources.iter().map(|source| source.uid).collect(),
+            frame,
+            origin,
+            uids,
         }
     }
 
     /// The report of `source` in a line of a sensor track or of a system track.
     pub(super) fn track(&self, line: &Map<String, Value>, source: u16) -> Result<SensorTrack, Fault> {
         if !line.contains_key("reference_time_ns") {
-            let track: SensorTrack = read(&self.tracks, line)?;
+            let mut track: SensorTrack = read(&self.tracks, line)?;
+            nothing_unknown(&mut track.position_m, &mut track.velocity_mps);
             self.check_frame(line, track.position_m)?;
             return Ok(SensorTrack { source, ..track });
         }
-        let state: SystemTrack = read(&self.states, line)?;
+        let mut state: SystemTrack = read(&self.states, line)?;
+        nothing_unknown(&mut state.position_m, &mut state.velocity_mps);
         self.check_frame(line, state.position_m)?;
         SensorTrack::of_centre(&state, source, self.origin, &self.uids).ok_or_else(|| {
             let remedy = "feed the tracks of another deployment, or those of one sensor";
@@ -75,10 +83,11 @@ impl TappedLines {
 
     fn check_frame(&self, line: &Map<String, Value>, position_m: [f64; 3]) -> Result<(), Fault> {
         let stated = ["latitude", "longitude", "height_m"].map(|name| line.get(name).and_then(Value::as_f64));
-        let [Some(latitude), Some(longitude), Some(height_m)] = stated else {
+        let [Some(latitude), Some(longitude), height_m] = stated else {
             return Ok(());
         };
         let here = self.frame.to_geodetic(position_m);
+        let height_m = height_m.unwrap_or(here.height_m());
         let across = (longitude - here.longitude_deg() + 540.0).rem_euclid(360.0) - 180.0;
         let along_deg = (latitude - here.latitude_deg()).hypot(across * latitude.to_radians().cos());
         if (along_deg * METRES_PER_DEGREE).hypot(height_m - here.height_m()) <= APART_MAX_M {
@@ -87,6 +96,14 @@ impl TappedLines {
         let limit = "must be the place of position_m in the system frame of the fed deployment";
         let remedy = "the frames differ: leave position_m and latitude to lines in degrees, or use a link";
         Err(fault("latitude", latitude, limit, remedy))
+    }
+}
+
+/// Puts 0 in place of a height and of components of a velocity that a line has as `null`; the bits of the sample state
+/// what is known.
+fn nothing_unknown([_, _, up_m]: &mut [f64; 3], velocity_mps: &mut [f64; 3]) {
+    for value in velocity_mps.iter_mut().chain([up_m]).filter(|value| value.is_nan()) {
+        *value = 0.0;
     }
 }
 

@@ -13,15 +13,7 @@ fn sources() -> Vec<String> {
 }
 
 fn lines() -> TappedLines {
-    let reader = |layout| LineReader::new(layout, sources());
-    TappedLines {
-        tracks: reader(&SensorTrack::LAYOUT),
-        states: reader(&SystemTrack::LAYOUT),
-        detections: reader(&SensorDetection::LAYOUT),
-        frame: frame(41.0),
-        origin: 3,
-        uids: vec![7, 0],
-    }
+    TappedLines::new(sources(), frame(41.0), (3, vec![7, 0]))
 }
 
 fn tapped<T: Sample>(sample: T, is_named: bool) -> Map<String, Value> {
@@ -49,7 +41,10 @@ fn report(identity: Identity) -> SensorTrack {
         sequence: 77,
         track_number: 9,
         source: 1,
-        valid: sensor_track_bits::HEIGHT | sensor_track_bits::VELOCITY | sensor_track_bits::TURN_RATE,
+        valid: sensor_track_bits::HEIGHT
+            | sensor_track_bits::VELOCITY
+            | sensor_track_bits::VERTICAL_RATE
+            | sensor_track_bits::TURN_RATE,
         identity,
         position_m: [12_345.678, -2_345.5, 3_000.125],
         velocity_mps: [100.0, 1.0 / 3.0, -2.5],
@@ -105,6 +100,9 @@ fn a_tapped_state_is_fed_as_the_report_of_another_centre() {
             identity,
             stages: StageTimes::default(),
             position_m: [1e4, 2e4, 3e3],
+            velocity_mps: [100.0, -50.0, 2.0],
+            height_valid: 1,
+            velocity_valid: 1,
             covariance: Covariance::diagonal([30.0; 3], [3.0; 3]),
             state: TrackState::Confirmed as u8,
             source_count: 1,

@@ -301,7 +301,9 @@ fn tracks(overview: &Overview, width: usize) -> TableLines {
                 track
                     .flight_level
                     .map_or_else(dash, |level| format!("{:03}", level.round() as i64)),
-                format!("{:.0}", KNOTS * track.speed_mps),
+                track
+                    .speed_mps
+                    .map_or_else(dash, |speed_mps| format!("{:.0}", KNOTS * speed_mps)),
                 sources.join(" "),
                 track.age_s.map_or_else(dash, |age_s| format!("{age_s:.1} s")),
             ],

@@ -83,7 +83,7 @@ pub(crate) fn overview() -> Overview {
                 latitude_deg: Some(41.297_063),
                 longitude_deg: Some(2.078_447),
                 flight_level: Some(87.4),
-                speed_mps: 128.6,
+                speed_mps: Some(128.6),
                 sources: vec![1, 4],
                 centres: vec![4],
                 silent_centres: vec![5],
@@ -94,7 +94,7 @@ pub(crate) fn overview() -> Overview {
                 state: "coasted",
                 latitude_deg: Some(-0.5),
                 longitude_deg: Some(-170.25),
-                speed_mps: 5.0,
+                speed_mps: Some(5.0),
                 ..TrackRow::default()
             },
         ],

@@ -67,7 +67,7 @@ pub(crate) struct TrackRow {
     /// Hundreds of feet; `None` if no source observes height.
     pub(crate) flight_level: Option<f64>,
     /// Over the ground, metres per second.
-    pub(crate) speed_mps: f64,
+    pub(crate) speed_mps: Option<f64>,
     /// Numbers of the contributing sources, as in files from 1.
     pub(crate) sources: Vec<u32>,
     /// Those of them that are other centres, and those that were and have fallen silent.
@@ -95,7 +95,7 @@ impl TrackRow {
             flight_level: place
                 .filter(|_| track.height_valid == 1)
                 .map(|place| place.flight_level()),
-            speed_mps: east.hypot(north),
+            speed_mps: (track.velocity_valid == 1).then(|| east.hypot(north)),
             sources: parts.iter().map(number).collect(),
             centres: centres.map(number).collect(),
             silent_centres: track.listed()[parts.len()..].iter().map(number).collect(),
@@ -152,6 +152,7 @@ mod tests {
             position_m: [0.0, 0.0, 3048.0],
             velocity_mps: [3.0, 4.0, 9.0],
             height_valid: 1,
+            velocity_valid: 1,
             identity: Identity::default().with_address(0x3444cf).with_callsign(*b"VLG20M  "),
             contribution_count: 3,
             reference_time_ns: 100 * S,
@@ -180,7 +181,7 @@ mod tests {
             "{at_once:?}"
         );
         assert!(
-            near(at_once.flight_level, 100.0) && at_once.speed_mps == 5.0,
+            near(at_once.flight_level, 100.0) && at_once.speed_mps == Some(5.0),
             "{at_once:?}"
         );
         assert_eq!((at_once.sources, at_once.age_s), (vec![1, 2], Some(3.0)));

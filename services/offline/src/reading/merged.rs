@@ -37,6 +37,8 @@ pub(crate) struct Sensors {
     pub(crate) open: bool,
     /// First sensor above the maximum number.
     pub(crate) excess: Option<u32>,
+    /// Sensors whose accuracy is configured; `None`: all.
+    pub(crate) accurate: Option<Vec<u32>>,
 }
 
 impl Sensors {
@@ -118,9 +120,10 @@ impl MergedRows {
             merged.octets_in_all += length;
             let input = CountingInput::new(file, Rc::clone(&merged.octets));
             let sensors = Rc::clone(&merged.sensors);
+            let accurate = sensors.borrow().accurate.clone();
             let source_of: SourceOf = Box::new(move |id| sensors.borrow_mut().source(id));
-            let reader = SensorTrackReader::new(input, 0, source_of);
-            let reader = reader.map_err(|error| InputError::new(path, error))?;
+            let reader = SensorTrackReader::new(input, 0, source_of).map_err(|error| InputError::new(path, error))?;
+            let reader = reader.with_accuracies_of(accurate);
             let has_arrivals = reader.has_arrivals();
             let arrivals = has_arrivals.then(|| arrivals_of(host, path, order)).transpose()?;
             // The pass that accepts all sensors is the first.

@@ -25,6 +25,8 @@ pub(crate) struct Setup<'a> {
     pub(crate) settings: Settings,
     /// The deployment, if the configuration is one.
     pub(crate) deployment: Option<Deployment>,
+    /// Sensors whose accuracy is configured, so that their positions need no variances; `None`: all.
+    accurate: Option<Vec<u32>>,
     /// The rows of the files, if the first pass has kept them.
     kept: Option<KeptRows>,
 }
@@ -33,6 +35,16 @@ pub(crate) struct Setup<'a> {
 enum FuseConfiguration {
     Deployment(Box<Config>),
     Offline(Box<Offline>),
+}
+
+impl FuseConfiguration {
+    /// Sensors whose accuracy is configured; `None`: all, as in a deployment.
+    fn accurate(&self) -> Option<Vec<u32>> {
+        match self {
+            Self::Deployment(_) => None,
+            Self::Offline(config) => Some(config.accurate_sensors()),
+        }
+    }
 }
 
 impl<'a> Setup<'a> {
@@ -48,7 +60,8 @@ impl<'a> Setup<'a> {
             Some(path) => given(host, path)?,
             None => FuseConfiguration::Offline(Box::default()),
         };
-        let survey = FileSurvey::of(host, &input.tracks)?;
+        let accurate = given.accurate();
+        let survey = FileSurvey::of(host, &input.tracks, accurate.clone())?;
         let (sensor_ids, mut settings, deployment) = match given {
             FuseConfiguration::Deployment(config) => {
                 let ids = config
@@ -74,6 +87,7 @@ impl<'a> Setup<'a> {
             sensor_ids,
             settings,
             deployment,
+            accurate,
             kept: survey.kept,
         })
     }
@@ -85,6 +99,7 @@ impl<'a> Setup<'a> {
     pub(crate) fn reports(&self) -> Result<MergedRows, InputError> {
         let sensors = Sensors {
             ids: self.sensor_ids.clone(),
+            accurate: self.accurate.clone(),
             ..Sensors::default()
         };
         let kept = self.kept.as_ref();

@@ -46,9 +46,10 @@ impl FileSurvey {
     ///
     /// # Errors
     /// If a file cannot be read, or lacks a column.
-    pub(crate) fn of(host: &dyn Host, files: &[PathBuf]) -> anyhow::Result<Self> {
+    pub(crate) fn of(host: &dyn Host, files: &[PathBuf], accurate: Option<Vec<u32>>) -> anyhow::Result<Self> {
         let open = Sensors {
             open: true,
+            accurate,
             ..Sensors::default()
         };
         let mut merged = MergedRows::open(host, files, open, RowOrder::Time)?;
