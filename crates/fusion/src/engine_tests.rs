@@ -5,6 +5,7 @@ mod bad_input;
 mod centres;
 mod clutter;
 mod contradicting_sources;
+mod corrected_sources;
 mod dependent_sources;
 mod filter_rules;
 mod formations;
@@ -27,6 +28,7 @@ mod several_duplicates;
 mod ships;
 mod slow_sources;
 mod turning_targets;
+mod velocities;
 
 use messages::{
     Counter, Covariance, Identity, NO_SOURCE, SensorTrack, SystemTrack, TargetType, TrackKind, TrackState, alert_bits,
