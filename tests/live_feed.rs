@@ -377,3 +377,65 @@ fn a_tapped_line_is_fed_again_with_every_field() {
     running.stop();
     home.assert_nothing_is_left("test");
 }
+
+/// Speed of a track that is fed without a velocity, m/s.
+const SPEED_MPS: f64 = 60.0;
+
+/// Feeds positions of a target that flies east until fusion has published some states of four reports and more; each
+/// must be right within three stated standard deviations.
+fn feed_positions(home: &Home, track: u32, mut send: impl FnMut(&str)) {
+    let bus = Bus::<SharedMemory>::open(&home.root("test"), "picture").unwrap();
+    let mut tracks: Subscriber<SharedMemory, SystemTrack> =
+        bus.subscriber(&messages::system_tracks(), || mono_ns() as u64).unwrap();
+    let (begin_ns, north_m) = (utc_ns(), 20e3 * f64::from(track));
+    let place_m = |time_ns: i64| SPEED_MPS * (time_ns - begin_ns) as f64 / 1e9;
+    let mut judged = 0;
+    for _ in 0..STEPS_MAX {
+        let time_ns = utc_ns();
+        send(&format!(
+            "{{\"source\": \"tracks\", \"track\": {track}, \"time_ns\": {time_ns}, \"east_m\": {}, \"north_m\": {north_m}, \
+             \"sigma_m\": 15}}\n",
+            place_m(time_ns)
+        ));
+        std::thread::sleep(STEP);
+        tracks
+            .take(usize::MAX, |_, states| {
+                let of_target =
+                    |state: &&SystemTrack| (state.position_m[1] - north_m).abs() < 5e3 && state.updates >= 4;
+                for state in states.iter().filter(of_target) {
+                    let error_m = state.position_m[0] - place_m(state.reference_time_ns);
+                    let sigma_m = state.covariance.get(0, 0).sqrt();
+                    assert!(error_m.abs() <= 3.0 * sigma_m, "{error_m} m at {sigma_m} m: {state:?}");
+                    assert_eq!(state.height_valid, 0);
+                    judged += 1;
+                }
+            })
+            .unwrap();
+        if judged >= 12 {
+            return;
+        }
+    }
+    panic!("{judged} states");
+}
+
+#[test]
+fn positions_without_a_velocity_are_fused_as_of_a_target_that_moves() {
+    let home = Home::new();
+    let running = site(&home);
+    let address = free_address();
+    let text = address.to_string();
+    let feed = home.start(&["feed", "--instance", "test", "--source", "tracks", "--tcp", &text]);
+    let mut stream = connect(address);
+    feed_positions(&home, 1, |line| stream.write_all(line.as_bytes()).unwrap());
+    drop(stream);
+    feed.stop();
+    let address = free_address();
+    let text = address.to_string();
+    let feed = home.start(&["feed", "--instance", "test", "--source", "tracks", "--udp", &text]);
+    let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
+    // What comes before it listens is lost.
+    feed_positions(&home, 2, |line| _ = socket.send_to(line.as_bytes(), address).unwrap());
+    feed.stop();
+    running.stop();
+    home.assert_nothing_is_left("test");
+}

@@ -19,7 +19,8 @@ fn bugs_negative_level() {
     assert_eq!(levels.collect::<Vec<_>>(), [Some(-10.0); 5]);
 }
 
-/// Reports of one track without a velocity, 0.4 s apart, of a target at 60 m/s: it is not taken for one that stands still.
+/// Reports of one track without a velocity, 0.4 s apart, of a target at 60 m/s: it is not taken for one that stands
+/// still.
 #[test]
 fn bugs_position_only_track() {
     const CASE: &str = "round4/bugs/position-only-track/track.csv";

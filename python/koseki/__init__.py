@@ -375,7 +375,8 @@ class Publisher:
         - `track`, the number of the track at its sensor, from 0 to 4294967295;
         - the columns of a position, an identity and a time of `send_detections`;
         - `speed_mps`, `course_deg` (clockwise from true north at the target) and `climb_mps`, or `velocity_east_mps`,
-          `velocity_north_mps` and `velocity_up_mps` in the system frame; `velocity_sigma_mps`, a standard deviation;
+          `velocity_north_mps` and `velocity_up_mps` in the system frame; `velocity_sigma_mps`, a standard deviation. Not
+          given, or with a deviation of 0, the velocity is unknown, not 0; `climb_mps` may be given alone;
         - `state`, a `TrackState`: confirmed if not given.
 
         Errors are those of `send_detections`.

@@ -6,10 +6,11 @@
 //! empty, or omits them (TI-1).
 //!
 //! What is left empty is unknown, as is what has a variance of 0: the height, and each component of the velocity. A
-//! position needs variances, from the row or from the configured accuracy of its sensor. Further optional columns are the subject of the track (`kind`: `single`, or `group`
-//! with its `members`), the target's `type` with its `type_confidence`, and a ship's `mmsi` and `name`. `arrival_s` is
-//! the time at which the report arrived (absolute, not before `time_s`); without the column, a report arrives at its
-//! time. A column `truth_id` is never read: it must stay hidden from fusion.
+//! position needs variances, from the row or from the configured accuracy of its sensor. Further optional columns
+//! are the subject of the track (`kind`: `single`, or `group` with its `members`), the target's `type` with its
+//! `type_confidence`, and a ship's `mmsi` and `name`. `arrival_s` is the time at which the report arrived
+//! (absolute, not before `time_s`); without the column, a report arrives at its time. A column `truth_id` is never
+//! read: it must stay hidden from fusion.
 
 use std::io::{self, Read, Write};
 

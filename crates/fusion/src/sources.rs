@@ -369,8 +369,7 @@ impl Sources {
         (earlier, seconds): (&SensorEntry, f64),
         (measurement, unfiltered): (&mut Option<Measurement>, &mut UnfilteredContent),
     ) {
-        if !(report.has(sensor_track_bits::VELOCITY) && earlier.latest.has(sensor_track_bits::VELOCITY)) {
-            // A velocity that nobody stated shows nothing of a gain.
+        if report.has_assumed_velocity() || earlier.latest.has_assumed_velocity() {
             return;
         }
         let before_m = earlier.reported_position_m();

@@ -711,7 +711,7 @@ typedef struct KosekiSystemTrack {
     float nis; /* Normalised innovation squared (NIS) of the report that caused this state, in the plane; 0 if there was none. */
     int16_t level; /* Newest level of the target's transponder, in steps of 25 feet at 1013.25 hPa; 0 if there is none. */
     uint8_t level_valid; /* 1 if `level` is known, and no older than two periods of the source that has it. */
-    uint8_t velocity_valid; /* 1 if the horizontal velocity is known: a source states it, or positions have shown it; else `velocity_mps` has */
+    uint8_t velocity_valid; /* 1 if the horizontal velocity is known: a source states it, or positions have shown it; else `velocity_mps` */
     uint32_t level_age_ms; /* Age of `level` at the reference time, milliseconds. */
     KosekiIdentityAges identity_ages; /* Ages of the values of `identity` at the reference time. */
     float existence; /* Probability that the target exists, in (0, 1]; 0: not estimated. */

@@ -859,7 +859,7 @@ class SystemTrack(ctypes.Structure):
         ("nis", ctypes.c_float),  # Normalised innovation squared (NIS) of the report that caused this state, in the plane; 0 if there was none.
         ("level", ctypes.c_int16),  # Newest level of the target's transponder, in steps of 25 feet at 1013.25 hPa; 0 if there is none.
         ("level_valid", ctypes.c_uint8),  # 1 if `level` is known, and no older than two periods of the source that has it.
-        ("velocity_valid", ctypes.c_uint8),  # 1 if the horizontal velocity is known: a source states it, or positions have shown it; else `velocity_mps` has
+        ("velocity_valid", ctypes.c_uint8),  # 1 if the horizontal velocity is known: a source states it, or positions have shown it; else `velocity_mps`
         ("level_age_ms", ctypes.c_uint32),  # Age of `level` at the reference time, milliseconds.
         ("identity_ages", IdentityAges),  # Ages of the values of `identity` at the reference time.
         ("existence", ctypes.c_float),  # Probability that the target exists, in (0, 1]; 0: not estimated.

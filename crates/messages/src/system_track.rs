@@ -136,8 +136,8 @@ sample! {
         level: i16,
         /// 1 if `level` is known, and no older than two periods of the source that has it.
         level_valid: u8,
-        /// 1 if the horizontal velocity is known: a source states it, or positions have shown it; else `velocity_mps` has
-        /// no meaning.
+        /// 1 if the horizontal velocity is known: a source states it, or positions have shown it; else `velocity_mps`
+        /// has no meaning.
         velocity_valid: u8,
         /// Age of `level` at the reference time, milliseconds.
         level_age_ms: u32,

@@ -1,9 +1,9 @@
 //! What a report leaves unknown, what stands in its place, and when an estimate that began so becomes known.
 //!
 //! Reports come through many doors: samples in shared memory, lines of text, tables, radio links. At every door a value
-//! is unknown if its bit of [`SensorTrack::valid`] is not set, or if its variance is 0: no sensor knows a value exactly,
-//! so a variance of 0 is a field that nobody filled in. A value of 0 with a variance is known, and is 0. Each component
-//! is judged by itself: a velocity may be known towards the north alone.
+//! is unknown if its bit of [`SensorTrack::valid`] is not set, or if its variance is 0: no sensor knows a value
+//! exactly, so a variance of 0 is a field that nobody filled in. A value of 0 with a variance is known, and is 0. Each
+//! component is judged by itself: a velocity may be known towards the north alone.
 //!
 //! An unknown value taken for 0 would be believed the more, the more often it is repeated: a ship at 10 m/s would stand
 //! still. In its place stands a mean of 0 with the variance of what targets do, which the next positions outweigh.
@@ -52,8 +52,16 @@ impl SensorTrack {
         self.covariance.upper[0] == 0.0 && self.has(bits::TRACE)
     }
 
-    /// Whether a component is unknown, and does not have what stands in its place. Without a height nothing looks at the
-    /// vertical: there, any variance above 0 will do.
+    /// Whether the report has what stands in place of an unknown velocity, along one axis at least: it shows nothing of
+    /// its source.
+    #[inline]
+    pub fn has_assumed_velocity(&self) -> bool {
+        let is_assumed = |component: usize| self.covariance.get(component, component) == VARIANCES[component];
+        !self.has(bits::VELOCITY) && (is_assumed(AXES) || is_assumed(AXES + 1))
+    }
+
+    /// Whether a component is unknown, and does not have what stands in its place. Without a height nothing looks at
+    /// the vertical: there, any variance above 0 will do.
     #[inline]
     fn lacks(&self, component: usize) -> bool {
         let variance = self.covariance.get(component, component);
@@ -61,9 +69,12 @@ impl SensorTrack {
         match is_vertical && !self.has(bits::HEIGHT) {
             true => variance == 0.0,
             false => {
+                // A source may know better how fast its targets can be, as long as it does not claim to know the
+                // velocity.
                 let stands = || {
                     let is_velocity = component >= AXES;
-                    is_velocity && variance == VARIANCES[component] && self.velocity_mps[component - AXES] == 0.0
+                    let is_wide = variance >= KNOWN * VARIANCES[component];
+                    is_velocity && is_wide && self.velocity_mps[component - AXES] == 0.0
                 };
                 !self.states(component) && !stands()
             }
@@ -77,8 +88,8 @@ impl SensorTrack {
     }
 
     /// Returns the report with what stands in place of its unknown components, which are no longer correlated with
-    /// others. `position_m2` has the variances per axis of a position whose own are 0, m²; an axis without one keeps its
-    /// 0. A velocity that is known along one axis alone keeps that axis; its bit means both.
+    /// others. `position_m2` has the variances per axis of a position whose own are 0, m²; an axis without one keeps
+    /// its 0. A velocity that is known along one axis alone keeps that axis; its bit means both.
     pub fn completed(&self, position_m2: [Option<f64>; 2]) -> Self {
         let mut report = *self;
         for component in 0..STATE_LEN {
@@ -90,7 +101,7 @@ impl SensorTrack {
             }
             let variance = match position_m2.get(component) {
                 Some(position_m2) => position_m2.unwrap_or_default(),
-                None => VARIANCES[component],
+                None => VARIANCES[component].max(self.covariance.get(component, component)),
             };
             report.covariance.set(component, component, variance);
             report.valid &= !BITS[component];
@@ -205,6 +216,26 @@ mod tests {
             }
             assert!(!completed.is_incomplete(), "{bit}");
         }
+    }
+
+    #[test]
+    fn a_velocity_that_claims_no_knowledge_stays() {
+        let mut report = full();
+        report.valid &= !(bits::VELOCITY | bits::VERTICAL_RATE);
+        report.velocity_mps = [0.0; AXES];
+        (AXES..STATE_LEN).for_each(|component| report.covariance.set(component, component, 250.0 * 250.0));
+        assert!(!report.is_incomplete() && !report.has_assumed_velocity());
+        report.covariance.set(5, 5, 15.0 * 15.0);
+        assert!(!report.is_incomplete());
+        // A value that nobody states does not.
+        report.velocity_mps[0] = 80.0;
+        let completed = report.completed([None; 2]);
+        assert_eq!(
+            (completed.velocity_mps[0], completed.covariance.get(3, 3)),
+            (0.0, 250.0 * 250.0)
+        );
+        report.covariance.set(3, 3, 4.0);
+        assert!(report.completed([None; 2]).has_assumed_velocity());
     }
 
     #[test]

@@ -83,8 +83,8 @@ fn of_turn(track: &SystemTrack) -> Option<[f64; 3]> {
     (is_updated && is_sure).then_some([vy, -vx, 0.0])
 }
 
-/// Whether the rate of climb at the target is known: that in the system's plane, and the velocity along the plane, which
-/// is part of it.
+/// Whether the rate of climb at the target is known: that in the system's plane, and the velocity along the plane,
+/// which is part of it.
 pub(super) fn has_climb(track: &SystemTrack) -> bool {
     track.velocity_valid != 0 && (has_rate(track) || track.covariance.knows_climb())
 }

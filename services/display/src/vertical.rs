@@ -25,8 +25,8 @@ const SURE_SIGMAS: f64 = 2.0;
 pub(crate) struct DisplayedHeight {
     /// Metres; NaN: unknown.
     pub(crate) height_m: f32,
-    /// Rate of the height above the ellipsoid, metres per second; 0 without a height above the ellipsoid, NaN if there is
-    /// one and its rate is unknown.
+    /// Rate of the height above the ellipsoid, metres per second; 0 without a height above the ellipsoid, NaN if there
+    /// is one and its rate is unknown.
     pub(crate) climb_mps: f32,
     /// The `picture_track_bits` concerning height and climb.
     pub(crate) flags: u8,
@@ -42,7 +42,8 @@ pub(crate) fn geometric(track: &SystemTrack, frame: Option<&SystemFrame>) -> Opt
     Some(Vertical { height_m, ..vertical })
 }
 
-/// Whether the rate of the height above the ellipsoid is known. The velocity along the plane of the system is part of it.
+/// Whether the rate of the height above the ellipsoid is known. The velocity along the plane of the system is part of
+/// it.
 pub(crate) fn knows_climb(track: &SystemTrack) -> bool {
     track.velocity_valid != 0 && track.covariance.knows_climb()
 }
