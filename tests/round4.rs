@@ -45,5 +45,8 @@ fn irregular_address() {
         ["1009", "1028"].map(Some).contains(&shown_from),
         "second or third report: {shown_from:?}"
     );
-    assert_eq!(rows.last().map(|row| (row[time], row[state])), Some(("1745", "confirmed")));
+    assert_eq!(
+        rows.last().map(|row| (row[time], row[state])),
+        Some(("1745", "confirmed"))
+    );
 }
