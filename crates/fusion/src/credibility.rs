@@ -265,7 +265,7 @@ fn yields(tracks: &Tracks, sensor: SensorSlot, spread_m2: f64) -> bool {
     let mut contradicts_stronger = false;
     for member in tracks.members(entry.system).filter(|member| *member != sensor) {
         let other = tracks.sensors.get(member);
-        let is_fresh = entry.time_ns - other.time_ns <= tracks.lifetimes.fresh_ns(other.source);
+        let is_fresh = tracks.is_fresh(other, entry.time_ns);
         if other.is_foreign || other.source == entry.source || !is_fresh {
             continue;
         }

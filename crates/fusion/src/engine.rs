@@ -334,7 +334,7 @@ impl Engine {
             return None;
         };
         let identity = match self.settings.association.use_identity {
-            true => sensors.believe(sensor, &report.identity, identity),
+            true => sensors.believe(sensor, report, identity),
             false => identity,
         };
         let entry = sensors.get_mut(sensor);
@@ -363,13 +363,17 @@ impl Engine {
             self.outbox.counts.add(report.source, Counter::RejectedOutOfOrder);
             return None;
         }
-        if age_ns > self.tracks.lifetimes.silence_ns(report.source) {
+        if age_ns > self.tracks.silence_ns(sensor) {
             // The source has reused the number for another target.
             self.tracks.drop_sensor_track(sensor);
             return Some(None);
         }
         self.tracks.lifetimes.learn(report.source, time_ns, Some(age_ns));
-        self.tracks.lifetimes.learn_gap(report.source, age_ns);
+        let system = self.tracks.sensors.get(sensor).system;
+        // The gaps of a slow target are its own.
+        if system == NO_SYSTEM || !self.tracks.systems.get(system).rhythm.is_slow() {
+            self.tracks.lifetimes.learn_gap(report.source, age_ns);
+        }
         Some(Some((sensor, age_ns as f64 / NS_PER_S)))
     }
 
@@ -456,11 +460,14 @@ impl Engine {
         let entry = self.tracks.sensors.get(sensor);
         let (system, is_foreign) = (entry.system, entry.is_foreign);
         let target = self.tracks.systems.get_mut(system);
-        let was_shown = target.was_shown;
+        let (was_shown, follows_centre) = (target.was_shown, target.is_foreign);
         target.nis = 0.0;
+        if target.life == TrackState::Tentative && !was_shown {
+            self.recognise(sensor, system);
+        }
         if is_foreign {
             self.follow_centre(sensor);
-        } else if target.is_foreign {
+        } else if follows_centre {
             // The filter repeats another centre's estimate; this is the first local measurement.
             self.tracks.restart_filter(sensor);
             self.outbox.to(sink).input(|| self.tracks.input(sensor, None));
@@ -501,18 +508,24 @@ impl Engine {
 
     /// Records a fresh report of the system track.
     fn keep_alive(&mut self, sensor: SensorSlot, system: SystemSlot, report: &SensorTrack) {
-        let fresh_until_ns = self.tracks.fresh_until(system);
-        let systems = &mut self.tracks.systems;
-        let entry = systems.get_mut(system);
+        let entry = self.tracks.systems.get_mut(system);
         if entry.life == TrackState::Confirmed {
             self.sources.models[usize::from(report.source)].learn_detection(true);
         }
+        let interval_ns = report.time_of_measurement_ns - entry.last_report_ns;
+        if entry.reports > 0 && interval_ns > 0 {
+            let is_named = entry.identity.unique_number().is_some();
+            self.tracks
+                .lifetimes
+                .learn_rhythm(&mut entry.rhythm, (report.source, is_named), interval_ns);
+        }
         entry.last_report_ns = entry.last_report_ns.max(report.time_of_measurement_ns);
-        entry.fresh_until_ns = fresh_until_ns;
         entry.reports = entry.reports.saturating_add(1);
         entry.extrapolations = 0;
         entry.absence = 0.0;
         let [x, y] = [entry.filter.estimate.mean[0], entry.filter.estimate.mean[1]];
+        self.tracks.systems.get_mut(system).fresh_until_ns = self.tracks.fresh_until(system);
+        let systems = &mut self.tracks.systems;
         systems.grid.place(system, x, y);
         if systems.identify(system, &self.tracks.sensors.get(sensor).latest.identity) {
             self.outbox.counts.add(report.source, Counter::IdentityConflicts);

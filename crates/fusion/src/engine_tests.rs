@@ -27,6 +27,7 @@ mod resumption;
 mod several_duplicates;
 mod ships;
 mod slow_sources;
+mod slow_targets;
 mod turning_targets;
 mod velocities;
 

@@ -16,6 +16,9 @@
 //! false. With many false tracks, two of them coincide sometimes by chance. The ratio of an agreement is then reduced
 //! so far that the silence of the other sources, and persistence, count as well.
 //!
+//! A second report with the same address or MMSI, where the target can have come to, needs none of this (module
+//! `recognition`).
+//!
 //! While a shown target may be the same target, seen by other sources at another point, a second track waits: the
 //! sources are not silent then. The same holds where a source disagrees with two others that agree with each other
 //! (module `alignment`): its tracks are not shown beside tracks of other sources with like velocity within

@@ -72,6 +72,11 @@ impl FormerMembers {
         Some(system)
     }
 
+    /// The system track of a sensor track.
+    pub(crate) fn get(&self, source: u16, track_number: u32) -> Option<FormerSystem> {
+        self.systems.get(&(source, track_number)).copied()
+    }
+
     /// Whether a system track is noted for a sensor track.
     pub(crate) fn contains(&self, source: u16, track_number: u32) -> bool {
         self.systems.contains_key(&(source, track_number))

@@ -12,7 +12,8 @@
 //! known, afterwards the rest of the learned biases.
 //!
 //! A code that differs from the previous ones of its sensor track is believed when the next report repeats it.
-//! A garbled code thus names no other target, and a change of code is followed by its track.
+//! A garbled code thus names no other target, and a change of code is followed by its track. The same holds for an
+//! address, where the report can be of the same target by its place.
 //!
 //! Limit: two targets with one code, each seen by one source alone, look like one target until the bias is learned.
 
@@ -50,8 +51,12 @@ pub(crate) type Name = u64;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct KnownNames {
     callsign: Name,
-    /// Bits of the [`UniqueNumber`], believed or not; 0 if unknown.
+    /// Bits of the [`UniqueNumber`] that the latest report with one gave, believed or not; 0 if unknown.
     address: u32,
+    /// Bits of the believed one; 0 if unknown.
+    believed: u32,
+    /// Reports with the believed one, up to [`SETTLED`].
+    address_hits: u8,
     code: Option<u16>,
     /// Another code, which the latest report gave.
     candidate: Option<u16>,
@@ -88,12 +93,27 @@ impl KnownNames {
     #[inline]
     pub(crate) fn knows(&self, reported: &Identity) -> bool {
         let has_settled = self.hits == SETTLED || reported.valid & identity_bits::MODE_3A == 0;
+        let bears = |address: u32| address == self.believed && address == self.address && self.address_hits == SETTLED;
         self.given == (reported.valid, reported.mode_3a, reported.callsign)
             && has_settled
             && self.candidate.is_none()
-            && reported
-                .unique_number()
-                .is_none_or(|number| number.to_bits() == self.address)
+            && reported.unique_number().is_none_or(|number| bears(number.to_bits()))
+    }
+
+    /// Takes the address that the next report gives, before all others: whether it is believed. A report that may be
+    /// of the same target does not change a settled address before the next one repeats it.
+    pub(crate) fn believe_address(&mut self, reported: UniqueNumber, may_be_same: bool) -> bool {
+        let bits = reported.to_bits();
+        if bits == self.believed {
+            self.address_hits = (self.address_hits + 1).min(SETTLED);
+            return true;
+        }
+        let is_other = self.believed != 0 && UniqueNumber::from_bits(self.believed).excludes(reported);
+        if is_other && may_be_same && self.address_hits == SETTLED && bits != self.address {
+            return false;
+        }
+        (self.believed, self.address_hits) = (bits, 1);
+        true
     }
 
     /// Takes what the next report gives, believed or not.

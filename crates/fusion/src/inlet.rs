@@ -1,5 +1,6 @@
 //! Checks of a report before it is believed.
 
+use estimation::Gaussian;
 use messages::{AXES, Counter, Covariance, Identity, NS_PER_S, STATE_LEN, SensorTrack, TrackState};
 
 use crate::filter::TargetFilter;
@@ -13,7 +14,7 @@ const VARIANCE_MIN: [f64; 2] = [1e-6, 1e-8];
 /// Largest distance between two reports of the same address for the same target, metres.
 const ADDRESS_REACH_M: f64 = 10e3;
 /// Silence beyond which that distance grows no more, seconds.
-const ADDRESS_SILENCE_S: f64 = 120.0;
+const ADDRESS_SILENCE_S: f64 = 900.0;
 
 /// Whether a point lies within `limit` of the origin of its coordinates.
 fn is_in_reach([east, north]: [f64; 2], limit: f64) -> bool {
@@ -186,7 +187,10 @@ pub(crate) fn repaired(report: &SensorTrack) -> Option<SensorTrack> {
 /// turned round at once.
 #[cold]
 fn way_m(filter: &TargetFilter, time_ns: i64) -> f64 {
-    let speed = filter.estimate.mean[3].hypot(filter.estimate.mean[4]);
+    let Gaussian { mean, covariance } = &filter.estimate;
+    // Of a target that was reported once, without a velocity, it is not known.
+    let sigma_mps = (covariance.get(3, 3) + covariance.get(4, 4)).sqrt();
+    let speed = mean[3].hypot(mean[4]) + sigma_mps;
     let seconds = (time_ns - filter.time_ns).max(0) as f64 / NS_PER_S;
     2.0 * speed * seconds.min(ADDRESS_SILENCE_S)
 }
@@ -205,7 +209,7 @@ pub(crate) fn believed_identity(report: &SensorTrack, systems: &SystemTracks) ->
     let carried_m = entry.filter.place_at(report.time_of_measurement_ns);
     let apart = |axis: usize| report.position_m[axis] - carried_m[axis];
     let mut reach_m = ADDRESS_REACH_M;
-    if entry.life == TrackState::Suspended {
+    if entry.life == TrackState::Suspended || entry.rhythm.is_slow() {
         reach_m += way_m(&entry.filter, report.time_of_measurement_ns);
     }
     if apart(0) * apart(0) + apart(1) * apart(1) <= reach_m * reach_m {

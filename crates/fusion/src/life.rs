@@ -6,8 +6,9 @@
 //! no more, but its number rests for `numbers.rest_s`, and a target that comes back resumes it (module `resumption`).
 //! A track ends in one of five ways:
 //!
-//! - Without reports: `tentative_ns` after the last report of a tentative track that was never shown, at the end of the
-//!   rest any other (module `lifetimes` derives the times from the sources' periods).
+//! - Without reports: `tentative_ns` after the last report of a tentative track that was never shown and has no
+//!   identity by which its target could come back, at the end of the rest any other (module `lifetimes` derives the
+//!   times from the sources' periods, module `rhythm` from the target's own intervals).
 //! - Suspended, if too many others are suspended, or a new track needs its place.
 //! - By a merge into another track (module `linking`).
 //! - By an order (module `orders`).
@@ -25,6 +26,7 @@ use crate::explanation::Sink;
 use crate::moving_sources::MovingSources;
 use crate::outlet::Outlet;
 use crate::purity::LASTING_REPORTS;
+use crate::sensor_tracks::SensorEntry;
 use crate::settings::{Settings, SourceSettings};
 use crate::silent_tracks::SUSPENDED_MAX;
 use crate::sources::Sources;
@@ -51,6 +53,8 @@ const PATIENCE_PERIODS: f64 = 30.0;
 /// its decrease: so steep that a few tentative tracks delay no target.
 const AGREEMENT: f64 = 2.0;
 const AGREEMENT_FALLS: f64 = 5.0;
+/// Reports that confirm a target whose identity agrees (module `recognition`).
+const RECOGNISED_REPORTS: u32 = 2;
 /// A source that follows fewer targets than this here need not be waited for.
 const DETECTION_SELDOM: f64 = 0.1;
 
@@ -186,7 +190,13 @@ impl Life {
             is_established |= tracks.is_established(member);
             reports = reports.saturating_add(entry.reports);
         }
-        if reports < settings.life.confirm_reports || !is_established {
+        let entry = tracks.systems.get(system);
+        let is_recognised = entry.recognition.is_sure();
+        let least = match is_recognised {
+            true => settings.life.confirm_reports.min(RECOGNISED_REPORTS),
+            false => settings.life.confirm_reports,
+        };
+        if reports < least || !is_established || entry.recognition.is_doubted() {
             return ExistenceEvidence::NONE;
         }
         let witnesses = tracks.dependence.witnesses_among(sources);
@@ -203,7 +213,7 @@ impl Life {
             silence,
             purity,
             reports,
-            has_address: tracks.systems.get(system).identity.unique_number().is_some(),
+            has_address: entry.identity.unique_number().is_some(),
         };
         let agreement = if witnesses >= 2 {
             agreement_log_ratio(tracks)
@@ -213,7 +223,7 @@ impl Life {
         let log_ratio = claim.log_ratio(&settings.existence) + agreement;
         let may_be_believed = witnesses >= 2 || had_their_chance || claim.has_address;
         ExistenceEvidence {
-            is_believed: may_be_believed && settings.existence.believes(log_ratio),
+            is_believed: is_recognised || may_be_believed && settings.existence.believes(log_ratio),
             log_ratio,
             teaching: log_ratio - UNTAUGHT * silence,
             is_ripe: had_their_chance,
@@ -408,21 +418,19 @@ fn run_timer<S: Sink>(
     out: &mut Outlet<'_, S>,
 ) -> Option<i64> {
     let entry = tracks.systems.get(slot);
-    let tentative_ns = tracks.lifetimes.tentative_ns;
-    // Only what is a target for certain leaves gaps; a false track is not to be shown any longer.
-    let terminate_ns = match entry.is_counted {
-        true => tracks.lifetimes.silence_of(entry.contributors),
-        false => tracks.lifetimes.terminate_ns,
+    let tentative_ns = match settings.life.tentative_s {
+        Some(stated) => stated.ns(),
+        None => tracks.lifetimes.tentative_ns.max(entry.rhythm.fresh_ns()),
     };
     let (coast_ns, last_ns) = (entry.fresh_until_ns, entry.last_report_ns);
-    let end_ns = last_ns.saturating_add(terminate_ns);
+    let end_ns = ends_at(tracks, slot);
     let due_ns = match entry.life {
         TrackState::Terminated => return None,
         TrackState::Tentative if entry.was_shown => end_ns,
         TrackState::Tentative => last_ns.saturating_add(tentative_ns),
         TrackState::Confirmed => coast_ns,
         TrackState::Coasted => end_ns,
-        TrackState::Suspended => end_ns.saturating_add(settings.numbers.rest_s.ns()),
+        TrackState::Suspended => rests_until(settings, tracks, slot, entry.is_known),
     };
     if deadline_ns < due_ns {
         return Some(due_ns);
@@ -433,13 +441,49 @@ fn run_timer<S: Sink>(
         publish_change(settings, tracks, slot, deadline_ns, out);
         return Some(end_ns);
     }
-    let rest_ns = settings.numbers.rest_s.ns();
-    if entry.was_shown && entry.life != TrackState::Suspended && rest_ns > 0 {
+    let may_rest = entry.life != TrackState::Suspended && settings.numbers.rest_s.ns() > 0;
+    let is_known = may_rest && is_known(tracks, slot);
+    if may_rest && (entry.was_shown || is_known) {
+        tracks.systems.get_mut(slot).is_known = is_known;
         suspend(settings, tracks, slot, deadline_ns, out);
-        return Some(end_ns.saturating_add(rest_ns));
+        return Some(rests_until(settings, tracks, slot, is_known));
     }
     end(settings, tracks, slot, deadline_ns, 0, out);
     None
+}
+
+/// When a confirmed system track without further reports ends, nanoseconds.
+fn ends_at(tracks: &Tracks, slot: SystemSlot) -> i64 {
+    let entry = tracks.systems.get(slot);
+    // Only what is a target for certain leaves gaps; a false track is not to be shown any longer.
+    let usual_ns = match entry.is_counted {
+        true => tracks.lifetimes.silence_of(entry.contributors),
+        false => tracks.lifetimes.terminate_ns,
+    };
+    let terminate_ns = tracks.lifetimes.silence_at(entry.rhythm, usual_ns);
+    entry.last_report_ns.saturating_add(terminate_ns)
+}
+
+/// Until when a target may take up the number of a silent system track, nanoseconds: by its identity, or else by its
+/// motion alone.
+pub(crate) fn rests_until(settings: &Settings, tracks: &Tracks, slot: SystemSlot, by_identity: bool) -> i64 {
+    let numbers = &settings.numbers;
+    let rest_ns = match by_identity {
+        true => numbers.rest_s.ns().max(numbers.identity_rest_s.ns()),
+        false => numbers.rest_s.ns(),
+    };
+    ends_at(tracks, slot).saturating_add(rest_ns)
+}
+
+/// Whether the target of a system track that rests can come back by its identity: by its address, or by the number of a
+/// sensor track that its source believes. The latter holds so long only where long silences are to be expected: sources
+/// give numbers to other targets.
+fn is_known(tracks: &Tracks, slot: SystemSlot) -> bool {
+    let entry = tracks.systems.get(slot);
+    let is_believed = |member: &SensorEntry| member.latest.state == TrackState::Confirmed as u8;
+    let is_seldom = !entry.was_shown || entry.rhythm.is_slow();
+    entry.identity.unique_number().is_some()
+        || is_seldom && tracks.member_entries(slot).any(|(_, member)| is_believed(member))
 }
 
 /// Takes a system track that no source reports out of the picture and lets its number rest.
@@ -450,7 +494,10 @@ fn suspend<S: Sink>(settings: &Settings, tracks: &mut Tracks, slot: SystemSlot, 
         end(settings, tracks, oldest, now_ns, 0, out);
     }
     tracks.suspend(slot);
-    count_false(tracks, slot);
+    // A track that was never shown may still turn out to be a target.
+    if tracks.systems.get(slot).was_shown {
+        count_false(tracks, slot);
+    }
     out.decision(&tracks.decision_on(slot, DecisionKind::Suspended, now_ns, f64::NAN));
     publish_extrapolated(settings, tracks, slot, now_ns, out);
 }

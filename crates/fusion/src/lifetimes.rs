@@ -4,7 +4,8 @@
 //! end after six would restart at every turn. Life times without a configured value follow from the sources' periods,
 //! and an unknown period is learned: the median time between two reports of a sensor track. Before the second report
 //! of a source, the source may be slow, and tracks get sufficient time. A track also lives through the gaps that its
-//! sources leave now and then (module `gaps`).
+//! sources leave now and then (module `gaps`). A target that is reported less often than its sources report others is
+//! measured by its own intervals instead (module `rhythm`), unless `fresh_s` or `life.terminate_s` is stated.
 //!
 //! Reports may be late (order `arrival`): what was measured some seconds ago may be the latest that can have come. How
 //! late most reports of a source are is learned, and added to the time for which they count.
@@ -14,6 +15,7 @@ use serde::{Deserialize, Serialize};
 use settings::{Seconds, SettingsError};
 
 use crate::gaps::Gaps;
+use crate::rhythm::Rhythm;
 use crate::settings::{FRESH_PERIODS, LifeSettings, Settings, SourceSettings};
 use crate::source_model::Median;
 
@@ -38,6 +40,8 @@ pub(crate) struct Lifetimes {
     late_ns: Vec<Option<i64>>,
     /// The gaps of each source; empty where the configuration states the life time.
     gaps: Vec<Gaps>,
+    /// Sources whose reports count as long as the configuration states, as bits.
+    states_fresh: u64,
     /// Time without a report after which a tentative track ends, nanoseconds.
     pub(crate) tentative_ns: i64,
     /// Least time without a report after which a confirmed track ends, nanoseconds.
@@ -77,6 +81,10 @@ impl Lifetimes {
                 Some(_) => Vec::new(),
                 None => vec![Gaps::default(); sources.len()],
             },
+            states_fresh: (0..)
+                .zip(sources)
+                .filter(|(_, source)| source.states_fresh)
+                .fold(0, |bits, (number, _)| bits | 1 << number),
             tentative_ns: 0,
             terminate_ns: 0,
         };
@@ -88,6 +96,15 @@ impl Lifetimes {
     #[inline]
     pub(crate) fn fresh_ns(&self, source: u16) -> i64 {
         self.fresh_ns[usize::from(source)]
+    }
+
+    /// Lets the rhythm of a target, which may have an address or MMSI, learn from a report of `source`, so long after
+    /// the one before.
+    #[inline]
+    pub(crate) fn learn_rhythm(&self, rhythm: &mut Rhythm, (source, is_named): (u16, bool), interval_ns: i64) {
+        if self.states_fresh & (1 << source) == 0 {
+            rhythm.learn(interval_ns, self.fresh_ns(source), is_named);
+        }
     }
 
     /// How late most reports of `source` are, nanoseconds.
@@ -121,6 +138,14 @@ impl Lifetimes {
     pub(crate) fn silence_ns(&self, source: u16) -> i64 {
         let gaps = self.gaps.get(usize::from(source));
         gaps.map_or(0, Gaps::silence_ns).max(self.terminate_ns)
+    }
+
+    /// The same of a target with this rhythm, where a track ends after `usual_ns` otherwise.
+    pub(crate) fn silence_at(&self, rhythm: Rhythm, usual_ns: i64) -> i64 {
+        match self.gaps.is_empty() {
+            true => usual_ns,
+            false => usual_ns.max(rhythm.silence_ns()),
+        }
     }
 
     /// Time without a report after which a confirmed track of these sources (bits) ends, nanoseconds.

@@ -100,7 +100,7 @@ impl Linking<'_> {
             self.tracks.join(sensor, system);
             let kind = DecisionKind::JoinedByAddress;
             out.decision(&self.tracks.decision(sensor, kind, f64::NAN, f64::NAN));
-        } else if let Some((system, d2)) = self.recall(sensor) {
+        } else if let Some((system, d2)) = self.recall(sensor, false) {
             self.tracks.join(sensor, system);
             // The engine explains a resumption.
             if self.tracks.systems.get(system).life != TrackState::Suspended {
@@ -121,8 +121,9 @@ impl Linking<'_> {
 
     /// Returns the former system track of the sensor track, from before a restart or before it was suspended, if still
     /// possible, with d².
-    fn recall(&mut self, sensor: SensorSlot) -> Option<(SystemSlot, f64)> {
-        let system = self.tracks.recall(sensor)?;
+    /// One that was never shown is asked for if it is the last that is.
+    pub(crate) fn recall(&mut self, sensor: SensorSlot, is_last: bool) -> Option<(SystemSlot, f64)> {
+        let system = self.tracks.recall(sensor, is_last)?;
         let d2 = match self.tracks.systems.get(system).life {
             TrackState::Suspended => self.search().number_resumes(sensor, system)?,
             _ => self.search().resumption_distance(sensor, system)?,

@@ -88,8 +88,7 @@ impl Search<'_> {
             .filter(|entry| {
                 let [x, y, _] = entry.latest.position_m;
                 let (east_m, north_m) = (x - place_m[0], y - place_m[1]);
-                now_ns - entry.time_ns <= self.tracks.lifetimes.fresh_ns(entry.source)
-                    && east_m * east_m + north_m * north_m <= around_m * around_m
+                self.tracks.is_fresh(entry, now_ns) && east_m * east_m + north_m * north_m <= around_m * around_m
             });
         let is_first = |entry: &SensorEntry| {
             let bit = 1_u64 << entry.source;
@@ -117,7 +116,7 @@ impl Search<'_> {
             let mut is_known_rare = false;
             for member in carriers.iter().copied().filter(|member| *member != own) {
                 let other = self.tracks.sensors.get(member);
-                let is_fresh = entry.time_ns - other.time_ns <= self.tracks.lifetimes.fresh_ns(other.source);
+                let is_fresh = self.tracks.is_fresh(other, entry.time_ns);
                 let is_here = other.system == entry.system;
                 if is_here != here || !is_fresh || other.system == NO_SYSTEM || other.source == entry.source {
                     continue;

@@ -1,6 +1,7 @@
 //! Targets that come back, and the numbers that they had.
 //!
-//! A system track without reports is suspended, and its number rests (module `life`). A target that comes back must
+//! A system track without reports is suspended, and its number rests (module `life`): for `numbers.rest_s`, and for a
+//! target that comes back with its identity for `numbers.identity_rest_s`. A target that comes back must
 //! resume the number, and a new target must not. There are three kinds of evidence:
 //!
 //! - An address: the sensor track joins the system track of its address, suspended or not (module `linking`).
@@ -123,7 +124,8 @@ impl Search<'_> {
     /// The ratio of a system track, if it began after the silent track's last report, which contributes no more.
     fn ratio_of(&self, entry: &SystemEntry, newcomer: &Newcomer<'_>, silent: SystemSlot) -> Option<f64> {
         let theirs = self.tracks.systems.get(silent);
-        let is_over = self.tracks.contributing(silent, newcomer.time_ns).next().is_none();
+        let is_over = self.tracks.contributing(silent, newcomer.time_ns).next().is_none()
+            && newcomer.time_ns <= life::rests_until(self.settings, self.tracks, silent, false);
         let is_apart = entry.bond != Bond::Free || theirs.bond == Bond::Apart(entry.number);
         if entry.first_seen_ns <= theirs.last_report_ns || !is_over || is_apart {
             return None;
@@ -216,9 +218,15 @@ impl Engine {
         out.count(NO_SOURCE, Counter::NumbersResumed);
         let entry = self.tracks.systems.get(system);
         let silence_ns = report.time_of_measurement_ns - entry.last_report_ns;
-        self.tracks.lifetimes.learn_gap(report.source, silence_ns);
+        let (was_shown, reports, first_seen_ns) = (entry.was_shown, entry.reports, entry.first_seen_ns);
+        if was_shown && !entry.rhythm.is_slow() {
+            self.tracks.lifetimes.learn_gap(report.source, silence_ns);
+        }
+        if !was_shown {
+            self.recognise(sensor, system);
+        }
         // The number at the source has served, whatever the sensor track came back by.
-        self.tracks.recall(sensor);
+        self.tracks.recall(sensor, true);
         let shown_ns = self.tracks.systems.get(system).state.time_ns;
         self.tracks.for_members(system, |member| member.share = 0.0);
         self.tracks.restart_filter(sensor);
@@ -226,7 +234,11 @@ impl Engine {
         let entry = self.tracks.sensors.get_mut(sensor);
         entry.share = 1.0;
         let started_ns = entry.started_ns;
-        self.tracks.systems.set_life(system, TrackState::Coasted);
+        let life = match was_shown {
+            true => TrackState::Coasted,
+            false => TrackState::Tentative,
+        };
+        self.tracks.systems.set_life(system, life);
         self.tracks.systems.forget_state(system);
         let entry = self.tracks.systems.get_mut(system);
         if entry.state.time_ns < shown_ns {
@@ -234,6 +246,12 @@ impl Engine {
         }
         (entry.first_seen_ns, entry.astray, entry.duplicate) = (started_ns, 0, None);
         entry.point_source = NO_SOURCE;
+        if !was_shown {
+            // What it was reported as before counts for its confirmation, which is still to come.
+            (entry.first_seen_ns, entry.is_counted) = (first_seen_ns, false);
+            let sensor = self.tracks.sensors.get_mut(sensor);
+            sensor.reports = sensor.reports.saturating_add(reports);
+        }
         self.tracks.assign_role(sensor);
         self.update(sensor, report, None, sink);
     }

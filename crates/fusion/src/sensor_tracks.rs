@@ -18,6 +18,7 @@ use crate::number_hasher::{NumberHasher, table};
 use crate::places::{self, TablePlace};
 use crate::quality::Qualities;
 use crate::quota::Quota;
+use crate::recognition::is_reachable;
 use crate::tracker_gain::GainEvidence;
 use crate::verification::Verification;
 
@@ -435,15 +436,22 @@ impl SensorTracks {
         }
     }
 
-    /// Takes the names in the next report of `slot`, with an identity of which `identity` is believed; returns the
-    /// latter, without a code that may be garbled.
+    /// Takes the names in the next `report` of `slot`, with an identity of which `identity` is believed; returns the
+    /// latter, without a code or an address that may be garbled.
     #[inline]
-    pub(crate) fn believe(&mut self, slot: SensorSlot, reported: &Identity, identity: Identity) -> Identity {
+    pub(crate) fn believe(&mut self, slot: SensorSlot, report: &SensorTrack, mut identity: Identity) -> Identity {
         let entry = &mut self.entries[slot as usize];
+        let reported = &report.identity;
         if entry.names.knows(reported) {
             return identity;
         }
         let before = entry.names.indexed();
+        if let Some(address) = reported.unique_number() {
+            let may_be_same = entry.reports > 0 && is_reachable(&entry.latest, report);
+            if !entry.names.believe_address(address, may_be_same) {
+                identity = identity.without_unique_number();
+            }
+        }
         entry.names.hear(reported);
         let believed = entry.names.believe(identity);
         let after = entry.names.indexed();

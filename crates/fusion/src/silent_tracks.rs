@@ -21,14 +21,34 @@ const REACH_M: f64 = 10e3;
 /// Change of velocity with which it is looked for, m/s: a target that flies at 250 m/s has turned by 35°.
 const VELOCITY_REACH_MPS: f64 = 150.0;
 
+/// Whether the number of a silent system track rests, in the order in which others take its place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub(crate) enum Rest {
+    /// It rests, and was never shown.
+    Unshown,
+    /// It rests.
+    Shown,
+    /// It does not rest.
+    None,
+}
+
+impl Rest {
+    pub(crate) fn of(rests: bool, was_shown: bool) -> Self {
+        match (rests, was_shown) {
+            (false, _) => Self::None,
+            (true, false) => Self::Unshown,
+            (true, true) => Self::Shown,
+        }
+    }
+}
+
 /// A silent system track as a search reads it.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct SilentTrack {
     slot: Slot,
     /// Source that started it.
     owner: u16,
-    /// Whether it is suspended.
-    rests: bool,
+    rest: Rest,
     /// Time of its latest measurement, nanoseconds.
     time_ns: i64,
     position_m: [f64; 2],
@@ -56,13 +76,13 @@ impl SilentTracks {
         self.tracks.is_empty()
     }
 
-    /// Lists a system track with its motion, the source that started it, and whether it is suspended.
-    pub(crate) fn add(&mut self, slot: Slot, filter: &TargetFilter, (owner, rests): (u16, bool)) {
+    /// Lists a system track with its motion, the source that started it, and whether its number rests.
+    pub(crate) fn add(&mut self, slot: Slot, filter: &TargetFilter, owner: u16, rest: Rest) {
         let mean = &filter.estimate.mean;
         let silent = SilentTrack {
             slot,
             owner,
-            rests,
+            rest,
             time_ns: filter.time_ns,
             position_m: [mean[0], mean[1]],
             velocity_mps: [mean[3], mean[4]],
@@ -88,14 +108,18 @@ impl SilentTracks {
         }
     }
 
-    /// The suspended system track that has been silent longest, of those whose owner `may_go`.
+    /// The suspended system track that has been silent longest, of those whose owner `may_go`; those that were never
+    /// shown come first.
     pub(crate) fn longest_suspended(&self, may_go: impl Fn(u16) -> bool) -> Option<Slot> {
-        let suspended = self.tracks.iter().filter(|silent| silent.rests && may_go(silent.owner));
-        let longest = suspended.min_by_key(|silent| (silent.time_ns, silent.slot));
+        let suspended = self
+            .tracks
+            .iter()
+            .filter(|silent| silent.rest != Rest::None && may_go(silent.owner));
+        let longest = suspended.min_by_key(|silent| (silent.rest, silent.time_ns, silent.slot));
         longest.map(|silent| silent.slot)
     }
 
-    /// The listed system tracks that may be at a place, with a velocity, at `time_ns`.
+    /// The listed system tracks that were shown and may be at a place, with a velocity, at `time_ns`.
     pub(crate) fn near(
         &self,
         position_m: [f64; 2],
@@ -112,7 +136,12 @@ impl SilentTracks {
             }
             apart2 <= REACH_M * REACH_M && change2 <= VELOCITY_REACH_MPS * VELOCITY_REACH_MPS
         };
-        self.tracks.iter().filter(is_near).map(|silent| silent.slot)
+        let may_be_found = |silent: &&SilentTrack| silent.rest != Rest::Unshown;
+        self.tracks
+            .iter()
+            .filter(may_be_found)
+            .filter(is_near)
+            .map(|silent| silent.slot)
     }
 }
 
@@ -132,13 +161,24 @@ mod tests {
     #[test]
     fn a_silent_track_is_found_where_it_would_be_and_not_where_it_was() {
         let mut silent = SilentTracks::new(3);
-        silent.add(1, &at(0.0, 250.0), (0, false));
-        silent.add(2, &at(0.0, -250.0), (0, false));
+        silent.add(1, &at(0.0, 250.0), 0, Rest::None);
+        silent.add(2, &at(0.0, -250.0), 0, Rest::None);
         let found = |x: f64, vx: f64| silent.near([x, 0.0], [vx, 0.0], 60_000_000_000).collect::<Vec<_>>();
         assert_eq!(found(15_000.0, 240.0), [1]);
         assert_eq!(found(-14_000.0, -240.0), [2]);
         assert_eq!(found(15_000.0, -240.0), [0; 0]);
         assert_eq!(found(0.0, 250.0), [0; 0]);
+    }
+
+    #[test]
+    fn those_that_were_never_shown_go_first_and_are_not_found_by_place() {
+        let mut silent = SilentTracks::new(3);
+        silent.add(0, &at(0.0, 0.0), 0, Rest::Shown);
+        silent.add(1, &at(0.0, 0.0), 0, Rest::Unshown);
+        silent.add(2, &at(0.0, 0.0), 0, Rest::None);
+        assert_eq!(silent.longest_suspended(|_| true), Some(1));
+        let found: Vec<_> = silent.near([0.0; 2], [0.0; 2], 0).collect();
+        assert_eq!(found, [0, 2]);
     }
 
     proptest! {
@@ -148,7 +188,7 @@ mod tests {
             let mut model = std::collections::BTreeSet::new();
             for (slot, adds) in steps {
                 if adds {
-                    silent.add(slot, &at(0.0, 0.0), (0, true));
+                    silent.add(slot, &at(0.0, 0.0), 0, Rest::Shown);
                     model.insert(slot);
                 } else {
                     silent.remove(slot);

@@ -154,7 +154,7 @@ pub(crate) fn write(
         if member.latest.has(sensor_track_bits::LEVEL) {
             let stated_ns = member.time_ns - i64::from(member.latest.level_age_ms) * NS_PER_MS;
             let age_ns = (entry.state.time_ns - stated_ns).max(0);
-            let age_max_ns = level_age_max_ns(source.period_ns);
+            let age_max_ns = level_age_max_ns(source.period_ns.max(entry.rhythm.interval_ns()));
             if age_ns < level_age_ns && age_ns <= age_max_ns {
                 (level, level_age_ns) = (member.latest.level, age_ns);
             }
@@ -183,9 +183,8 @@ pub(crate) fn write(
 pub(crate) fn list_silent_centres(message: &mut SystemTrack, tracks: &Tracks, slot: SystemSlot) {
     for member in tracks.members(slot) {
         let centre = tracks.sensors.get(member);
-        let age_ns = message.reference_time_ns - centre.time_ns;
         if centre.is_foreign
-            && age_ns > tracks.lifetimes.fresh_ns(centre.source)
+            && !tracks.is_fresh(centre, message.reference_time_ns)
             && let Some(place) = message.contributions.get_mut(usize::from(message.contribution_count))
         {
             *place = Contribution {

@@ -17,9 +17,11 @@ use crate::number_hasher::{NumberHasher, table};
 use crate::numbering;
 use crate::places::{self, TablePlace};
 use crate::quota::Quota;
+use crate::recognition::Recognition;
+use crate::rhythm::Rhythm;
 use crate::rules::RuleMemory;
 use crate::sensor_tracks::SensorSlot;
-use crate::silent_tracks::SilentTracks;
+use crate::silent_tracks::{Rest, SilentTracks};
 use crate::state::State;
 
 /// Place of a system track in its table.
@@ -69,6 +71,12 @@ pub(crate) struct SystemEntry {
     pub(crate) point_source: u16,
     /// Centre that owns the target.
     pub(crate) ownership: Ownership,
+    /// How often it is reported.
+    pub(crate) rhythm: Rhythm,
+    /// What its address has shown, before it was ever confirmed.
+    pub(crate) recognition: Recognition,
+    /// Whether its target can take the number up by its identity, while it rests.
+    pub(crate) is_known: bool,
     /// Whether it was ever confirmed.
     pub(crate) was_shown: bool,
     /// Whether the purity of its sources has counted it.
@@ -225,6 +233,7 @@ impl SystemEntry {
             contradicted: 0,
             first_seen_ns: kept.first_seen_ns,
             point_source: NO_SOURCE,
+            is_known: true,
             was_shown: kept.was_shown,
             is_counted: kept.was_shown,
             contributors: u64::MAX,
@@ -259,6 +268,9 @@ impl SystemEntry {
             first_seen_ns: i64::MAX,
             point_source: NO_SOURCE,
             ownership: Ownership::default(),
+            rhythm: Rhythm::default(),
+            recognition: Recognition::default(),
+            is_known: false,
             was_shown: false,
             is_counted: false,
             is_foreign: false,
@@ -477,7 +489,8 @@ impl SystemTracks {
         };
         if is_silent {
             let rests = entry.life == TrackState::Suspended;
-            self.silent.add(slot, &entry.filter, (entry.owner, rests));
+            self.silent
+                .add(slot, &entry.filter, entry.owner, Rest::of(rests, entry.was_shown));
         } else {
             self.silent.remove(slot);
         }

@@ -15,8 +15,9 @@ use crate::measurement::{FilterInput, Measurement};
 use crate::numbering;
 use crate::pressure::PressureOffsets;
 use crate::purity::Purity;
+use crate::rhythm::Rhythm;
 use crate::sensor_tracks::{MemberEntries, MemberLink, NO_SYSTEM, Role, SensorEntry, SensorSlot, SensorTracks};
-use crate::system_tracks::{SystemSlot, SystemTracks};
+use crate::system_tracks::{SystemEntry, SystemSlot, SystemTracks};
 
 /// Both tables, linked with each other.
 #[derive(Debug, Serialize, Deserialize)]
@@ -117,13 +118,19 @@ impl Tracks {
     }
 
     /// The system track that a sensor track, which has just reported for the first time, belonged to
-    /// before, if that lives. It is asked once.
-    pub(crate) fn recall(&mut self, sensor: SensorSlot) -> Option<SystemSlot> {
+    /// before, if that lives. It is asked once; where it was never shown, only if it is the last that is asked.
+    pub(crate) fn recall(&mut self, sensor: SensorSlot, is_last: bool) -> Option<SystemSlot> {
         if self.remembered.is_empty() {
             return None;
         }
         let entry = self.sensors.get(sensor);
-        let former = self.remembered.take(entry.source, entry.track_number)?;
+        let former = self.remembered.get(entry.source, entry.track_number)?;
+        // A track that was never shown waits until it is clear that no other fits.
+        let is_unshown = |former: &SystemEntry| former.life == TrackState::Suspended && !former.was_shown;
+        if !is_last && is_unshown(self.systems.get(former.slot)) {
+            return None;
+        }
+        self.remembered.take(entry.source, entry.track_number);
         if let Some(checkpoint) = &mut self.checkpoint {
             checkpoint.write(
                 RecordKind::Remembered,
@@ -255,7 +262,24 @@ impl Tracks {
     /// Whether a sensor track contributes to its system track at `now_ns`.
     #[inline]
     pub(crate) fn contributes(&self, entry: &SensorEntry, now_ns: i64) -> bool {
-        entry.role == Role::Primary && now_ns - entry.time_ns <= self.lifetimes.fresh_ns(entry.source)
+        entry.role == Role::Primary && self.is_fresh(entry, now_ns)
+    }
+
+    /// Whether the latest report of a sensor track counts at `now_ns`, by its source's period and the rhythm of its
+    /// target.
+    #[inline]
+    pub(crate) fn is_fresh(&self, entry: &SensorEntry, now_ns: i64) -> bool {
+        self.is_fresh_by_period(entry, now_ns) || self.is_fresh_by_rhythm(entry, now_ns)
+    }
+
+    /// The same by its source's period alone: another sensor track of the source may speak for the target after that.
+    #[inline]
+    fn is_fresh_by_period(&self, entry: &SensorEntry, now_ns: i64) -> bool {
+        now_ns - entry.time_ns <= self.lifetimes.fresh_ns(entry.source)
+    }
+
+    fn is_fresh_by_rhythm(&self, entry: &SensorEntry, now_ns: i64) -> bool {
+        entry.system != NO_SYSTEM && now_ns - entry.time_ns <= self.systems.get(entry.system).rhythm.fresh_ns()
     }
 
     /// Those of them that are no tracks of other centres.
@@ -265,7 +289,7 @@ impl Tracks {
             .map(|(member, _)| member)
     }
 
-    /// The sensor track of `source` that contributes to `system`, other than `own`.
+    /// The sensor track of `source` that speaks for it in `system`, other than `own`.
     pub(crate) fn primary_of(
         &self,
         system: SystemSlot,
@@ -273,8 +297,11 @@ impl Tracks {
         own: SensorSlot,
         now_ns: i64,
     ) -> Option<SensorSlot> {
-        self.contributing_entries(system, now_ns)
-            .find(|(member, entry)| *member != own && entry.source == source)
+        self.member_entries(system)
+            .find(|(member, entry)| {
+                let speaks = entry.role == Role::Primary && self.is_fresh_by_period(entry, now_ns);
+                *member != own && entry.source == source && speaks
+            })
             .map(|(member, _)| member)
     }
 
@@ -316,9 +343,10 @@ impl Tracks {
 
     /// The time at which the last of the present contributions ceases to be fresh.
     pub(crate) fn fresh_until(&self, system: SystemSlot) -> i64 {
+        let own_ns = self.systems.get(system).rhythm.fresh_ns();
         let mut until_ns = i64::MIN;
         for (_, entry) in self.member_entries(system) {
-            until_ns = until_ns.max(entry.time_ns + self.lifetimes.fresh_ns(entry.source));
+            until_ns = until_ns.max(entry.time_ns + self.lifetimes.fresh_ns(entry.source).max(own_ns));
         }
         until_ns
     }
@@ -405,7 +433,10 @@ impl Tracks {
         let other = self
             .member_entries(system)
             .find(|(member, entry)| {
-                *member != sensor && self.dependence.group_of(entry.source) == group && self.contributes(entry, now_ns)
+                *member != sensor
+                    && self.dependence.group_of(entry.source) == group
+                    && entry.role == Role::Primary
+                    && self.is_fresh_by_period(entry, now_ns)
             })
             .map(|(_, other)| other.source);
         if entry.role == Role::Primary {
@@ -460,11 +491,22 @@ impl Tracks {
             if !self.sensors.is_silent(sensor, since_ns) {
                 continue;
             }
-            let silence_ns = self.lifetimes.silence_ns(self.sensors.get(sensor).source);
+            let silence_ns = self.silence_ns(sensor);
             if self.sensors.is_silent(sensor, now_ns.saturating_sub(silence_ns)) {
                 self.drop_sensor_track(sensor);
             }
         }
+    }
+
+    /// Time without a report after which a sensor track has ended, nanoseconds.
+    pub(crate) fn silence_ns(&self, sensor: SensorSlot) -> i64 {
+        let entry = self.sensors.get(sensor);
+        let rhythm = match entry.system {
+            NO_SYSTEM => Rhythm::default(),
+            system => self.systems.get(system).rhythm,
+        };
+        self.lifetimes
+            .silence_at(rhythm, self.lifetimes.silence_ns(entry.source))
     }
 
     /// A decision about a sensor track, at the time of its latest report.

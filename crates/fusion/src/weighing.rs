@@ -360,6 +360,12 @@ impl Weigher<'_> {
             .flatten()
     }
 
+    /// Whether the next report of a sensor track is overdue by the rhythm of its target.
+    fn is_overdue(&self, entry: &SensorEntry, reference_ns: i64) -> bool {
+        let interval_ns = self.tracks.systems.get(entry.system).rhythm.interval_ns();
+        (reference_ns - entry.time_ns) as f64 > self.settings.rule.overdue_periods * interval_ns as f64
+    }
+
     fn candidate(&self, member: SensorSlot, reference_ns: i64) -> Candidate {
         let (settings, sensors) = (self.settings, &self.tracks.sensors);
         let entry = sensors.get(member);
@@ -377,6 +383,7 @@ impl Weigher<'_> {
                 settings.rule.quality_scans,
             ),
             filter_share: entry.share,
+            overdue: of_report.overdue && self.is_overdue(entry, reference_ns),
             ..of_report
         }
     }

@@ -19,8 +19,9 @@ use crate::config::Config;
 
 /// Time between two pictures, nanoseconds.
 const PERIOD_NS: i64 = 1_000_000_000;
-/// Age beyond which a state is not shown any more.
-const AGE_MAX_NS: i64 = 30 * PERIOD_NS;
+/// Age beyond which a state is not shown any more, although no end was published: fusion has died. Targets that are
+/// reported every few minutes have states as old as that.
+const AGE_MAX_NS: i64 = 900 * PERIOD_NS;
 /// Time that a line ahead of a track is long, seconds.
 const AHEAD_S: f64 = 60.0;
 /// Colours distinguishable with colour blindness: confirmed, coasted.

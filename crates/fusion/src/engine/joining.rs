@@ -115,6 +115,17 @@ impl Engine {
         }
     }
 
+    /// The system track of a sensor track of this number that rests and was never shown, if it may still be.
+    fn former_tentative(&mut self, sensor: SensorSlot) -> Option<SystemSlot> {
+        let mut linking = Linking {
+            settings: &self.settings,
+            tracks: &mut self.tracks,
+            sources: &self.sources,
+        };
+        let (system, _) = linking.recall(sensor, true)?;
+        (self.tracks.systems.get(system).life == TrackState::Suspended).then_some(system)
+    }
+
     /// Places a sensor track that fits no available system track. The track is either a further part of a target that
     /// its source already tracks, or a new target.
     pub(super) fn place_alone(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
@@ -136,6 +147,11 @@ impl Engine {
             return;
         }
         let report = self.tracks.sensors.get(sensor).latest;
+        if let Some(system) = self.former_tentative(sensor) {
+            self.tracks.join(sensor, system);
+            self.resume_number(sensor, &report, sink);
+            return;
+        }
         if !self.tracks.systems.has_room(report.source) {
             self.make_room(report.source, sink);
         }

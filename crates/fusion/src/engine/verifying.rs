@@ -66,7 +66,7 @@ impl Engine {
         for other in carriers {
             let theirs = self.tracks.sensors.get(*other);
             let settings = &self.settings.sources[usize::from(theirs.source)];
-            let is_fresh = entry.time_ns - theirs.time_ns <= self.tracks.lifetimes.fresh_ns(theirs.source);
+            let is_fresh = self.tracks.is_fresh(theirs, entry.time_ns);
             if settings.is_self_reported || settings.is_centre || !is_fresh {
                 continue;
             }

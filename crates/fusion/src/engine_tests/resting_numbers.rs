@@ -111,11 +111,25 @@ fn without_a_rest_the_number_ends_with_the_track() {
 }
 
 #[test]
-fn a_track_that_was_never_shown_has_no_number_to_rest() {
-    let mut harness = Harness::new(test_settings(3));
-    harness.take(&report(0, 1, 0.0, [0.0, 0.0], [50.0, 0.0]));
-    harness.advance(8.0);
-    assert_eq!(states(&harness, 1, 0), [TrackState::Tentative, TrackState::Terminated]);
+fn a_track_that_was_never_shown_has_no_number_to_rest_unless_its_target_can_come_back() {
+    for (state, address, last) in [
+        (TrackState::Tentative, None, TrackState::Terminated),
+        (TrackState::Confirmed, None, TrackState::Suspended),
+        (TrackState::Tentative, Some(0x40_0000), TrackState::Suspended),
+    ] {
+        let mut harness = Harness::new(test_settings(3));
+        for time_s in [0.0, 1.0] {
+            let mut one = report(0, 1, time_s, [0.0, 0.0], [50.0, 0.0]);
+            one.state = state as u8;
+            harness.take(
+                &address
+                    .filter(|_| time_s > 0.0)
+                    .map_or(one, |address| with_address(one, address)),
+            );
+        }
+        harness.advance(8.0);
+        assert_eq!(states(&harness, 1, 0), [TrackState::Tentative, last]);
+    }
 }
 
 #[test]

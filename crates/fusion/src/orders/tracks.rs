@@ -302,10 +302,9 @@ impl Engine {
             filter.at(now_ns, self.sources.motion_of(&filter))
         };
         let fresh = || {
-            self.tracks.members(system).filter(|member| {
-                let entry = self.tracks.sensors.get(*member);
-                now_ns - entry.time_ns <= self.tracks.lifetimes.fresh_ns(entry.source)
-            })
+            self.tracks
+                .members(system)
+                .filter(|member| self.tracks.is_fresh(self.tracks.sensors.get(*member), now_ns))
         };
         let mut largest = 0.0f64;
         for (place, one) in fresh().enumerate() {

@@ -99,12 +99,12 @@ settings::settings! {
     /// Life of system tracks (QF-8 names the counts; TI has none).
     #[derive(Copy)]
     pub struct LifeSettings {
-        /// Reports until a tentative track is confirmed.
+        /// Reports until a tentative track is confirmed; two suffice where both have the same address or MMSI.
         confirm_reports: u32 = 3, in [1, 1e6];
         /// Time without a report after which a confirmed track ends.
-        terminate_s: Option<Seconds> = None, in [1e-3, 1e5], usually "20, and more than the slowest source's `fresh_s`; up to 60, as long as the gaps that the track's sources leave";
+        terminate_s: Option<Seconds> = None, in [1e-3, 1e5], usually "20, and more than the slowest source's `fresh_s`; up to 60, as long as the gaps that the track's sources leave; 4 intervals of a target that is reported less often than others";
         /// Time without a report after which a tentative track ends.
-        tentative_s: Option<Seconds> = None, in [1e-3, 1e5], usually "6, at least the slowest source's `fresh_s`";
+        tentative_s: Option<Seconds> = None, in [1e-3, 1e5], usually "6, at least the slowest source's `fresh_s`; 2.5 intervals of a target that is reported less often than others";
     }
 }
 

@@ -20,7 +20,7 @@ settings::settings! {
         /// marks or plots.
         period_s: Option<f64> = None, in [1e-3, 3600], usually "1, or longer as learned; offline as seen";
         /// Age beyond which a report no longer contributes, at least a period.
-        fresh_s: Option<f64> = None, in [1e-3, 1e5], usually "2.5 periods";
+        fresh_s: Option<f64> = None, in [1e-3, 1e5], usually "2.5 periods, or intervals of a target that is reported less often";
         /// Priority for ties: of equally good sources, the source with the smallest number is chosen (TI-11).
         priority: Option<u32> = None, usually "its place";
         /// Height above the system origin beyond which this source cannot see targets.
@@ -179,6 +179,8 @@ pub struct SourceSettings {
     pub learns_period: bool,
     /// Age beyond which a report no longer contributes, nanoseconds.
     pub fresh_ns: i64,
+    /// Whether that holds for every target, however seldom it is reported.
+    pub states_fresh: bool,
     /// Sensor accuracy s (TI-7).
     pub accuracy: Accuracy,
     /// Adjustment coefficient k (TI-8).
@@ -253,6 +255,7 @@ impl SourceSettings {
         Ok(Self {
             learns_period: weighing.period_s.is_none() && weighing.fresh_s.is_none(),
             fresh_ns: Seconds::of(fresh_s).ns(),
+            states_fresh: weighing.fresh_s.is_some(),
             adjustment: accuracy.adjustment,
             priority: weighing.priority.unwrap_or(priority),
             shares: match &weighing.shares {
@@ -278,6 +281,7 @@ impl SourceSettings {
             period_ns: Seconds::of(period_s).ns(),
             learns_period: false,
             fresh_ns: Seconds::of(FRESH_PERIODS * period_s).ns(),
+            states_fresh: false,
             accuracy,
             adjustment: 1.0,
             is_out: false,

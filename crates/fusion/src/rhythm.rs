@@ -1,0 +1,126 @@
+//! How often one target is reported, where that is slower than its sources report others.
+//!
+//! The period of a source is the time between two reports of most of its targets. A target at the edge of coverage,
+//! behind hills, with a weak transponder, or a ship at anchor among ships under way, is reported far less often: by the
+//! period it would be given up after each report. Each system track therefore learns the mean interval between its own
+//! reports. From the third report on, it holds in place of the period where it is longer than [`SLOW`] times that.
+//!
+//! A target without an address or MMSI is slow only while most of its last intervals are long. With one, a single gap is
+//! taken for what is to be expected: the target comes back under its number in any case.
+//!
+//! The mean follows the last few intervals, so that a ship that weighs anchor is soon measured by the period again.
+//! Reports of all sources count alike: a target that any source reports often is not slow.
+
+use messages::NS_PER_S;
+use serde::{Deserialize, Serialize};
+
+use crate::settings::FRESH_PERIODS;
+
+/// How many times longer than the period the intervals of a slow target are, at least: gaps of one missed report or
+/// two are not a rhythm.
+const SLOW: i64 = 2;
+/// Intervals that the mean is taken over.
+const MEMORY: u8 = 4;
+/// Intervals of which most must be long, without a name.
+const LAST: u32 = 3;
+/// Intervals from which the mean holds.
+const ENOUGH: u8 = 2;
+/// Mean intervals without a report after which a target has gone: of intervals that follow no rhythm at all, one in
+/// fifty is longer.
+const SILENCE: f64 = 4.0;
+
+/// The rhythm of one target.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct Rhythm {
+    /// Age up to which reports of the target count, nanoseconds; 0 if that of its sources' reports holds.
+    fresh_ns: i64,
+    /// Mean interval, seconds.
+    interval_s: f32,
+    /// Intervals so far, up to [`MEMORY`].
+    intervals: u8,
+    /// Which of the last [`LAST`] intervals were long, as bits.
+    long: u8,
+}
+
+impl Rhythm {
+    /// Learns from the time since the report before, where reports of the present source count for up to `usual_ns`.
+    /// Without a name, one gap is no rhythm: most of the last intervals must be long.
+    #[inline]
+    pub(crate) fn learn(&mut self, interval_ns: i64, usual_ns: i64, is_named: bool) {
+        let slow_ns = usual_ns.saturating_mul(SLOW);
+        let is_long = interval_ns > (slow_ns as f64 / FRESH_PERIODS) as i64;
+        self.long = (self.long << 1 | u8::from(is_long)) & ((1 << LAST) - 1);
+        self.intervals = (self.intervals + 1).min(MEMORY);
+        let interval_s = (interval_ns as f64 / NS_PER_S) as f32;
+        self.interval_s += (interval_s - self.interval_s) / f32::from(self.intervals);
+        let fresh_ns = (FRESH_PERIODS * f64::from(self.interval_s) * NS_PER_S) as i64;
+        let is_steady = is_named || 2 * self.long.count_ones() > LAST;
+        let is_slow = self.intervals >= ENOUGH && fresh_ns > slow_ns && is_steady;
+        self.fresh_ns = if is_slow { fresh_ns } else { 0 };
+    }
+
+    /// Age up to which reports of the target count, nanoseconds; 0 if that of its sources' reports holds.
+    #[inline]
+    pub(crate) fn fresh_ns(&self) -> i64 {
+        self.fresh_ns
+    }
+
+    /// Whether the target is reported less often than its sources report others.
+    #[inline]
+    pub(crate) fn is_slow(&self) -> bool {
+        self.fresh_ns > 0
+    }
+
+    /// Mean time between two reports of the target, nanoseconds; 0 if the period of its sources holds.
+    pub(crate) fn interval_ns(&self) -> i64 {
+        (self.fresh_ns as f64 / FRESH_PERIODS) as i64
+    }
+
+    /// Time without a report after which the target has gone, nanoseconds; 0 if that of its sources holds.
+    pub(crate) fn silence_ns(&self) -> i64 {
+        (SILENCE / FRESH_PERIODS * self.fresh_ns as f64) as i64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use test_support::S;
+
+    use super::*;
+
+    fn learned(intervals_s: &[i64], is_named: bool) -> Rhythm {
+        let mut rhythm = Rhythm::default();
+        for interval_s in intervals_s {
+            rhythm.learn(interval_s * S, 12 * S, is_named);
+        }
+        rhythm
+    }
+
+    #[test]
+    fn the_period_holds_until_the_third_report_and_for_missed_reports() {
+        for is_named in [false, true] {
+            assert_eq!(learned(&[40], is_named).fresh_ns(), 0);
+            assert_eq!(learned(&[40, 20], is_named).fresh_ns(), 75 * S);
+            assert_eq!(learned(&[40, 20], is_named).silence_ns(), 120 * S);
+            assert_eq!(learned(&[40, 20], is_named).interval_ns(), 30 * S);
+            assert!(!learned(&[5, 5, 10, 15, 5, 10, 5], is_named).is_slow());
+        }
+    }
+
+    #[test]
+    fn one_gap_is_a_rhythm_of_a_named_target_alone() {
+        let slow = |is_named| learned(&[4, 40, 6, 5], is_named).is_slow();
+        assert_eq!([false, true].map(slow), [false, true]);
+    }
+
+    #[test]
+    fn a_target_that_is_reported_often_again_is_measured_by_the_period_again() {
+        let mut rhythm = learned(&[180; 20], true);
+        assert!(rhythm.is_slow());
+        let reports = (1..).find(|_| {
+            rhythm.learn(5 * S, 12 * S, true);
+            !rhythm.is_slow()
+        });
+        assert!(reports.is_some_and(|reports| reports < 15), "{reports:?}");
+    }
+}
