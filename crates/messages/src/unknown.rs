@@ -206,12 +206,12 @@ mod tests {
                 ..full()
             };
             let completed = report.completed([None; 2]);
-            for component in 0..STATE_LEN {
-                let variance = completed.covariance.get(component, component);
+            for (component, assumed) in VARIANCES.into_iter().enumerate() {
                 let expected = match unknown.contains(&component) {
-                    true => VARIANCES[component],
+                    true => assumed,
                     false => report.covariance.get(component, component),
                 };
+                let variance = completed.covariance.get(component, component);
                 assert_eq!(variance, expected, "{bit}: {component}");
             }
             assert!(!completed.is_incomplete(), "{bit}");
