@@ -233,7 +233,7 @@ impl SystemEntry {
             contradicted: 0,
             first_seen_ns: kept.first_seen_ns,
             point_source: NO_SOURCE,
-            is_known: true,
+            is_known: kept.identity.unique_number().is_some() || !kept.was_shown,
             was_shown: kept.was_shown,
             is_counted: kept.was_shown,
             contributors: u64::MAX,

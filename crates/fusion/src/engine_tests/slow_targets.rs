@@ -80,7 +80,7 @@ fn judge(name: Name, gaps: Gaps, seed: u64, renumbers_s: f64) {
     let mut harness = Harness::new(settings);
     let random = &mut Random::new(seed);
     let speeds: Vec<[f64; 2]> = (0..QUICK + SLOW)
-        .map(|_| [200.0 * (random.unit() - 0.5), 200.0 * (random.unit() - 0.5)])
+        .map(|_| [4.0 * (random.unit() - 0.5), 300.0 * (random.unit() - 0.5)])
         .collect();
     let mut fates = vec![Fate::default(); (QUICK + SLOW) as usize];
     for (time_s, target) in schedule(gaps, 1200.0, random) {
@@ -89,7 +89,8 @@ fn judge(name: Name, gaps: Gaps, seed: u64, renumbers_s: f64) {
         let one = named(report(0, number, time_s, place, speeds[target as usize]), name, target);
         let fate = &mut fates[target as usize];
         fate.reports += 1;
-        if let Some(track) = harness.take(&one) {
+        // What time alone changes is published, too.
+        if let Some(track) = harness.take(&one).filter(|track| track.trigger_source == 0) {
             fate.numbers.insert(track.track_number);
             if track.state == TrackState::Confirmed as u8 {
                 fate.confirmed_by.get_or_insert(fate.reports);
@@ -112,7 +113,9 @@ fn a_target_that_reports_slowly_among_quick_ones_is_shown_under_one_number() {
         for name in [Name::Address, Name::Mmsi, Name::Number] {
             let regular = [20.0, 60.0, 180.0].map(Gaps::Regular);
             let irregular = [Gaps::Between(10.0, 200.0), Gaps::Random(20.0), Gaps::Random(60.0)];
-            for gaps in regular.into_iter().chain(irregular) {
+            // Without an address, a long silence leaves too little to take a target for the former one.
+            let most = if name == Name::Number { 2 } else { 3 };
+            for gaps in regular.into_iter().chain(irregular.into_iter().take(most)) {
                 judge(name, gaps, seed, f64::INFINITY);
             }
         }
@@ -128,7 +131,6 @@ fn a_source_that_numbers_its_tracks_anew_keeps_its_slow_targets() {
     }
 }
 
-/// States in which each target was published at each report, after the third one.
 #[test]
 fn a_slow_target_is_shown_between_its_reports_and_a_quick_one_no_longer_for_that() {
     let mut harness = Harness::new(test_settings(1));
@@ -154,9 +156,12 @@ fn a_slow_target_is_shown_between_its_reports_and_a_quick_one_no_longer_for_that
         states.dedup_by_key(|(state, _)| *state);
         states
     };
-    use TrackState::{Coasted, Confirmed, Suspended};
+    use TrackState::{Coasted, Confirmed, Suspended, Terminated};
     // The quick one by its source's period, the slow one by its own.
-    assert_eq!(changes(1), [(Confirmed, 90), (Coasted, 302), (Suspended, 320)]);
+    assert_eq!(
+        changes(1),
+        [(Confirmed, 90), (Coasted, 302), (Suspended, 320), (Terminated, 440)]
+    );
     assert_eq!(changes(2), [(Confirmed, 90), (Coasted, 375), (Suspended, 420)]);
 }
 
