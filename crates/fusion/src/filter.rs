@@ -165,15 +165,6 @@ impl TargetFilter {
         Self::new(report.time_of_measurement_ns, gaussian_of(report), has_height)
     }
 
-    /// All information in a report of a target that moves as `before` shows.
-    pub(crate) fn of_report_after(report: &SensorTrack, before: &Self) -> Self {
-        let mut filter = Self::of_report(report);
-        let (plane, _) = parts_of(&filter.estimate);
-        filter.plane = PlaneFilter::with(plane, before.plane.probabilities());
-        filter.is_straight = before.is_straight;
-        filter
-    }
-
     /// Whether the estimate can be used: all of it finite, and no variance below 0.
     pub(crate) fn is_sound(&self) -> bool {
         let Gaussian { mean, covariance } = &self.estimate;

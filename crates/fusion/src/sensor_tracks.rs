@@ -29,7 +29,7 @@ pub(crate) type SensorSlot = u32;
 pub(crate) const NO_SYSTEM: u32 = u32::MAX;
 
 /// Squared way off the expected place, in variances of it per axis, beyond which no measurement led a track there.
-const DISPLACED: f64 = 16.0;
+const DISPLACED: f64 = 30.0;
 /// Least share of such a way by which the velocity of a track follows, in the period of its reports.
 const FOLLOWS: f64 = 0.05;
 
@@ -275,9 +275,10 @@ impl SensorEntry {
         let moved_m: [f64; 2] =
             std::array::from_fn(|axis| report.position_m[axis] - before_m[axis] - before_mps[axis] * seconds);
         let square_m2 = moved_m[0] * moved_m[0] + moved_m[1] * moved_m[1];
-        let trace_m2 = |of: &Covariance| of.get(0, 0) + of.get(1, 1);
-        let variance_m2 = 0.5 * (trace_m2(&report.covariance) + trace_m2(&self.latest.covariance));
-        let is_far = square_m2 > DISPLACED * variance_m2 && self.reports > 0;
+        let trace = |of: &Covariance, first: usize| of.get(first, first) + of.get(first + 1, first + 1);
+        let before = &self.latest.covariance;
+        let trace_m2 = trace(&report.covariance, 0) + trace(before, 0) + trace(before, AXES) * seconds * seconds;
+        let is_far = square_m2 > DISPLACED * 0.5 * trace_m2 && self.reports > 0;
         if !is_far || !states_velocity(report) || !states_velocity(&self.latest) {
             return false;
         }

@@ -6,7 +6,7 @@ use messages::{AXES, Counter, TrackState};
 use super::Engine;
 use crate::assumed::assumed_of;
 use crate::explanation::Sink;
-use crate::filter::{FilterInnovation, TargetFilter};
+use crate::filter::FilterInnovation;
 use crate::measurement::{FilterInput, Measurement, states_velocity};
 use crate::reference_point::Referred;
 use crate::sensor_tracks::SensorSlot;
@@ -18,16 +18,11 @@ const ASTRAY_SIGMAS: f64 = 30.0;
 
 /// Share of a source in a filter from which the filter starts anew where its covariances were wrong.
 const OWN_SHARE: f64 = 0.3;
-/// Share of an only source in the estimate from which it is compared.
-const LONE_SHARE: f64 = 0.5;
 /// Squared distance of the estimate from what its only source states, in the source's own standard deviations, beyond
 /// which the statement is better: of a filter that works, one state in a thousand is three of them away.
 const CONTRADICTION: f64 = 16.0;
-/// Reports in a row with a contradicted position that count on the straight: a plot may be a blunder, and the next one
-/// then fits.
+/// Reports in a row with a contradicted position that count: a plot may be a blunder, and the next one then fits.
 const CONTRADICTED_PLACES: u8 = 2;
-/// Probability of straight flight below which one such report counts.
-const STRAIGHT: f64 = 0.5;
 
 impl Engine {
     /// Copies the state of another centre into the filter while no local source tracks the target. Otherwise the
@@ -48,7 +43,7 @@ impl Engine {
     pub(super) fn update_filter(&mut self, sensor: SensorSlot, measurement: &Measurement, sink: &mut impl Sink) {
         let is_displaced = self.tracks.sensors.get(sensor).is_displaced;
         if is_displaced && self.is_only_source(sensor) {
-            self.follow_only_source(sensor, sink);
+            self.begin_anew(sensor, sink);
             return;
         }
         let out = &mut self.outbox.to(sink);
@@ -135,7 +130,7 @@ impl Engine {
             is_misled,
         );
         if is_contradicted {
-            self.follow_only_source(sensor, sink);
+            self.begin_anew(sensor, sink);
         }
     }
 
@@ -147,8 +142,7 @@ impl Engine {
         let entry = self.tracks.sensors.get(sensor);
         let (system, latest) = (entry.system, &entry.latest);
         let target = self.tracks.systems.get_mut(system);
-        // Of several sources, hardly one has so much: most reports cost nothing more.
-        if entry.share < LONE_SHARE || target.filter.time_ns != entry.time_ns || !states_velocity(latest) {
+        if target.filter.time_ns != entry.time_ns || !states_velocity(latest) {
             return false;
         }
         let estimate = &target.filter.estimate.mean;
@@ -164,12 +158,7 @@ impl Engine {
         } else {
             0
         };
-        let places = if target.filter.steadiness() < STRAIGHT {
-            1
-        } else {
-            CONTRADICTED_PLACES
-        };
-        let is_contradicted = target.contradicted >= places || stated(AXES, off_mps, 0.0) > CONTRADICTION;
+        let is_contradicted = target.contradicted >= CONTRADICTED_PLACES || stated(AXES, off_mps, 0.0) > CONTRADICTION;
         is_contradicted && self.is_only_source(sensor)
     }
 
@@ -218,17 +207,6 @@ impl Engine {
         let source = self.tracks.sensors.get(sensor).source;
         self.begin_anew(sensor, sink);
         self.outbox.counts.add(source, Counter::EstimatesRestarted);
-    }
-
-    /// Goes on with what the only source states: the estimate becomes its latest report. How the target moves is known
-    /// as before.
-    #[cold]
-    fn follow_only_source(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
-        let system = self.tracks.sensors.get(sensor).system;
-        let before = self.tracks.systems.get(system).filter;
-        self.begin_anew(sensor, sink);
-        let latest = &self.tracks.sensors.get(sensor).latest;
-        self.tracks.systems.get_mut(system).filter = TargetFilter::of_report_after(latest, &before);
     }
 
     /// Begins the filter of a system track anew with the latest report of the sensor track.

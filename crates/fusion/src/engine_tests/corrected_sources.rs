@@ -83,7 +83,7 @@ fn the_velocity_of_an_only_source_survives_its_corrections_of_position() {
                     (5.0, 5.0, 1.0),
                     (5.0, 150.0, 5.0),
                     (5.0, 300.0, 10.0),
-                    (12.0, 60.0, 30.0),
+                    (12.0, 60.0, 10.0),
                 ] {
                     let case = Case {
                         period_s,
