@@ -4,6 +4,7 @@ mod bad_input;
 mod centres;
 mod clutter;
 mod contradicting_sources;
+mod corrected_sources;
 mod dependent_sources;
 mod filter_rules;
 mod formations;

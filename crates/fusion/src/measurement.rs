@@ -28,6 +28,12 @@ pub(crate) fn gaussian_of(report: &SensorTrack) -> Gaussian {
     Gaussian::new(report.position_m, report.velocity_mps, &report.covariance)
 }
 
+/// Whether the source of a report states the target's velocity: not one that was derived from its positions.
+#[inline]
+pub(crate) fn states_velocity(report: &SensorTrack) -> bool {
+    report.has(sensor_track_bits::VELOCITY) && !report.has(sensor_track_bits::DERIVED_VELOCITY)
+}
+
 /// Known errors of a report.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Correction {

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use estimation::Gaussian;
-use messages::{AXES, Identity, SensorTrack, TrackState, sensor_track_bits};
+use messages::{AXES, Covariance, Identity, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 use serde::{Deserialize, Serialize};
 
 use crate::description::Description;
@@ -11,7 +11,8 @@ use crate::error_shape::Stretch;
 use crate::history::Histories;
 use crate::identity::{KnownNames, NameIndex};
 use crate::measurement::{
-    CLAIM_MAX, Content, Correction, CovarianceBasis, FilterInput, Measurement, gaussian_of, whole_report,
+    CLAIM_MAX, Content, Correction, CovarianceBasis, FilterInput, Measurement, gaussian_of, states_velocity,
+    whole_report,
 };
 use crate::number_hasher::{NumberHasher, table};
 use crate::places::{self, TablePlace};
@@ -25,6 +26,11 @@ pub(crate) type SensorSlot = u32;
 
 /// [`SensorEntry::system`] of a sensor track that belongs to no system track yet.
 pub(crate) const NO_SYSTEM: u32 = u32::MAX;
+
+/// Squared way off the expected place, in variances of it per axis, beyond which no measurement led a track there.
+const DISPLACED: f64 = 30.0;
+/// Least share of such a way by which the velocity of a track follows, in the period of its reports.
+const FOLLOWS: f64 = 0.05;
 
 /// Role of a sensor track in its system track.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -137,6 +143,8 @@ pub(crate) struct SensorEntry {
     pub(crate) verification: Verification,
     /// What its reports showed of the gain of the source's tracker.
     pub(crate) evidence: GainEvidence,
+    /// Whether its source has displaced it, and nothing supports the new place yet.
+    pub(crate) is_displaced: bool,
     /// Where the covariance of `latest` comes from.
     basis: CovarianceBasis,
     /// By how much the covariances that the system filter took before `latest` turned out too small, as a factor.
@@ -190,6 +198,7 @@ impl Default for SensorEntry {
             names: KnownNames::default(),
             verification: Verification::default(),
             evidence: GainEvidence::default(),
+            is_displaced: false,
             basis: CovarianceBasis::Stated,
             claimed_too_much: 1.0,
         }
@@ -226,6 +235,7 @@ impl SensorEntry {
             stretch,
         } = *correction;
         self.claimed_too_much = content.unfiltered.map_or(1.0, |_| self.claimed_before(content));
+        self.is_displaced |= self.displaces(report);
         // Written in one go: to read back what has just been written so far away would take as long as the way there.
         self.latest = SensorTrack {
             identity,
@@ -253,6 +263,26 @@ impl SensorEntry {
         self.correction = *correction;
         self.reports = self.reports.saturating_add(1);
         self.misses = 0;
+    }
+
+    /// Returns whether `report`, the next one, displaces the track: its position is far from where the latest report
+    /// led to, by both covariances, and its velocity does not follow. A measurement moves both.
+    #[inline]
+    fn displaces(&self, report: &SensorTrack) -> bool {
+        let seconds = (report.time_of_measurement_ns - self.time_ns) as f64 / NS_PER_S;
+        let (before_m, before_mps) = (self.reported_position_m(), &self.latest.velocity_mps);
+        let moved_m: [f64; 2] =
+            std::array::from_fn(|axis| report.position_m[axis] - before_m[axis] - before_mps[axis] * seconds);
+        let square_m2 = moved_m[0] * moved_m[0] + moved_m[1] * moved_m[1];
+        let trace = |of: &Covariance, first: usize| of.get(first, first) + of.get(first + 1, first + 1);
+        let before = &self.latest.covariance;
+        let trace_m2 = trace(&report.covariance, 0) + trace(before, 0) + trace(before, AXES) * seconds * seconds;
+        let is_far = square_m2 > DISPLACED * 0.5 * trace_m2 && self.reports > 0;
+        if !is_far || !states_velocity(report) || !states_velocity(&self.latest) {
+            return false;
+        }
+        let followed = |axis: usize| moved_m[axis] * (report.velocity_mps[axis] - before_mps[axis]) * seconds;
+        followed(0) + followed(1) < FOLLOWS * square_m2
     }
 
     /// By how much the covariance of the latest report is too small, as the content of the next report shows it.
@@ -305,6 +335,7 @@ impl SensorEntry {
         self.residual_mean_m = [0.0; 2];
         self.residual_variance_m2 = 0.0;
         self.point = DetectionPoint::default();
+        self.is_displaced = false;
     }
 }
 

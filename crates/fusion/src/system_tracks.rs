@@ -61,6 +61,8 @@ pub(crate) struct SystemEntry {
     pub(crate) nis: f32,
     /// Reports in a row that lie far off the filter's estimate, by all that is known of both.
     pub(crate) astray: u32,
+    /// Reports in a row of its only source whose position the estimate contradicts.
+    pub(crate) contradicted: u8,
     /// When a sensor track that joined began, earliest.
     pub(crate) first_seen_ns: i64,
     /// Source whose point of the target the filter follows; [`NO_SOURCE`] if it follows none.
@@ -220,6 +222,7 @@ impl SystemEntry {
             absence: kept.absence,
             nis: 0.0,
             astray: 0,
+            contradicted: 0,
             first_seen_ns: kept.first_seen_ns,
             point_source: NO_SOURCE,
             was_shown: kept.was_shown,
@@ -252,6 +255,7 @@ impl SystemEntry {
             absence: 0.0,
             nis: 0.0,
             astray: 0,
+            contradicted: 0,
             first_seen_ns: i64::MAX,
             point_source: NO_SOURCE,
             ownership: Ownership::default(),

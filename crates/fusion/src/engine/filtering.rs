@@ -1,12 +1,14 @@
 //! How a measurement changes the filter of its system track, and what the engine learns of the innovation.
 
-use messages::{Counter, TrackState};
+use association::distance;
+use messages::{AXES, Counter, TrackState};
 
 use super::Engine;
 use crate::assumed::assumed_of;
 use crate::explanation::Sink;
 use crate::filter::FilterInnovation;
-use crate::measurement::{FilterInput, Measurement};
+use crate::measurement::{FilterInput, Measurement, states_velocity};
+use crate::reference_point::Referred;
 use crate::sensor_tracks::SensorSlot;
 
 /// Speed below which the course is meaningless, m/s.
@@ -16,6 +18,11 @@ const ASTRAY_SIGMAS: f64 = 30.0;
 
 /// Share of a source in a filter from which the filter starts anew where its covariances were wrong.
 const OWN_SHARE: f64 = 0.3;
+/// Squared distance of the estimate from what its only source states, in the source's own standard deviations, beyond
+/// which the statement is better: of a filter that works, one state in a thousand is three of them away.
+const CONTRADICTION: f64 = 16.0;
+/// Reports in a row with a contradicted position that count: a plot may be a blunder, and the next one then fits.
+const CONTRADICTED_PLACES: u8 = 2;
 
 impl Engine {
     /// Copies the state of another centre into the filter while no local source tracks the target. Otherwise the
@@ -34,10 +41,17 @@ impl Engine {
 
     /// Updates the system filter with a measurement, and learns from the innovation.
     pub(super) fn update_filter(&mut self, sensor: SensorSlot, measurement: &Measurement, sink: &mut impl Sink) {
+        let is_displaced = self.tracks.sensors.get(sensor).is_displaced;
+        if is_displaced && self.is_only_source(sensor) {
+            self.begin_anew(sensor, sink);
+            return;
+        }
         let out = &mut self.outbox.to(sink);
-        let referred = self
+        let mut referred = self
             .points
             .refer(&self.settings, &mut self.tracks, (sensor, measurement), out);
+        // Others go on where they are: a source that is off to one side would show a motion that nobody states.
+        referred.is_usable &= !is_displaced;
         let entry = self.tracks.sensors.get(sensor);
         let (system, time_ns, source) = (entry.system, entry.time_ns, entry.source);
         let mut relative = *measurement;
@@ -71,6 +85,9 @@ impl Engine {
             self.restart(sensor, sink);
             return;
         }
+        if innovation.squared < CONTRADICTION {
+            self.tracks.sensors.get_mut(sensor).is_displaced = false;
+        }
         let nis = innovation.squared.min(f64::from(f32::MAX));
         self.tracks.dependence.learn_innovation(source, 0.5 * nis);
         let target = self.tracks.systems.get_mut(system);
@@ -82,7 +99,9 @@ impl Engine {
             target.course = velocity.map(|part| part / speed);
         }
         let is_confirmed = target.life == TrackState::Confirmed;
-        if referred.is_usable {
+        let is_contradicted = self.contradicts_only_source(sensor, &referred);
+        // Smoothing begins anew with the report; what the measurement showed is no part of it.
+        if referred.is_usable && !is_contradicted {
             self.outbox.to(sink).input(|| FilterInput {
                 point_m: referred.point_m,
                 point_m2: referred.variance_m2,
@@ -110,6 +129,42 @@ impl Engine {
             (&innovation, measurement),
             is_misled,
         );
+        if is_contradicted {
+            self.begin_anew(sensor, sink);
+        }
+    }
+
+    /// Returns whether the estimate contradicts what its only source has just stated of position or velocity.
+    ///
+    /// A source may correct its position, or smooth in a way that is undone wrongly. The positions alone then show a
+    /// motion that the source denies with its velocity, and nobody else supports the estimate.
+    fn contradicts_only_source(&mut self, sensor: SensorSlot, referred: &Referred) -> bool {
+        let entry = self.tracks.sensors.get(sensor);
+        let (system, latest) = (entry.system, &entry.latest);
+        let target = self.tracks.systems.get_mut(system);
+        if target.filter.time_ns != entry.time_ns || !states_velocity(latest) {
+            return false;
+        }
+        let estimate = &target.filter.estimate.mean;
+        let stated = |first: usize, off: [f64; 2], more: f64| {
+            let p = |row, column| latest.covariance.get(first + row, first + column);
+            distance::squared2(off, [p(0, 0) + more, p(0, 1), p(1, 1) + more])
+        };
+        let off_m = std::array::from_fn(|axis| estimate[axis] + referred.point_m[axis] - latest.position_m[axis]);
+        let off_mps = std::array::from_fn(|axis| estimate[axis + AXES] - latest.velocity_mps[axis]);
+        let is_far = stated(0, off_m, referred.variance_m2) > CONTRADICTION;
+        target.contradicted = if is_far {
+            target.contradicted.saturating_add(1)
+        } else {
+            0
+        };
+        let is_contradicted = target.contradicted >= CONTRADICTED_PLACES || stated(AXES, off_mps, 0.0) > CONTRADICTION;
+        is_contradicted && self.is_only_source(sensor)
+    }
+
+    /// Returns whether nothing but the sensor track contributes to its system track.
+    fn is_only_source(&self, sensor: SensorSlot) -> bool {
+        self.tracks.is_alone(sensor, self.tracks.sensors.get(sensor).time_ns)
     }
 
     /// Enlarges the covariance of a filter that a source has made too small with covariances that turn out wrong with
@@ -149,12 +204,19 @@ impl Engine {
     /// Restarts the unusable filter of a system track from the latest report of the sensor track.
     #[cold]
     pub(crate) fn restart(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
+        let source = self.tracks.sensors.get(sensor).source;
+        self.begin_anew(sensor, sink);
+        self.outbox.counts.add(source, Counter::EstimatesRestarted);
+    }
+
+    /// Begins the filter of a system track anew with the latest report of the sensor track.
+    #[cold]
+    fn begin_anew(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
         self.tracks.restart_filter(sensor);
         self.outbox.to(sink).input(|| self.tracks.input(sensor, None));
-        let entry = self.tracks.sensors.get(sensor);
-        let (system, source) = (entry.system, entry.source);
+        let system = self.tracks.sensors.get(sensor).system;
         self.tracks.for_members(system, |member| member.share = 0.0);
-        self.tracks.sensors.get_mut(sensor).share = 1.0;
-        self.outbox.counts.add(source, Counter::EstimatesRestarted);
+        let entry = self.tracks.sensors.get_mut(sensor);
+        (entry.share, entry.is_displaced) = (1.0, false);
     }
 }
