@@ -78,3 +78,59 @@ fn simulated_counts_are_the_same_for_the_same_seed() {
     );
     assert!(counts.iter().all(|count| (2.0..=4.0).contains(count)), "{counts:?}");
 }
+
+/// The shipped file for the sea: the speeds of ships on a straight course are theirs within a knot, a minute after their
+/// tracks began.
+#[test]
+fn ships_of_the_shipped_file_have_their_speeds() {
+    const KNOT_MPS: f64 = 1852.0 / 3600.0;
+    const STRAIGHT_S: usize = 60;
+    let folder = Folder::new();
+    folder.write("maritime.toml", include_str!("../config/maritime.toml"));
+    for seed in [3, 5] {
+        folder.succeed(&format!(
+            "simulate --scenario maritime.toml --seed {seed} --for 240 --out sea"
+        ));
+        folder.succeed("fuse --tracks sea/sensor_tracks_1.csv --config maritime.toml --refresh 1 --out fused.csv");
+        let [truth, fused] = ["sea/truth.csv", "fused.csv"].map(|file| {
+            let text = folder.read(file);
+            let columns = ["time_s", "x", "y", "vx", "vy"].map(|name| numbers(&text, name));
+            (
+                column(
+                    &text,
+                    if file == "fused.csv" {
+                        "system_track_id"
+                    } else {
+                        "target_id"
+                    },
+                ),
+                columns,
+            )
+        });
+        // Positions and velocities of each target, a row a second.
+        let mut targets = std::collections::BTreeMap::<String, Vec<[f64; 4]>>::new();
+        for row in 0..truth.0.len() {
+            let [_, values @ ..] = truth.1.each_ref().map(|column| column[row]);
+            targets.entry(truth.0[row].clone()).or_default().push(values);
+        }
+        let mut begun = std::collections::BTreeMap::<&str, f64>::new();
+        let (mut right, mut all) = (0, 0);
+        for row in 0..fused.0.len() {
+            let [time_s, x, y, vx, vy] = fused.1.each_ref().map(|column| column[row]);
+            let begun_s = *begun.entry(&fused.0[row]).or_insert(time_s);
+            let second = time_s as usize;
+            if time_s < begun_s + 60.0 || second < STRAIGHT_S {
+                continue;
+            }
+            let off_m = |rows: &&Vec<[f64; 4]>| (rows[second][0] - x).hypot(rows[second][1] - y);
+            let target = targets.values().min_by(|a, b| off_m(a).total_cmp(&off_m(b))).unwrap();
+            let [before, now] = [target[second - STRAIGHT_S], target[second]];
+            if (before[2] - now[2]).hypot(before[3] - now[3]) > 0.01 {
+                continue;
+            }
+            all += 1;
+            right += usize::from((vx.hypot(vy) - now[2].hypot(now[3])).abs() < KNOT_MPS);
+        }
+        assert!(all > 1000 && right * 20 >= all * 19, "seed {seed}: {right} of {all}");
+    }
+}

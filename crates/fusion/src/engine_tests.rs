@@ -27,6 +27,7 @@ mod several_duplicates;
 mod ships;
 mod slow_sources;
 mod turning_targets;
+mod velocities;
 
 use messages::{
     Counter, Covariance, Identity, NO_SOURCE, SensorTrack, SystemTrack, TargetType, TrackKind, TrackState, alert_bits,
