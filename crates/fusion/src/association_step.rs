@@ -16,7 +16,7 @@
 //! (module `linking`). The values of the gates are keys of `[fusion.association]` (`settings/association.rs`).
 
 use estimation::{ComparedComponents, Gaussian, statistical_distance};
-use messages::{Covariance, Identity, SensorTrack, TrackState, sensor_track_bits};
+use messages::{Covariance, Identity, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 
 use crate::identity;
 use crate::measurement::gaussian_of;
@@ -39,6 +39,9 @@ const HEIGHT_FLOOR_M2: f64 = 900.0;
 /// Variance per axis of detection points on a target while a second track beside the target waits, m²: larger than
 /// for joins, because waiting costs less than a wrong join.
 const DOUBTED_SPREAD_M2: f64 = 15.0 * 15.0;
+
+/// Unpredictable acceleration between two reports of a sensor track, metres per second squared.
+const ACCELERATION_MPS2: f64 = 5.0;
 
 /// Part of the speed by which two velocities of a target differ at most, apart from noise, where one of its sources
 /// turns positions about its sensor: about 3°.
@@ -95,7 +98,7 @@ impl Search<'_> {
             };
             let latest = &self.tracks.sensors.get(primary).latest;
             let other = gaussian_of(latest);
-            let seconds = (now_ns - latest.time_of_measurement_ns) as f64 / messages::NS_PER_S;
+            let seconds = (now_ns - latest.time_of_measurement_ns) as f64 / NS_PER_S;
             let both = report.has(sensor_track_bits::HEIGHT) && latest.has(sensor_track_bits::HEIGHT);
             let apart = |axis: usize| state.mean[axis] - other.mean[axis] - other.mean[axis + 3] * seconds;
             let metres = apart(0).hypot(apart(1));
@@ -347,6 +350,51 @@ impl Search<'_> {
         let forbidden = self.settings.association.use_identity
             && identity::contradict(&report.identity, &entry.identity, exponents);
         !forbidden && self.can_be_seen_together(report, system)
+    }
+
+    /// Whether a report under the number of a sensor track, which has missed a scan, is of another target: it fits neither
+    /// the course of the sensor track nor the system track, but a third track.
+    pub(crate) fn is_of_another(&self, own: SensorSlot, report: &SensorTrack) -> bool {
+        let entry = self.tracks.sensors.get(own);
+        let last = &entry.latest;
+        let numbers = [last, report].map(|report| report.identity.unique_number());
+        if entry.system == NO_SYSTEM || (numbers[0].is_some() && numbers[0] == numbers[1]) {
+            return false;
+        }
+        let mut corrected = *report;
+        for (place, shift) in corrected.position_m.iter_mut().zip(entry.correction().shift_m) {
+            *place -= shift;
+        }
+        let seconds = (report.time_of_measurement_ns - last.time_of_measurement_ns) as f64 / NS_PER_S;
+        let apart =
+            |axis: usize| corrected.position_m[axis] - last.position_m[axis] - last.velocity_mps[axis] * seconds;
+        let unforeseen_m = 0.5 * ACCELERATION_MPS2 * seconds * seconds;
+        let spread_m2 = self.sources.spread_m2(&self.settings.association, Some(report.source));
+        let variance_m2 = |axis: usize| {
+            let of_velocity = last.covariance.get(axis + 3, axis + 3) * seconds * seconds;
+            last.covariance.get(axis, axis) + report.covariance.get(axis, axis) + of_velocity
+        };
+        let variance_m2 = variance_m2(0) + variance_m2(1) + spread_m2 + unforeseen_m * unforeseen_m;
+        let gate = self.settings.association.keep_gate;
+        // Written so that NaN shows nothing.
+        let has_jumped = apart(0) * apart(0) + apart(1) * apart(1) > gate * variance_m2;
+        has_jumped && self.fits_another(entry.system, &corrected, gate)
+    }
+
+    /// Whether a report fits another system track, and `own` not even with this gate.
+    #[cold]
+    fn fits_another(&self, own: SystemSlot, report: &SensorTrack, gate: f64) -> bool {
+        let state = gaussian_of(report);
+        let filter = &self.tracks.systems.get(own).filter;
+        let expected = filter.at(report.time_of_measurement_ns, self.sources.motion_of(filter));
+        if statistical_distance(&state, &expected, ComparedComponents::HorizontalPosition) <= gate {
+            return false;
+        }
+        let mut fits = false;
+        self.near(report, &state, |system| {
+            fits |= system != own && self.distance(report, &state, system).is_some();
+        });
+        fits
     }
 
     /// Whether the addresses of two system tracks, or of their sensor tracks, show two targets: then no agreement of

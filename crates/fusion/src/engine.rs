@@ -18,6 +18,7 @@ mod verifying;
 use messages::{Counter, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 use settings::SettingsError;
 
+use crate::association_step::Search;
 use crate::dependence::Dependence;
 use crate::engine_counters::EngineCounters;
 use crate::explanation::Sink;
@@ -363,7 +364,7 @@ impl Engine {
             self.outbox.counts.add(report.source, Counter::RejectedOutOfOrder);
             return None;
         }
-        if age_ns > self.tracks.silence_ns(sensor) {
+        if age_ns > self.tracks.silence_ns(sensor) || self.is_reused(sensor, report) {
             // The source has reused the number for another target.
             self.tracks.drop_sensor_track(sensor);
             return Some(None);
@@ -375,6 +376,19 @@ impl Engine {
             self.tracks.lifetimes.learn_gap(report.source, age_ns);
         }
         Some(Some((sensor, age_ns as f64 / NS_PER_S)))
+    }
+
+    /// Whether a sensor that has begun anew since the sensor track's latest report gave its number to another target.
+    #[inline]
+    fn is_reused(&self, sensor: SensorSlot, report: &SensorTrack) -> bool {
+        let period_ns = self.settings.sources[usize::from(report.source)].period_ns;
+        let age_ns = report.time_of_measurement_ns - self.tracks.sensors.get(sensor).time_ns;
+        let search = Search {
+            settings: &self.settings,
+            tracks: &self.tracks,
+            sources: &self.sources,
+        };
+        2 * age_ns > 3 * period_ns && search.is_of_another(sensor, report)
     }
 
     /// Applies a stored report: terminates, associates, checks, then updates the system track.

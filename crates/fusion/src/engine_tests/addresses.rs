@@ -69,29 +69,30 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(60))]
 
     /// Two targets, `apart_m` from each other, report their numbers through the first source. The second source has no
-    /// numbers, and sees the first target alone. While the first target is silent, the second source has begun anew:
-    /// its number is now that of the second target.
+    /// numbers, and sees the younger one alone. While that one is silent, the second source begins anew: its track number
+    /// is now that of the other target.
     #[test]
     fn a_number_that_a_sensor_gives_to_another_target_merges_none(
-        apart_m in 100.0..900.0f64, course in 0.0..6.3f64, silent_s in 2..12i32, step_s in 0.3..1.0f64,
-        kind in prop_oneof![Just(Kind::Aircraft), Just(Kind::Ship)],
+        apart_m in 100.0..900.0f64, course in 0.0..6.3f64, silent in 8..18i32, exchanged in 0..6i32, gap in 0..4i32,
+        step_s in 0.3..1.0f64, kind in prop_oneof![Just(Kind::Aircraft), Just(Kind::Ship)],
     ) {
         let mut engine = Engine::new(settings(3)).unwrap();
         let mut record = Record::default();
         let velocity = [20.0 * course.cos(), 20.0 * course.sin()];
         let places = [[0.0, 0.0], [0.0, apart_m]];
-        for scan in 0..40 {
+        for scan in 0..50 {
             let time_s = step_s * f64::from(scan);
-            let is_exchanged = scan >= 15;
             for (target, place) in (0..).zip(places) {
-                if target == 0 && (15..15 + silent_s + 6).contains(&scan) {
-                    continue;
+                if target == 0 || !(15..15 + silent).contains(&scan) {
+                    let said = report(0, target, time_s, place, velocity);
+                    engine.take(&numbered(said, kind, target), &mut record);
                 }
-                let said = report(0, target, time_s, place, velocity);
-                engine.take(&numbered(said, kind, target), &mut record);
             }
-            let seen = report(1, 7, time_s + 0.1, places[usize::from(is_exchanged)], velocity);
-            engine.take(&seen, &mut record);
+            let begins = 15 + exchanged;
+            if !(begins..begins + gap).contains(&scan) {
+                let place = places[usize::from(scan < begins)];
+                engine.take(&report(1, 7, time_s + 0.1, place, velocity), &mut record);
+            }
         }
         prop_assert_eq!(record.merged, 0);
         for (unique, numbers) in record.numbers() {
@@ -126,6 +127,41 @@ proptest! {
         prop_assert_eq!(record.merged, 0);
         for (unique, numbers) in record.numbers() {
             prop_assert_eq!(numbers.len(), 1, "{} was shown as {:?}", unique, numbers);
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(60))]
+
+    /// A sensor without numbers of its targets begins anew, after some scans, and gives its track numbers to other ones:
+    /// no report of one target moves the track of another, and none is shown twice.
+    #[test]
+    fn numbers_from_before_a_restart_are_worth_nothing_where_the_position_is_another(
+        apart_m in 400.0..5_000.0f64, turned_by in 1..5_u32, silent in 2..4i32, has_addresses in any::<bool>(),
+    ) {
+        const TARGETS: u32 = 5;
+        let mut engine = Engine::new(settings(2)).unwrap();
+        let mut record = Record::default();
+        for scan in 0..50 {
+            let time_s = f64::from(scan);
+            for target in 0..TARGETS {
+                let place = [0.0, apart_m * f64::from(target)];
+                let said = report(0, target, time_s, place, [20.0, 0.0]);
+                if !(20..20 + silent).contains(&scan) {
+                    engine.take(&if has_addresses { numbered(said, Kind::Aircraft, target) } else { said }, &mut record);
+                    let number = if scan < 20 { target } else { (target + turned_by) % TARGETS };
+                    engine.take(&report(1, number, time_s + 0.3, place, [20.0, 0.0]), &mut record);
+                }
+            }
+        }
+        prop_assert_eq!(record.merged, 0);
+        let numbers: std::collections::BTreeSet<u32> = record.tracks.iter().map(|track| track.track_number).collect();
+        prop_assert_eq!(numbers.len(), TARGETS as usize, "{:?}", numbers);
+        for track in &record.tracks {
+            let [_, north, _] = track.position_m;
+            let off_m = (north / apart_m - (north / apart_m).round()).abs() * apart_m;
+            prop_assert!(off_m < 40.0, "{} at {north}", track.track_number);
         }
     }
 }

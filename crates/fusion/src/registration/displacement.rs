@@ -59,11 +59,13 @@ impl Displacement {
         }
     }
 
-    /// Returns the mean square per axis of the displacement by the offset alone, minus the part explained by chance, m².
+    /// Returns the mean square per axis of the displacement by the offset, minus the part explained by chance, m². What
+    /// a time offset may explain does not count.
     pub(super) fn offset_excess_m2(&self, errors: &Errors) -> f64 {
-        let mut offset = *errors;
-        offset[TIME] = 0.0;
-        0.5 * self.squared_m2(&offset) - self.variance_m2
+        let offset = Vector3::new(errors[0], errors[1], 0.0);
+        let displaced = self.form * offset;
+        let time = self.form[(2, 2)] + self.variance_m2 / (PRIOR_SIGMA[TIME] * PRIOR_SIGMA[TIME]);
+        0.5 * (offset.dot(&displaced) - displaced[2] * displaced[2] / time) - self.variance_m2
     }
 
     /// Returns the sum over both axes, m².
