@@ -36,6 +36,11 @@ const PROGRESS_PUBLISHERS: usize = 4;
 /// it becomes a file.
 pub const CHECKPOINT: &str = "checkpoint";
 
+/// Ending of the names of files in the base folder that an orderly end keeps for the next start.
+pub const END_SUFFIX: &str = ".end";
+/// `<instance>.numbered` in the base folder: numbers were given under the instance's name.
+pub const NUMBERED: &str = "numbered";
+
 /// Ending of the names of files in the base folder that contain a report in quarantine and the checkpoint before it.
 pub const QUARANTINED: &str = "quarantined";
 

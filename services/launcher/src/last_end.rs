@@ -19,12 +19,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use bus::Root;
-use runtime::instance::CHECKPOINT;
+use runtime::instance::{CHECKPOINT, END_SUFFIX as SUFFIX, NUMBERED};
 
 use crate::say;
 
-const SUFFIX: &str = ".end";
-const NUMBERED: &str = "numbered";
 /// Compression: the first level that leaves blank memory without weight.
 const LEVEL: i32 = 1;
 /// Most octets of one memory: far more than any has.

@@ -12,7 +12,7 @@ use anyhow::Context as _;
 use bus::{Bus, BusError, Payload, Publisher, Root, SharedMemory};
 use messages::Topic;
 use runtime::clock::{Now, instant, mono_ns};
-use runtime::instance::leading_fusion;
+use runtime::instance::{END_SUFFIX, NUMBERED, leading_fusion};
 use runtime::signals::Stop;
 use rustix::process::{Pid, Signal, kill_process};
 use tempfile::TempDir;
@@ -447,8 +447,9 @@ impl Deployment {
         let mut left: Vec<String> = self.memory(prefix)?.into_iter().collect();
         for entry in fs::read_dir(self.root.base())?.flatten() {
             let name = entry.file_name().to_string_lossy().into_owned();
-            // A rejected checkpoint remains for analysis.
-            if !name.ends_with("-refused") {
+            // A rejected checkpoint remains for analysis, and an orderly end keeps what the next start goes on from.
+            let is_kept = name.ends_with(END_SUFFIX) || name.split_once('.').is_some_and(|(_, rest)| rest == NUMBERED);
+            if !is_kept && !name.ends_with("-refused") {
                 left.push(name);
             }
         }
