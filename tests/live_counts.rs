@@ -171,6 +171,7 @@ fn another_systems_tracks_become_counts() {
                     track_number: number as u32 + 1,
                     position_m: [place[0], place[1], 3000.0],
                     velocity_mps: [SPEED_MPS, 0.0, 0.0],
+                    velocity_valid: 1,
                     state: TrackState::Confirmed as u8,
                     ..SystemTrack::default()
                 };

@@ -13,6 +13,7 @@
 
 mod filtering;
 mod joining;
+mod recognising;
 mod verifying;
 
 use messages::{Counter, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};

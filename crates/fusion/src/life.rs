@@ -494,8 +494,9 @@ fn suspend<S: Sink>(settings: &Settings, tracks: &mut Tracks, slot: SystemSlot, 
         end(settings, tracks, oldest, now_ns, 0, out);
     }
     tracks.suspend(slot);
-    // A track that was never shown may still turn out to be a target.
-    if tracks.systems.get(slot).was_shown {
+    // A track with an address that was never shown may still turn out to be a target.
+    let entry = tracks.systems.get(slot);
+    if entry.was_shown || entry.identity.unique_number().is_none() {
         count_false(tracks, slot);
     }
     out.decision(&tracks.decision_on(slot, DecisionKind::Suspended, now_ns, f64::NAN));
