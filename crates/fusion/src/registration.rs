@@ -286,7 +286,7 @@ impl Registration {
             |(known, _): &(&SourceErrors, &Displacement)| known.samples >= SAMPLES_MIN && !known.model.is_polar();
         for (known, displacement) in self.sources.iter().zip(&self.displacements).filter(is_of_offset) {
             let weight = displacement.closeness(&known.errors);
-            sum += weight * weight * displacement.offset_excess_m2(&known.errors);
+            sum += weight * weight * displacement.offset_excess_m2(&known.errors, &known.variances);
             total += weight;
             count += 1.0;
         }

@@ -61,11 +61,13 @@ impl Displacement {
 
     /// Returns the mean square per axis of the displacement by the offset, minus the part explained by chance, m². What
     /// a time offset may explain does not count.
-    pub(super) fn offset_excess_m2(&self, errors: &Errors) -> f64 {
-        let offset = Vector3::new(errors[0], errors[1], 0.0);
-        let displaced = self.form * offset;
+    pub(super) fn offset_excess_m2(&self, errors: &Errors, variances: &Errors) -> f64 {
         let time = self.form[(2, 2)] + self.variance_m2 / (PRIOR_SIGMA[TIME] * PRIOR_SIGMA[TIME]);
-        0.5 * (offset.dot(&displaced) - displaced[2] * displaced[2] / time) - self.variance_m2
+        let by_time = self.form.fixed_view::<2, 1>(0, 2);
+        let form = self.form.fixed_view::<2, 2>(0, 0) - by_time * by_time.transpose() / time;
+        let offset = errors.fixed_rows::<2>(0);
+        let by_chance = form[(0, 0)] * variances[0] + form[(1, 1)] * variances[1];
+        0.5 * (offset.dot(&(form * offset)) - by_chance)
     }
 
     /// Returns the sum over both axes, m².
