@@ -365,7 +365,9 @@ impl Engine {
             self.outbox.counts.add(report.source, Counter::RejectedOutOfOrder);
             return None;
         }
-        if age_ns > self.tracks.silence_ns(sensor) || self.is_reused(sensor, report) {
+        let is_over =
+            age_ns > self.tracks.lifetimes.silence_ns(report.source) && age_ns > self.tracks.silence_ns(sensor);
+        if is_over || self.is_reused(sensor, report, age_ns) {
             // The source has reused the number for another target.
             self.tracks.drop_sensor_track(sensor);
             return Some(None);
@@ -381,9 +383,8 @@ impl Engine {
 
     /// Whether a sensor that has begun anew since the sensor track's latest report gave its number to another target.
     #[inline]
-    fn is_reused(&self, sensor: SensorSlot, report: &SensorTrack) -> bool {
+    fn is_reused(&self, sensor: SensorSlot, report: &SensorTrack, age_ns: i64) -> bool {
         let period_ns = self.settings.sources[usize::from(report.source)].period_ns;
-        let age_ns = report.time_of_measurement_ns - self.tracks.sensors.get(sensor).time_ns;
         let search = Search {
             settings: &self.settings,
             tracks: &self.tracks,
@@ -523,10 +524,12 @@ impl Engine {
 
     /// Records a fresh report of the system track.
     fn keep_alive(&mut self, sensor: SensorSlot, system: SystemSlot, report: &SensorTrack) {
+        let mut fresh_until_ns = self.tracks.fresh_until(system);
         let entry = self.tracks.systems.get_mut(system);
         if entry.life == TrackState::Confirmed {
             self.sources.models[usize::from(report.source)].learn_detection(true);
         }
+        let fresh_ns = entry.rhythm.fresh_ns();
         let interval_ns = report.time_of_measurement_ns - entry.last_report_ns;
         if entry.reports > 0 && interval_ns > 0 {
             let is_named = entry.identity.unique_number().is_some();
@@ -539,8 +542,11 @@ impl Engine {
         entry.extrapolations = 0;
         entry.absence = 0.0;
         let [x, y] = [entry.filter.estimate.mean[0], entry.filter.estimate.mean[1]];
-        self.tracks.systems.get_mut(system).fresh_until_ns = self.tracks.fresh_until(system);
+        if entry.rhythm.fresh_ns() != fresh_ns {
+            fresh_until_ns = self.tracks.fresh_until(system);
+        }
         let systems = &mut self.tracks.systems;
+        systems.get_mut(system).fresh_until_ns = fresh_until_ns;
         systems.grid.place(system, x, y);
         if systems.identify(system, &self.tracks.sensors.get(sensor).latest.identity) {
             self.outbox.counts.add(report.source, Counter::IdentityConflicts);

@@ -8,8 +8,8 @@
 //! The exception is an address with wrong bits. Each transponder is misread now and then, the same bit comes again
 //! after some hundred reports, and both lie on the path of one aircraft. A report inside the gate of a confirmed track
 //! with another address therefore recognises nothing. Where the two addresses differ in few bits, the report is no
-//! evidence of a further target at all, unless the source has reported the confirmed target besides, in the same scan: a
-//! misread report takes the place of the right one. [`TOGETHER`] such scans distinguish the two.
+//! evidence of a further target at all, unless the source has reported the confirmed target besides, in the same scan:
+//! a misread report takes the place of the right one. [`TOGETHER`] such scans distinguish the two.
 //!
 //! Limit: two targets with addresses alike, one of them always in the gate of the other, that no source reports in one
 //! scan, are shown as one.

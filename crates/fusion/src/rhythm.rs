@@ -5,8 +5,8 @@
 //! period it would be given up after each report. Each system track therefore learns the mean interval between its own
 //! reports. From the third report on, it holds in place of the period where it is longer than [`SLOW`] times that.
 //!
-//! A target without an address or MMSI is slow only while most of its last intervals are long. With one, a single gap is
-//! taken for what is to be expected: the target comes back under its number in any case.
+//! A target without an address or MMSI is slow only while most of its last intervals are long. With one, a single gap
+//! is taken for what is to be expected: the target comes back under its number in any case.
 //!
 //! The mean follows the last few intervals, so that a ship that weighs anchor is soon measured by the period again.
 //! Reports of all sources count alike: a target that any source reports often is not slow.
@@ -18,7 +18,7 @@ use crate::settings::FRESH_PERIODS;
 
 /// How many times longer than the period the intervals of a slow target are, at least: gaps of one missed report or
 /// two are not a rhythm.
-const SLOW: i64 = 2;
+const SLOW: f64 = 2.0;
 /// Intervals that the mean is taken over.
 const MEMORY: u8 = 4;
 /// Intervals of which most must be long, without a name.
@@ -47,16 +47,17 @@ impl Rhythm {
     /// Without a name, one gap is no rhythm: most of the last intervals must be long.
     #[inline]
     pub(crate) fn learn(&mut self, interval_ns: i64, usual_ns: i64, is_named: bool) {
-        let slow_ns = usual_ns.saturating_mul(SLOW);
-        let is_long = interval_ns > (slow_ns as f64 / FRESH_PERIODS) as i64;
+        let slow_s = (usual_ns as f64 * (SLOW / FRESH_PERIODS / NS_PER_S)) as f32;
+        let interval_s = (interval_ns as f64 / NS_PER_S) as f32;
+        let is_long = interval_s > slow_s;
         self.long = (self.long << 1 | u8::from(is_long)) & ((1 << LAST) - 1);
         self.intervals = (self.intervals + 1).min(MEMORY);
-        let interval_s = (interval_ns as f64 / NS_PER_S) as f32;
         self.interval_s += (interval_s - self.interval_s) / f32::from(self.intervals);
-        let fresh_ns = (FRESH_PERIODS * f64::from(self.interval_s) * NS_PER_S) as i64;
-        let is_steady = is_named || 2 * self.long.count_ones() > LAST;
-        let is_slow = self.intervals >= ENOUGH && fresh_ns > slow_ns && is_steady;
-        self.fresh_ns = if is_slow { fresh_ns } else { 0 };
+        self.fresh_ns = 0;
+        if self.interval_s > slow_s && self.intervals >= ENOUGH {
+            let is_steady = is_named || 2 * self.long.count_ones() > LAST;
+            self.fresh_ns = i64::from(is_steady) * (FRESH_PERIODS * f64::from(self.interval_s) * NS_PER_S) as i64;
+        }
     }
 
     /// Age up to which reports of the target count, nanoseconds; 0 if that of its sources' reports holds.

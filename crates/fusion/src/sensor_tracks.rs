@@ -276,6 +276,10 @@ impl SensorEntry {
             std::array::from_fn(|axis| report.position_m[axis] - before_m[axis] - before_mps[axis] * seconds);
         let square_m2 = moved_m[0] * moved_m[0] + moved_m[1] * moved_m[1];
         let trace = |of: &Covariance, first: usize| of.get(first, first) + of.get(first + 1, first + 1);
+        // The variance of the report alone decides for most.
+        if square_m2 <= DISPLACED * 0.5 * trace(&report.covariance, 0) {
+            return false;
+        }
         let before = &self.latest.covariance;
         let trace_m2 = trace(&report.covariance, 0) + trace(before, 0) + trace(before, AXES) * seconds * seconds;
         let is_far = square_m2 > DISPLACED * 0.5 * trace_m2 && self.reports > 0;

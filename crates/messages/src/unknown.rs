@@ -84,7 +84,19 @@ impl SensorTrack {
     /// Whether the report leaves something unknown that does not already have what stands in its place.
     #[inline]
     pub fn is_incomplete(&self) -> bool {
-        (0..STATE_LEN).fold(false, |any, component| any | self.lacks(component))
+        // Most reports state everything, or all but the vertical.
+        let needed = match self.has(bits::HEIGHT) {
+            true => bits::VELOCITY | bits::VERTICAL_RATE,
+            false => bits::VELOCITY,
+        };
+        let is_stated = |component: usize| self.covariance.get(component, component) != 0.0;
+        let states_all = (0..STATE_LEN).fold(true, |all, component| all & is_stated(component));
+        !(states_all && self.valid & needed == needed) && self.lacks_any()
+    }
+
+    #[inline(never)]
+    fn lacks_any(&self) -> bool {
+        (0..STATE_LEN).any(|component| self.lacks(component))
     }
 
     /// Returns the report with what stands in place of its unknown components, which are no longer correlated with

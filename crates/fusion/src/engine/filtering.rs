@@ -18,6 +18,8 @@ const ASTRAY_SIGMAS: f64 = 30.0;
 
 /// Share of a source in a filter from which the filter starts anew where its covariances were wrong.
 const OWN_SHARE: f64 = 0.3;
+/// Share of an only source in the estimate from which it is compared.
+const LONE_SHARE: f64 = 0.5;
 /// Squared distance of the estimate from what its only source states, in the source's own standard deviations, beyond
 /// which the statement is better: of a filter that works, one state in a thousand is three of them away.
 const CONTRADICTION: f64 = 16.0;
@@ -142,7 +144,8 @@ impl Engine {
         let entry = self.tracks.sensors.get(sensor);
         let (system, latest) = (entry.system, &entry.latest);
         let target = self.tracks.systems.get_mut(system);
-        if target.filter.time_ns != entry.time_ns || !states_velocity(latest) {
+        // Of several sources, hardly one has so much: most reports cost nothing more.
+        if entry.share < LONE_SHARE || target.filter.time_ns != entry.time_ns || !states_velocity(latest) {
             return false;
         }
         let estimate = &target.filter.estimate.mean;
