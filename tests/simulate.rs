@@ -79,8 +79,8 @@ fn simulated_counts_are_the_same_for_the_same_seed() {
     assert!(counts.iter().all(|count| (2.0..=4.0).contains(count)), "{counts:?}");
 }
 
-/// The shipped file for the sea: the speeds of ships on a straight course are theirs within a knot, a minute after their
-/// tracks began.
+/// The shipped file for the sea: the speeds of ships on a straight course are theirs within a knot, a minute after
+/// their tracks began.
 #[test]
 fn ships_of_the_shipped_file_have_their_speeds() {
     const KNOT_MPS: f64 = 1852.0 / 3600.0;

@@ -352,8 +352,8 @@ impl Search<'_> {
         !forbidden && self.can_be_seen_together(report, system)
     }
 
-    /// Whether a report under the number of a sensor track, which has missed a scan, is of another target: it fits neither
-    /// the course of the sensor track nor the system track, but a third track.
+    /// Whether a report under the number of a sensor track, which has missed a scan, is of another target: it fits
+    /// neither the course of the sensor track nor the system track, but a third track.
     pub(crate) fn is_of_another(&self, own: SensorSlot, report: &SensorTrack) -> bool {
         let entry = self.tracks.sensors.get(own);
         let last = &entry.latest;

@@ -69,8 +69,8 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(60))]
 
     /// Two targets, `apart_m` from each other, report their numbers through the first source. The second source has no
-    /// numbers, and sees the younger one alone. While that one is silent, the second source begins anew: its track number
-    /// is now that of the other target.
+    /// numbers, and sees the younger one alone. While that one is silent, the second source begins anew: its track
+    /// number is now that of the other target.
     #[test]
     fn a_number_that_a_sensor_gives_to_another_target_merges_none(
         apart_m in 100.0..900.0f64, course in 0.0..6.3f64, silent in 8..18i32, exchanged in 0..6i32, gap in 0..4i32,
@@ -134,8 +134,8 @@ proptest! {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(60))]
 
-    /// A sensor without numbers of its targets begins anew, after some scans, and gives its track numbers to other ones:
-    /// no report of one target moves the track of another, and none is shown twice.
+    /// A sensor without numbers of its targets begins anew, after some scans, and gives its track numbers to other
+    /// ones: no report of one target moves the track of another, and none is shown twice.
     #[test]
     fn numbers_from_before_a_restart_are_worth_nothing_where_the_position_is_another(
         apart_m in 400.0..5_000.0f64, turned_by in 1..5_u32, silent in 2..4i32, has_addresses in any::<bool>(),

@@ -86,8 +86,8 @@ fn no_rule_states_a_velocity_worse_than_that_of_an_only_source() {
 fn no_rule_states_a_velocity_much_worse_than_those_of_three_sources() {
     for rule in REGISTRY {
         let [own_mps, fused_mps] = errors_mps(rule.code, 3);
-        // A rule that chooses a source is no better than the sources, and `best-source` may choose one that is worse just
-        // then.
+        // A rule that chooses a source is no better than the sources, and `best-source` may choose one that is worse
+        // just then.
         let most = if rule.is_from_filter() { 0.7 } else { 1.25 };
         assert!(fused_mps < most * own_mps, "{:?}: {fused_mps}, {own_mps}", rule.code);
     }
