@@ -47,10 +47,15 @@ impl Rhythm {
     /// Without a name, one gap is no rhythm: most of the last intervals must be long.
     #[inline]
     pub(crate) fn learn(&mut self, interval_ns: i64, usual_ns: i64, is_named: bool) {
-        let slow_s = (usual_ns as f64 * (SLOW / FRESH_PERIODS / NS_PER_S)) as f32;
-        let interval_s = (interval_ns as f64 / NS_PER_S) as f32;
-        let is_long = interval_s > slow_s;
+        let slow_ns = usual_ns as f64 * (SLOW / FRESH_PERIODS);
+        let is_long = interval_ns as f64 > slow_ns;
         self.long = (self.long << 1 | u8::from(is_long)) & ((1 << LAST) - 1);
+        if !is_long && self.intervals == MEMORY && self.fresh_ns == 0 {
+            // Of a usual rhythm, the mean need not be exact: most reports cost nothing more.
+            return;
+        }
+        let interval_s = (interval_ns as f64 / NS_PER_S) as f32;
+        let slow_s = (slow_ns / NS_PER_S) as f32;
         self.intervals = (self.intervals + 1).min(MEMORY);
         self.interval_s += (interval_s - self.interval_s) / f32::from(self.intervals);
         self.fresh_ns = 0;

@@ -101,7 +101,9 @@ impl Engine {
             target.course = velocity.map(|part| part / speed);
         }
         let is_confirmed = target.life == TrackState::Confirmed;
-        let is_contradicted = self.contradicts_only_source(sensor, &referred);
+        // Of several sources, hardly one has so much: most reports cost nothing more.
+        let has_most = self.tracks.sensors.get(sensor).share >= LONE_SHARE;
+        let is_contradicted = has_most && self.contradicts_only_source(sensor, &referred);
         // Smoothing begins anew with the report; what the measurement showed is no part of it.
         if referred.is_usable && !is_contradicted {
             self.outbox.to(sink).input(|| FilterInput {
@@ -144,8 +146,7 @@ impl Engine {
         let entry = self.tracks.sensors.get(sensor);
         let (system, latest) = (entry.system, &entry.latest);
         let target = self.tracks.systems.get_mut(system);
-        // Of several sources, hardly one has so much: most reports cost nothing more.
-        if entry.share < LONE_SHARE || target.filter.time_ns != entry.time_ns || !states_velocity(latest) {
+        if target.filter.time_ns != entry.time_ns || !states_velocity(latest) {
             return false;
         }
         let estimate = &target.filter.estimate.mean;
