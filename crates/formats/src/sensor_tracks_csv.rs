@@ -5,7 +5,7 @@
 //! two flag columns, both were observed. A source with only the trace of its covariance leaves the covariance columns
 //! empty, or omits them (TI-1).
 //!
-//! What is left empty is unknown, as is what has a variance of 0: the height, and each component of the velocity. A
+//! An empty cell, or a variance of 0, leaves the height or a component of the velocity unknown. A
 //! position needs variances, from the row or from the configured accuracy of its sensor. Further optional columns
 //! are the subject of the track (`kind`: `single`, or `group` with its `members`), the target's `type` with its
 //! `type_confidence`, and a ship's `mmsi` and `name`. `arrival_s` is the time at which the report arrived

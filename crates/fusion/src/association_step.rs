@@ -352,8 +352,8 @@ impl Search<'_> {
         !forbidden && self.can_be_seen_together(report, system)
     }
 
-    /// Whether a report under the number of a sensor track, which has missed a scan, is of another target: it fits
-    /// neither the course of the sensor track nor the system track, but a third track.
+    /// Returns whether a report under the number of a sensor track, which has missed a scan, is of another target: the
+    /// report fits neither the course of the sensor track nor the system track, but a third track.
     pub(crate) fn is_of_another(&self, own: SensorSlot, report: &SensorTrack) -> bool {
         let entry = self.tracks.sensors.get(own);
         let last = &entry.latest;
@@ -381,7 +381,7 @@ impl Search<'_> {
         has_jumped && self.fits_another(entry.system, &corrected, gate)
     }
 
-    /// Whether a report fits another system track, and `own` not even with this gate.
+    /// Returns whether a report fits another system track, and `own` not even with this gate.
     #[cold]
     fn fits_another(&self, own: SystemSlot, report: &SensorTrack, gate: f64) -> bool {
         let state = gaussian_of(report);
@@ -397,8 +397,8 @@ impl Search<'_> {
         fits
     }
 
-    /// Whether the addresses of two system tracks, or of their sensor tracks, show two targets: then no agreement of
-    /// their states shows one.
+    /// Returns whether the addresses of two system tracks, or of their sensor tracks, show two targets: then no
+    /// agreement of their states shows one.
     pub(crate) fn are_two_targets(&self, one: SystemSlot, other: SystemSlot) -> bool {
         let members = self.tracks.member_entries(one);
         let mut identities = members.map(|(_, member)| &member.latest.identity);
@@ -406,7 +406,7 @@ impl Search<'_> {
             || identities.any(|identity| self.excludes(other, identity))
     }
 
-    /// Whether the address of a system track, or of one of its sensor tracks, shows another target than `identity`.
+    /// Returns whether the address of a system track, or of one of its sensor tracks, contradicts `identity`.
     pub(crate) fn excludes(&self, system: SystemSlot, identity: &Identity) -> bool {
         let is_other = |theirs: &Identity| identity.has_other_number(theirs);
         let mut members = self.tracks.member_entries(system);

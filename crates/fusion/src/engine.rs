@@ -381,7 +381,7 @@ impl Engine {
         Some(Some((sensor, age_ns as f64 / NS_PER_S)))
     }
 
-    /// Whether a sensor that has begun anew since the sensor track's latest report gave its number to another target.
+    /// Returns whether a sensor that has begun anew gave the number of a sensor track to another target.
     #[inline]
     fn is_reused(&self, sensor: SensorSlot, report: &SensorTrack, age_ns: i64) -> bool {
         let period_ns = self.settings.sources[usize::from(report.source)].period_ns;

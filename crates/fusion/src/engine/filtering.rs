@@ -101,7 +101,7 @@ impl Engine {
             target.course = velocity.map(|part| part / speed);
         }
         let is_confirmed = target.life == TrackState::Confirmed;
-        // Of several sources, hardly one has so much: most reports cost nothing more.
+        // Hardly one of several sources has such a share: most reports cost nothing more.
         let has_most = self.tracks.sensors.get(sensor).share >= LONE_SHARE;
         let is_contradicted = has_most && self.contradicts_only_source(sensor, &referred);
         // Smoothing begins anew with the report; what the measurement showed is no part of it.

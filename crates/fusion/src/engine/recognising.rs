@@ -21,7 +21,7 @@ impl Engine {
     #[cold]
     pub(crate) fn recognise(&mut self, sensor: SensorSlot, system: SystemSlot) {
         let entry = self.tracks.systems.get(system);
-        if !self.settings.association.use_identity || self.settings.association.exponents.address == 0.0 {
+        if !self.settings.association.uses_addresses() {
             return;
         }
         let report = &self.tracks.sensors.get(sensor).latest;
