@@ -22,6 +22,8 @@ const CONNECTION: &str = ".connection";
 /// File of iceoryx2, and the nodes or ports that it belongs to.
 struct Owned {
     path: PathBuf,
+    /// As listed: its process may remove a folder at any time.
+    is_folder: bool,
     owners: Vec<u128>,
 }
 
@@ -33,7 +35,7 @@ impl Root {
             let number = name.strip_prefix(prefix).unwrap_or(name).split('.').next()?;
             Some(vec![number.parse().ok()?])
         })?;
-        files.sort_by_key(|file| !file.path.is_dir());
+        files.sort_by_key(|file| !file.is_folder);
         files.extend(owned_files(Path::new(SHARED_MEMORY_DIR), |name| {
             let ports = name.strip_prefix(prefix)?.strip_suffix(CONNECTION)?;
             ports.split('_').map(|port| port.parse().ok()).collect()
@@ -50,7 +52,7 @@ impl Root {
         };
         for file in files.iter().filter(|file| !file.owners.iter().any(is_alive)) {
             // A file that cannot be removed now, or is gone, is found or not found the next time.
-            let _ = match file.path.is_dir() {
+            let _ = match file.is_folder {
                 true => fs::remove_dir_all(&file.path),
                 false => fs::remove_file(&file.path),
             };
@@ -66,6 +68,7 @@ fn owned_files(folder: &Path, owners: impl Fn(&str) -> Option<Vec<u128>>) -> Res
         Some(Owned {
             owners: owners(entry.file_name().to_str()?)?,
             path: entry.path(),
+            is_folder: entry.file_type().ok()?.is_dir(),
         })
     };
     Ok(entries.flatten().filter_map(owned).collect())
