@@ -14,7 +14,7 @@ use runtime::clock::mono_ns;
 use rustix::process::Signal;
 use test_support::Random;
 
-use crate::common::{Home, PLACE, Running, free_address, kill, repository, until, utc_ns};
+use crate::common::{Home, PLACE, Running, free_address, kill, repository, since_first_day_ns, until, utc_ns};
 
 /// Time between two scans of the fastest sensor.
 const STEP: Duration = Duration::from_millis(100);
@@ -200,8 +200,8 @@ impl Site {
         self.steps += 1;
         let since_s = |step: u64| 0.1 * step as f64;
         let time_of_day = |begun_ns: i64, since_s: f64| {
-            let ns = begun_ns.rem_euclid(86_400_000_000_000) + (since_s * 1e9) as i64;
-            format!("{}.{:09}", ns / 1_000_000_000 % 86_400, ns % 1_000_000_000)
+            let ns = since_first_day_ns(begun_ns, begun_ns + (since_s * 1e9) as i64);
+            format!("{}.{:09}", ns / 1_000_000_000, ns % 1_000_000_000)
         };
         let begun_ns = self.begun_ns;
         let late = |scan: u64| match (scan % 11, scan % 7) {
@@ -354,7 +354,7 @@ fn pictures_and_cues_of_several_sensors_go_out_and_are_recorded() {
         let row = tracks.lines().last().unwrap_or_default();
         row.split(',').next().and_then(|time| time.parse().ok()).unwrap_or(0.0)
     };
-    let silent_s = last_ns.rem_euclid(86_400_000_000_000) as f64 / 1e9;
+    let silent_s = since_first_day_ns(site.begun_ns, last_ns) as f64 / 1e9;
     until("pictures go on", || newest_s(&site) > silent_s + 3.0);
     let (ended, said) = running.stop();
     assert_eq!(ended.code(), Some(0), "{said}");

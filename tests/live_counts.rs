@@ -16,7 +16,7 @@ use runtime::clock::mono_ns;
 use rustix::process::Signal;
 
 use crate::common::counted_pair::{HEADER, NS, ROWS, SPEED_MPS, Site, deployment};
-use crate::common::{Home, free_address, kill, system, until, utc_ns};
+use crate::common::{Home, free_address, kill, since_first_day_ns, system, until, utc_ns};
 
 /// Takes what has been published until there are so many reports.
 fn until_published(counts: &mut Subscriber<SharedMemory, WideArea>, seen: &mut Vec<WideArea>, wanted: usize) {
@@ -93,6 +93,7 @@ fn counts_change_the_tracks_and_the_recording_gives_them_again() {
 
 #[test]
 fn a_silent_sensor_changes_nothing_and_one_that_is_killed_comes_back() {
+    let begun_ns = utc_ns();
     let mut site = Site::live(ROWS);
     let running = site.start();
     for _ in 0..12 {
@@ -134,7 +135,7 @@ fn a_silent_sensor_changes_nothing_and_one_that_is_killed_comes_back() {
     assert_eq!(site.counted("wide_area_reports"), 1);
     assert!(site.tracked("out", true) == published);
     // As long as the sensor was silent, the tracks are those of a tracker that hears none.
-    let day_s = silent_until.rem_euclid(NS_PER_DAY) as f64 / NS;
+    let day_s = since_first_day_ns(begun_ns, silent_until) as f64 / NS;
     let early = |rows: Vec<String>| -> Vec<String> {
         let time_s = |row: &String| row.split(',').next().unwrap().parse::<f64>().unwrap();
         rows.into_iter().filter(|row| time_s(row) < day_s).collect()

@@ -11,9 +11,8 @@ use messages::{SensorBearing, SensorTrack};
 use runtime::clock::mono_ns;
 use rustix::process::Signal;
 
-use crate::common::{Home, PLACE, free_address, kill, until, utc_ns};
+use crate::common::{Home, PLACE, free_address, kill, since_first_day_ns, until, utc_ns};
 
-const NS_PER_DAY: i64 = 86_400_000_000_000;
 const EMITTER_M: [f64; 2] = [4e3, 3e3];
 /// Circle of the aircraft: radius, and turn rate, radians per second.
 const RADIUS_M: f64 = 13e3;
@@ -41,13 +40,13 @@ const BEARINGS: &str = "time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz\n";
 const STATES: &str = "time_s,px,py,pz,vx,vy,vz,heading_rad,pitch_rad,roll_rad,position_sigma_m,heading_sigma_rad,\
                       pitch_sigma_rad,roll_sigma_rad\n";
 
-/// Seconds since midnight (UTC).
-fn of_day(time_ns: i64) -> String {
-    let ns = time_ns.rem_euclid(NS_PER_DAY);
-    format!("{}.{:09}", ns / 1_000_000_000, ns % 1_000_000_000)
-}
-
 impl Flight {
+    /// Seconds since midnight (UTC) of the first day.
+    fn time_s(&self, time_ns: i64) -> String {
+        let ns = since_first_day_ns(self.begun_ns, time_ns);
+        format!("{}.{:09}", ns / 1_000_000_000, ns % 1_000_000_000)
+    }
+
     /// Place and heading at a time.
     fn at(&self, time_ns: i64) -> ([f64; 2], f64) {
         let heading_rad = TURN_RADPS * (time_ns - self.begun_ns) as f64 * 1e-9;
@@ -68,7 +67,7 @@ impl Flight {
         let (ahead, right) = (away[0] * sine + away[1] * cosine, away[0] * cosine - away[1] * sine);
         let bearing_rad = (right * ROLL_RAD.cos()).atan2(ahead);
         // The stated place is none: the platform has it.
-        let row = format!("{},4,{bearing_rad},{SIGMA_RAD},9e5,-9e5,0\n", of_day(now_ns));
+        let row = format!("{},4,{bearing_rad},{SIGMA_RAD},9e5,-9e5,0\n", self.time_s(now_ns));
         let state_ns = now_ns + 10_000_000;
         let ([east, north], heading_rad) = self.at(state_ns);
         let speed_mps = RADIUS_M * TURN_RADPS;
@@ -76,7 +75,7 @@ impl Flight {
         let state = format!(
             "{},{east},{north},0,{},{},0,{heading_rad},0,{ROLL_RAD},{POSITION_SIGMA_M},{ANGLE_SIGMA_RAD},\
              {ANGLE_SIGMA_RAD},{ANGLE_SIGMA_RAD}\n",
-            of_day(state_ns),
+            self.time_s(state_ns),
             speed_mps * sine,
             speed_mps * cosine
         );

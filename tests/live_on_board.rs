@@ -10,10 +10,9 @@ use std::time::Duration;
 use serde_json::Value;
 
 use crate::alarms::assert_no_alarm;
-use crate::common::{Home, PLACE, free_address, repository, until, utc_ns};
+use crate::common::{Home, PLACE, free_address, repository, since_first_day_ns, until, utc_ns};
 use crate::joint_tracker::{assert_equal, common_columns, free, tracked_again};
 
-const NS_PER_DAY: i64 = 86_400_000_000_000;
 /// Mounting and the tracker's settings, as those that the simulation writes for `koseki track`.
 const SENSOR: &str = "on_board = { platform = \"ship\", lever_arm_m = [20.0, 2.0, 15.0] }\n";
 const SETTINGS: &str = "[tracker.settings.motion]\nprocess_noise_m2ps3 = [0.02, 0.001]\nslow_mps = 0.001\n\
@@ -39,14 +38,14 @@ fn table(home: &Home, name: &str) -> (String, Vec<(i64, String)>) {
     (header, lines.map(row).collect())
 }
 
-/// The table, with times that many nanoseconds later, on the clock of a day.
-fn write(home: &Home, name: &str, header: &str, rows: &[(i64, String)], later_ns: i64) {
-    let lines: Vec<String> = rows.iter().map(|row| line(row, later_ns)).collect();
+/// The table, with times that begin at `begun_ns`.
+fn write(home: &Home, name: &str, header: &str, rows: &[(i64, String)], begun_ns: i64) {
+    let lines: Vec<String> = rows.iter().map(|row| line(row, begun_ns)).collect();
     fs::write(home.path(name), format!("{header}\n{}\n", lines.join("\n"))).unwrap();
 }
 
-fn line((time_ns, rest): &(i64, String), later_ns: i64) -> String {
-    let ns = (time_ns + later_ns).rem_euclid(NS_PER_DAY);
+fn line((time_ns, rest): &(i64, String), begun_ns: i64) -> String {
+    let ns = since_first_day_ns(begun_ns, begun_ns + time_ns);
     format!("{}.{:09},{rest}", ns / 1_000_000_000, ns % 1_000_000_000)
 }
 

@@ -12,6 +12,7 @@ use std::process::Command;
 use std::sync::Mutex;
 use std::time::{SystemTime, UNIX_EPOCH};
 
+use frames::time::NS_PER_DAY;
 use frames::{Geodetic, SystemFrame};
 
 pub(crate) use documented::texts;
@@ -35,6 +36,11 @@ pub(crate) fn repository(path: &str) -> PathBuf {
 /// The time now, nanoseconds since 1970 (UTC).
 pub(crate) fn utc_ns() -> i64 {
     SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_nanos() as i64
+}
+
+/// Nanoseconds since midnight (UTC) of the day of `begun_ns`, as tables count times: they go on across midnight.
+pub(crate) fn since_first_day_ns(begun_ns: i64, time_ns: i64) -> i64 {
+    time_ns - begun_ns.div_euclid(NS_PER_DAY) * NS_PER_DAY
 }
 
 /// The origin of the tests' deployments, and the system frame there.
