@@ -44,6 +44,7 @@ mod explanation;
 mod filter;
 #[cfg(test)]
 mod filter_tests;
+mod foresight;
 mod former_members;
 mod gaps;
 mod gross;

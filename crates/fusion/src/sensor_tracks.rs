@@ -146,8 +146,10 @@ pub(crate) struct SensorEntry {
     pub(crate) evidence: GainEvidence,
     /// Whether its source has displaced it, and nothing supports the new place yet.
     pub(crate) is_displaced: bool,
+    /// Way of `latest` from where the report before led to, east and north, metres.
+    pub(crate) moved_m: [f64; 2],
     /// Where the covariance of `latest` comes from.
-    basis: CovarianceBasis,
+    pub(crate) basis: CovarianceBasis,
     /// By how much the covariances that the system filter took before `latest` turned out too small, as a factor.
     pub(crate) claimed_too_much: f64,
 }
@@ -200,6 +202,7 @@ impl Default for SensorEntry {
             verification: Verification::default(),
             evidence: GainEvidence::default(),
             is_displaced: false,
+            moved_m: [0.0; 2],
             basis: CovarianceBasis::Stated,
             claimed_too_much: 1.0,
         }
@@ -236,7 +239,11 @@ impl SensorEntry {
             stretch,
         } = *correction;
         self.claimed_too_much = content.unfiltered.map_or(1.0, |_| self.claimed_before(content));
-        self.is_displaced |= self.displaces(report);
+        let seconds = (report.time_of_measurement_ns - self.time_ns) as f64 / NS_PER_S;
+        let (before_m, before_mps) = (self.reported_position_m(), self.latest.velocity_mps);
+        self.moved_m =
+            std::array::from_fn(|axis| report.position_m[axis] - before_m[axis] - before_mps[axis] * seconds);
+        self.is_displaced |= self.displaces(report, seconds);
         // Written in one go: to read back what has just been written so far away would take as long as the way there.
         self.latest = SensorTrack {
             identity,
@@ -269,11 +276,8 @@ impl SensorEntry {
     /// Returns whether `report`, the next one, displaces the track: its position is far from where the latest report
     /// led to, by both covariances, and its velocity does not follow. A measurement moves both.
     #[inline]
-    fn displaces(&self, report: &SensorTrack) -> bool {
-        let seconds = (report.time_of_measurement_ns - self.time_ns) as f64 / NS_PER_S;
-        let (before_m, before_mps) = (self.reported_position_m(), &self.latest.velocity_mps);
-        let moved_m: [f64; 2] =
-            std::array::from_fn(|axis| report.position_m[axis] - before_m[axis] - before_mps[axis] * seconds);
+    fn displaces(&self, report: &SensorTrack, seconds: f64) -> bool {
+        let (moved_m, before_mps) = (self.moved_m, &self.latest.velocity_mps);
         let square_m2 = moved_m[0] * moved_m[0] + moved_m[1] * moved_m[1];
         let trace = |of: &Covariance, first: usize| of.get(first, first) + of.get(first + 1, first + 1);
         // The variance of the report alone decides for most.

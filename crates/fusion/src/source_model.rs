@@ -30,6 +30,8 @@ pub(crate) const MEAN_GAIN: f64 = 0.25;
 pub(crate) const MEAN_VARIANCE: f64 = MEAN_GAIN / (2.0 - MEAN_GAIN);
 /// Reports whose covariances must have implied a process noise before it is believed.
 const NOISE_SAMPLES_MIN: u32 = 8;
+/// Reports after which a filter whose noise is unknown is taken for one that cannot be undone.
+const REPEATED_FIRST: u32 = 32;
 /// Pairs of reports that are all looked at, and after that, every how many one is.
 const NOISE_SAMPLES_FIRST: u32 = 256;
 const NOISE_SAMPLE_EVERY: u32 = 64;
@@ -136,6 +138,11 @@ impl SourceModel {
     /// The process noise of the source's own filter, if it is known.
     pub(crate) fn process_noise(&self) -> Option<NearlyConstantVelocity> {
         self.process_noise
+    }
+
+    /// Whether the filter behind reports whose covariances show one cannot be undone.
+    pub(crate) fn cannot_be_undone(&self) -> bool {
+        self.process_noise.is_none() && self.looked_at >= REPEATED_FIRST
     }
 
     /// Whether the next pair of reports shall be learned from: the first ones, and a few now and then.

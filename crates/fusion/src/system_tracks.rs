@@ -13,6 +13,7 @@ use crate::border::Ownership;
 use crate::description::Description;
 use crate::existence::probability;
 use crate::filter::{KeptFilter, TargetFilter};
+use crate::foresight::Foresight;
 use crate::number_hasher::{NumberHasher, table};
 use crate::numbering;
 use crate::places::{self, TablePlace};
@@ -63,8 +64,8 @@ pub(crate) struct SystemEntry {
     pub(crate) nis: f32,
     /// Reports in a row that lie far off the filter's estimate, by all that is known of both.
     pub(crate) astray: u32,
-    /// Reports in a row of its only source whose position the estimate contradicts.
-    pub(crate) contradicted: u8,
+    /// Whether its only source foresees better than the filter.
+    pub(crate) foresight: Foresight,
     /// When a sensor track that joined began, earliest.
     pub(crate) first_seen_ns: i64,
     /// Source whose point of the target the filter follows; [`NO_SOURCE`] if it follows none.
@@ -230,7 +231,7 @@ impl SystemEntry {
             absence: kept.absence,
             nis: 0.0,
             astray: 0,
-            contradicted: 0,
+            foresight: Foresight::default(),
             first_seen_ns: kept.first_seen_ns,
             point_source: NO_SOURCE,
             is_known: kept.identity.unique_number().is_some() || !kept.was_shown,
@@ -264,7 +265,7 @@ impl SystemEntry {
             absence: 0.0,
             nis: 0.0,
             astray: 0,
-            contradicted: 0,
+            foresight: Foresight::default(),
             first_seen_ns: i64::MAX,
             point_source: NO_SOURCE,
             ownership: Ownership::default(),

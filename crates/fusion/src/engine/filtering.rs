@@ -7,8 +7,7 @@ use super::Engine;
 use crate::assumed::assumed_of;
 use crate::explanation::Sink;
 use crate::filter::FilterInnovation;
-use crate::measurement::{FilterInput, Measurement, states_velocity};
-use crate::reference_point::Referred;
+use crate::measurement::{CovarianceBasis, FilterInput, Measurement, shows_filter, states_velocity};
 use crate::sensor_tracks::SensorSlot;
 
 /// Speed below which the course is meaningless, m/s.
@@ -23,8 +22,6 @@ const LONE_SHARE: f64 = 0.5;
 /// Squared distance of the estimate from what its only source states, in the source's own standard deviations, beyond
 /// which the statement is better: of a filter that works, one state in a thousand is three of them away.
 const CONTRADICTION: f64 = 16.0;
-/// Reports in a row with a contradicted position that count: a plot may be a blunder, and the next one then fits.
-const CONTRADICTED_PLACES: u8 = 2;
 
 impl Engine {
     /// Copies the state of another centre into the filter while no local source tracks the target. Otherwise the
@@ -103,7 +100,8 @@ impl Engine {
         let is_confirmed = target.life == TrackState::Confirmed;
         // Hardly one of several sources has such a share: most reports cost nothing more.
         let has_most = self.tracks.sensors.get(sensor).share >= LONE_SHARE;
-        let is_contradicted = has_most && self.contradicts_only_source(sensor, &referred);
+        let is_behind = has_most && self.is_behind_only_source(sensor, measurement, &innovation);
+        let is_contradicted = has_most && self.contradicts_only_source(sensor);
         // Smoothing begins anew with the report; what the measurement showed is no part of it.
         if referred.is_usable && !is_contradicted {
             self.outbox.to(sink).input(|| FilterInput {
@@ -135,35 +133,59 @@ impl Engine {
         );
         if is_contradicted {
             self.begin_anew(sensor, sink);
+        } else if is_behind {
+            self.follow(sensor);
+        }
+        if is_contradicted || is_behind && !self.only_repeats(sensor) {
+            // Source and filter both lag behind a motion that they see so differently: the next measurements have to
+            // count more than the covariances of either admit.
+            self.tracks.systems.get_mut(system).filter.inflate(CONTRADICTION);
         }
     }
 
-    /// Returns whether the estimate contradicts what its only source has just stated of position or velocity.
+    /// Returns whether the estimate contradicts what its only source has just stated of the velocity.
     ///
     /// A source may correct its position, or smooth in a way that is undone wrongly. The positions alone then show a
     /// motion that the source denies with its velocity, and nobody else supports the estimate.
-    fn contradicts_only_source(&mut self, sensor: SensorSlot, referred: &Referred) -> bool {
+    fn contradicts_only_source(&self, sensor: SensorSlot) -> bool {
         let entry = self.tracks.sensors.get(sensor);
-        let (system, latest) = (entry.system, &entry.latest);
-        let target = self.tracks.systems.get_mut(system);
-        if target.filter.time_ns != entry.time_ns || !states_velocity(latest) {
+        let (filter, latest) = (&self.tracks.systems.get(entry.system).filter, &entry.latest);
+        if filter.time_ns != entry.time_ns || !states_velocity(latest) {
             return false;
         }
-        let estimate = &target.filter.estimate.mean;
-        let stated = |first: usize, off: [f64; 2], more: f64| {
-            let p = |row, column| latest.covariance.get(first + row, first + column);
-            distance::squared2(off, [p(0, 0) + more, p(0, 1), p(1, 1) + more])
-        };
-        let off_m = std::array::from_fn(|axis| estimate[axis] + referred.point_m[axis] - latest.position_m[axis]);
-        let off_mps = std::array::from_fn(|axis| estimate[axis + AXES] - latest.velocity_mps[axis]);
-        let is_far = stated(0, off_m, referred.variance_m2) > CONTRADICTION;
-        target.contradicted = if is_far {
-            target.contradicted.saturating_add(1)
-        } else {
-            0
-        };
-        let is_contradicted = target.contradicted >= CONTRADICTED_PLACES || stated(AXES, off_mps, 0.0) > CONTRADICTION;
-        is_contradicted && self.is_only_source(sensor)
+        let stated = |row: usize, column: usize| latest.covariance.get(AXES + row, AXES + column);
+        let off_mps = std::array::from_fn(|axis| filter.estimate.mean[axis + AXES] - latest.velocity_mps[axis]);
+        let squared = distance::squared2(off_mps, [stated(0, 0), stated(0, 1), stated(1, 1)]);
+        squared > CONTRADICTION && self.is_only_source(sensor)
+    }
+
+    /// Returns whether the estimate is behind its only source: the source foresees its measurements better, or the
+    /// measurements repeat what its own filter has made of them.
+    fn is_behind_only_source(
+        &mut self,
+        sensor: SensorSlot,
+        measurement: &Measurement,
+        innovation: &FilterInnovation,
+    ) -> bool {
+        let entry = self.tracks.sensors.get(sensor);
+        let latest = &entry.latest;
+        let source_m =
+            std::array::from_fn(|axis| measurement.position_m[axis] - latest.position_m[axis] + entry.moved_m[axis]);
+        let variance_m2 = latest.covariance.get(0, 0) + latest.covariance.get(1, 1);
+        let target = self.tracks.systems.get_mut(entry.system);
+        let can_follow = states_velocity(latest) && target.filter.time_ns == entry.time_ns;
+        let is_better = target
+            .foresight
+            .source_is_better(innovation.residual_m, source_m, variance_m2);
+        can_follow && (is_better || self.only_repeats(sensor)) && self.is_only_source(sensor)
+    }
+
+    /// Returns whether a filter that cannot be undone made the latest report.
+    fn only_repeats(&self, sensor: SensorSlot) -> bool {
+        let entry = self.tracks.sensors.get(sensor);
+        let model = &self.sources.models[usize::from(entry.source)];
+        let is_filtered = entry.basis == CovarianceBasis::Stated && shows_filter(&entry.latest.covariance);
+        is_filtered && model.cannot_be_undone()
     }
 
     /// Returns whether nothing but the sensor track contributes to its system track.
@@ -216,8 +238,13 @@ impl Engine {
     /// Begins the filter of a system track anew with the latest report of the sensor track.
     #[cold]
     fn begin_anew(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
-        self.tracks.restart_filter(sensor);
         self.outbox.to(sink).input(|| self.tracks.input(sensor, None));
+        self.follow(sensor);
+    }
+
+    /// Makes the latest report of the sensor track the estimate of its system track.
+    fn follow(&mut self, sensor: SensorSlot) {
+        self.tracks.restart_filter(sensor);
         let system = self.tracks.sensors.get(sensor).system;
         self.tracks.for_members(system, |member| member.share = 0.0);
         let entry = self.tracks.sensors.get_mut(sensor);

@@ -1,6 +1,7 @@
-//! Velocities by each rule: of targets on straight paths that the trackers of some sources follow.
+//! Velocities by each rule, of targets that the trackers of some sources follow: on straight paths, and weaving ones.
 
 use estimation::{FirstVelocity, Gaussian, NearlyConstantVelocity};
+use messages::{AXES, FusionRule};
 use test_support::Random;
 
 use super::*;
@@ -14,9 +15,17 @@ const REPORTS: u32 = 40;
 const FIRST_REPORTS: u32 = 8;
 const TARGETS: u32 = 12;
 const VELOCITY_MPS: [f64; 2] = [150.0, -60.0];
+/// Angular rate of a weaving target, radians a second.
+const WEAVE_RADPS: f64 = 0.15;
 
 /// Root of the mean square of the errors of velocity, m/s: of the sources' own tracks, and of the picture.
-fn errors_mps(rule: messages::FusionRule, sources: u16) -> [f64; 2] {
+fn errors_mps(rule: FusionRule, sources: u16) -> [f64; 2] {
+    errors(rule, sources, 0.0)[1]
+}
+
+/// Roots of the mean squares of the errors of position and of velocity: of the sources' own tracks, and of the
+/// picture. Targets weave to the north and south with this acceleration.
+fn errors(rule: FusionRule, sources: u16, weave_mps2: f64) -> [[f64; 2]; 2] {
     let mut settings = test_settings(usize::from(sources));
     settings.rule.name.0 = rule;
     for source in &mut settings.sources {
@@ -32,12 +41,17 @@ fn errors_mps(rule: messages::FusionRule, sources: u16) -> [f64; 2] {
         vertical_sigma_mps: 15.0,
     };
     let mut trackers = vec![None::<Gaussian>; usize::from(sources) * TARGETS as usize];
-    let (mut squares, mut count) = ([0.0; 2], 0.0);
+    let (mut squares, mut count) = ([[0.0; 2]; 2], 0.0);
     for number in 0..REPORTS {
         for source in 0..sources {
             let time_s = PERIOD_S * (f64::from(number) + f64::from(source) / f64::from(sources));
             for target in 0..TARGETS {
-                let at = |axis: usize| 20e3 * f64::from(target) * [1.0, 0.3][axis] + VELOCITY_MPS[axis] * time_s;
+                let (sine, cosine) = (WEAVE_RADPS * time_s + f64::from(target)).sin_cos();
+                let velocity_mps = [VELOCITY_MPS[0], VELOCITY_MPS[1] + weave_mps2 / WEAVE_RADPS * cosine];
+                let weave_m = [0.0, weave_mps2 / (WEAVE_RADPS * WEAVE_RADPS) * sine];
+                let at = |axis: usize| {
+                    20e3 * f64::from(target) * [1.0, 0.3][axis] + VELOCITY_MPS[axis] * time_s + weave_m[axis]
+                };
                 let measured_m = [
                     at(0) + SIGMA_M * normal(),
                     at(1) + SIGMA_M * normal(),
@@ -65,13 +79,54 @@ fn errors_mps(rule: messages::FusionRule, sources: u16) -> [f64; 2] {
                     continue;
                 }
                 count += 1.0;
-                for (sum, velocity_mps) in squares.iter_mut().zip([stated.velocity_mps, track.velocity_mps]) {
-                    *sum += (velocity_mps[0] - VELOCITY_MPS[0]).powi(2) + (velocity_mps[1] - VELOCITY_MPS[1]).powi(2);
+                let off = |of: [f64; AXES], truth: [f64; 2]| (of[0] - truth[0]).powi(2) + (of[1] - truth[1]).powi(2);
+                for (place, of) in [stated.position_m, track.position_m].into_iter().enumerate() {
+                    squares[0][place] += off(of, [at(0), at(1)]);
+                }
+                for (place, of) in [stated.velocity_mps, track.velocity_mps].into_iter().enumerate() {
+                    squares[1][place] += off(of, velocity_mps);
                 }
             }
         }
     }
-    squares.map(|sum| f64::sqrt(sum / count))
+    squares.map(|sums| sums.map(|sum| f64::sqrt(sum / count)))
+}
+
+/// A tracker lags behind such a motion, and the filter contradicts it again and again.
+#[test]
+fn the_picture_of_an_only_source_lags_behind_weaving_targets_little_more_than_the_source() {
+    for weave_mps2 in [10.0, 20.0, 30.0] {
+        let [[own_m, fused_m], [own_mps, fused_mps]] = errors(FusionRule::Auto, 1, weave_mps2);
+        let figures = format!("{weave_mps2} m/s²: {fused_m} m, {own_m} m; {fused_mps} m/s, {own_mps} m/s");
+        assert!(fused_m < 1.3 * own_m && fused_mps < 1.2 * own_mps, "{figures}");
+    }
+}
+
+/// A tracker with several models of motion changes its covariance as no single one does.
+#[test]
+fn the_picture_of_an_only_source_whose_filter_cannot_be_undone_is_what_the_source_states() {
+    let mut settings = test_settings(1);
+    settings.rule.name.0 = FusionRule::Auto;
+    let mut harness = Harness::new(settings);
+    for number in 0..80 {
+        let unsteady = 1.0 + f64::from(number * 7 % 5);
+        let mut stated = report(
+            0,
+            1,
+            f64::from(number),
+            [150.0 * f64::from(number) + 9.0 * unsteady, 0.0],
+            [150.0, 0.0],
+        );
+        stated.covariance = Covariance::diagonal([30.0 * unsteady.sqrt(), 30.0, 30.0], [10.0; AXES]);
+        stated.covariance.set(0, AXES, 200.0 * unsteady.sqrt());
+        stated.covariance.set(1, AXES + 1, 200.0);
+        let track = harness.take(&stated);
+        if number > 40 {
+            let track = track.unwrap();
+            assert_eq!(track.position_m[..2], stated.position_m[..2], "{number}");
+            assert_eq!(track.velocity_mps[..2], stated.velocity_mps[..2], "{number}");
+        }
+    }
 }
 
 #[test]

@@ -1,0 +1,61 @@
+//! Whether the only source of a target foresees its own measurements better than the system filter does.
+//!
+//! The tracker of a source may follow its targets more closely than the system filter: its models of motion may be those
+//! of the targets, and what is recovered of its measurements may be wrong. Nobody else shows that, but the next
+//! measurement does. Its distance from where the source's latest report led to is compared with its distance from where
+//! the filter led to. Both distances contain the error of the measurement, and a chance has to be excluded.
+
+use serde::{Deserialize, Serialize};
+
+/// Share that the sums keep with each measurement: some five measurements count.
+const KEPT: f32 = 0.8;
+/// By how much the filter must be worse than the source: as a factor, and in variances of a report.
+const WORSE: f32 = 1.2;
+const VARIANCES: f32 = 5.0;
+
+/// Squared distances of measurements from what was foreseen.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct Foresight {
+    filter_m2: f32,
+    source_m2: f32,
+}
+
+impl Foresight {
+    /// Takes the distances of a measurement, east and north, metres, from where the filter and the source's latest
+    /// report led to. Returns whether the source foresees better, whose position has this variance, both axes together,
+    /// m².
+    #[inline]
+    pub(crate) fn source_is_better(&mut self, filter_m: [f64; 2], source_m: [f64; 2], variance_m2: f64) -> bool {
+        let add = |sum: &mut f32, [east_m, north_m]: [f64; 2]| {
+            *sum = KEPT * *sum + (east_m * east_m + north_m * north_m) as f32;
+        };
+        add(&mut self.filter_m2, filter_m);
+        add(&mut self.source_m2, source_m);
+        self.filter_m2 > WORSE * self.source_m2 + VARIANCES * variance_m2 as f32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_source_is_better_once_chance_is_excluded() {
+        let mut foresight = Foresight::default();
+        // Nine variances off is chance once, and no longer chance the second time.
+        let mut take = |filter_m: f64, source_m: f64| foresight.source_is_better([filter_m, 0.0], [0.0, source_m], 1.0);
+        assert!(!take(2.1, 0.5));
+        assert!(take(2.1, 0.5));
+        // A filter that is as good as the source makes up for it.
+        assert!((0..5).any(|_| !take(1.0, 1.0)));
+    }
+
+    #[test]
+    fn filters_as_good_as_the_source_are_never_replaced() {
+        let mut foresight = Foresight::default();
+        for number in 0..1000 {
+            let off_m = f64::from(number % 17);
+            assert!(!foresight.source_is_better([off_m, 0.0], [0.0, off_m], 1.0));
+        }
+    }
+}
