@@ -250,6 +250,16 @@ impl TargetFilter {
         *yy += variance_m2;
     }
 
+    /// Takes place and course from a report of the same time, with their covariance times `factor`. Height and climb
+    /// stay.
+    pub(crate) fn follow(&mut self, report: &SensorTrack, factor: f64) {
+        let (mut plane, _) = parts_of(&gaussian_of(report));
+        plane.covariance.iter_mut().for_each(|value| *value *= factor);
+        self.plane = PlaneFilter::new(plane);
+        self.set_plane(&plane);
+        (self.course, self.is_straight) = (None, false);
+    }
+
     /// Multiplies the covariance by a factor above 1.
     pub(crate) fn inflate(&mut self, factor: f64) {
         self.plane.inflate(factor);

@@ -133,13 +133,9 @@ impl Engine {
         );
         if is_contradicted {
             self.begin_anew(sensor, sink);
-        } else if is_behind {
-            self.follow(sensor);
         }
-        if is_contradicted || is_behind && !self.only_repeats(sensor) {
-            // Source and filter both lag behind a motion that they see so differently: the next measurements have to
-            // count more than the covariances of either admit.
-            self.tracks.systems.get_mut(system).filter.inflate(CONTRADICTION);
+        if is_contradicted || is_behind {
+            self.follow(sensor);
         }
     }
 
@@ -238,13 +234,26 @@ impl Engine {
     /// Begins the filter of a system track anew with the latest report of the sensor track.
     #[cold]
     fn begin_anew(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
+        self.tracks.restart_filter(sensor);
         self.outbox.to(sink).input(|| self.tracks.input(sensor, None));
-        self.follow(sensor);
+        self.stands_alone(sensor);
     }
 
-    /// Makes the latest report of the sensor track the estimate of its system track.
+    /// Goes on from place and course in the latest report of an only source.
+    #[cold]
     fn follow(&mut self, sensor: SensorSlot) {
-        self.tracks.restart_filter(sensor);
+        // Source and filter both lag behind a motion that they see so differently: the next measurements have to count
+        // more than the covariances of either admit.
+        let factor = if self.only_repeats(sensor) { 1.0 } else { CONTRADICTION };
+        let entry = self.tracks.sensors.get(sensor);
+        let target = self.tracks.systems.get_mut(entry.system);
+        target.filter.follow(&entry.latest, factor);
+        self.tracks.kept.forget(entry.system);
+        self.stands_alone(sensor);
+    }
+
+    /// The filter of a system track contains nothing but the sensor track.
+    fn stands_alone(&mut self, sensor: SensorSlot) {
         let system = self.tracks.sensors.get(sensor).system;
         self.tracks.for_members(system, |member| member.share = 0.0);
         let entry = self.tracks.sensors.get_mut(sensor);
