@@ -218,7 +218,7 @@ void koseki_unadvertise(koseki_publisher *publisher);
 
 /* Gives an order to the fusion of the deployment called `instance`, and waits for the answer up to `timeout_ms`
  * milliseconds; -1: without limit. `order` has the words of `koseki order`: the kind and its parameters, such as
- * "eta value=0.3 source=radar". The order expires after `lasts_s` seconds; 0: never. `state` gets the answer, also of an
+ * "out source=radar-south". The order expires after `lasts_s` seconds; 0: never. `state` gets the answer, also of an
  * order that is refused (status KOSEKI_ORDER_STATUS_REFUSED, with the reason in `text`); it may be null. Orders in force
  * are on the topic system/order-states. */
 int koseki_order(const char *instance, const char *order, const char *operator_name, double lasts_s,

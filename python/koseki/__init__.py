@@ -437,7 +437,7 @@ def order(instance: str, kind: str, *, operator: str | None = None, lasts_s: flo
           timeout: float = 10.0, **parameters: object) -> np.void:
     """Gives an order to fusion and returns its state: a record with `number`, `status`, `refusal`, `text` and `order`.
 
-        koseki.order("demo", "eta", value=0.3, source="radar-south", operator="anna", lasts_s=600)
+        koseki.order("demo", "out", source="radar-south", operator="anna", lasts_s=600)
 
     Kinds and parameters are those of `koseki order --help`; `from` is given as `from_`. The order expires after `lasts_s`
     seconds; None: never. A refused order raises ValueError with the reason; KosekiError is raised if no answer comes

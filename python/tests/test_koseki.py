@@ -205,13 +205,16 @@ def test_samples_are_tables_for_the_offline_commands(demo):
 
 
 def test_orders_are_given_and_listed(demo):
-    state = koseki.order(demo, "k", source="radar-west", value=2.5, operator="anna", lasts_s=600)
-    assert (state["number"], state["order"]["value"]) == (1, 2.5)
-    for wrong, why in [({"value": -1, "source": "radar-west"}, "between"), ({"value": 1, "source": "x"}, "source of this name")]:
+    state = koseki.order(demo, "out", source="radar-west", operator="anna", lasts_s=600)
+    assert (state["number"], state["refusal"]) == (1, 0)
+    for kind, wrong, why in [
+        ("k", {"value": -1, "source": "radar-west"}, "between"),
+        ("k", {"value": 2.5, "source": "radar-west"}, "chooses no best source"),
+        ("out", {"source": "x"}, "source of this name"),
+        ("drop", {"track": 4_000_000_000}, "no such system track"),
+    ]:
         with pytest.raises(ValueError, match=why):
-            koseki.order(demo, "k", **wrong)
-    with pytest.raises(ValueError, match="no such system track"):
-        koseki.order(demo, "drop", track=4_000_000_000)
+            koseki.order(demo, kind, **wrong)
     listed = koseki.subscribe(demo, topic="system/order-states").receive(10)
     assert b"anna" in bytes(listed[listed["number"] == 1]["order"]["operator_name"][0])
     koseki.order(demo, "cancel", number=1)

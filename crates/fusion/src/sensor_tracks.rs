@@ -147,7 +147,7 @@ pub(crate) struct SensorEntry {
     /// Whether its source has displaced it, and nothing supports the new place yet.
     pub(crate) is_displaced: bool,
     /// Way of `latest` from where the report before led to, east and north, metres.
-    pub(crate) moved_m: [f64; 2],
+    pub(crate) moved_m: [f32; 2],
     /// Where the covariance of `latest` comes from.
     pub(crate) basis: CovarianceBasis,
     /// By how much the covariances that the system filter took before `latest` turned out too small, as a factor.
@@ -241,9 +241,9 @@ impl SensorEntry {
         self.claimed_too_much = content.unfiltered.map_or(1.0, |_| self.claimed_before(content));
         let seconds = (report.time_of_measurement_ns - self.time_ns) as f64 / NS_PER_S;
         let (before_m, before_mps) = (self.reported_position_m(), self.latest.velocity_mps);
-        self.moved_m =
-            std::array::from_fn(|axis| report.position_m[axis] - before_m[axis] - before_mps[axis] * seconds);
-        self.is_displaced |= self.displaces(report, seconds);
+        let moved_m = std::array::from_fn(|axis| report.position_m[axis] - before_m[axis] - before_mps[axis] * seconds);
+        self.moved_m = moved_m.map(|way_m| way_m as f32);
+        self.is_displaced |= self.displaces(report, moved_m, seconds);
         // Written in one go: to read back what has just been written so far away would take as long as the way there.
         self.latest = SensorTrack {
             identity,
@@ -276,8 +276,8 @@ impl SensorEntry {
     /// Returns whether `report`, the next one, displaces the track: its position is far from where the latest report
     /// led to, by both covariances, and its velocity does not follow. A measurement moves both.
     #[inline]
-    fn displaces(&self, report: &SensorTrack, seconds: f64) -> bool {
-        let (moved_m, before_mps) = (self.moved_m, &self.latest.velocity_mps);
+    fn displaces(&self, report: &SensorTrack, moved_m: [f64; 2], seconds: f64) -> bool {
+        let before_mps = &self.latest.velocity_mps;
         let square_m2 = moved_m[0] * moved_m[0] + moved_m[1] * moved_m[1];
         let trace = |of: &Covariance, first: usize| of.get(first, first) + of.get(first + 1, first + 1);
         // The variance of the report alone decides for most.

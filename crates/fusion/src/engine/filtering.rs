@@ -165,8 +165,9 @@ impl Engine {
     ) -> bool {
         let entry = self.tracks.sensors.get(sensor);
         let latest = &entry.latest;
-        let source_m =
-            std::array::from_fn(|axis| measurement.position_m[axis] - latest.position_m[axis] + entry.moved_m[axis]);
+        let source_m = std::array::from_fn(|axis| {
+            measurement.position_m[axis] - latest.position_m[axis] + f64::from(entry.moved_m[axis])
+        });
         let variance_m2 = latest.covariance.get(0, 0) + latest.covariance.get(1, 1);
         let target = self.tracks.systems.get_mut(entry.system);
         let can_follow = states_velocity(latest) && target.filter.time_ns == entry.time_ns;
