@@ -1,7 +1,7 @@
 //! Whether the only source of a target foresees its own measurements better than the system filter does.
 //!
-//! The tracker of a source may follow its targets more closely than the system filter: its models of motion may be those
-//! of the targets, and what is recovered of its measurements may be wrong. Nobody else shows that, but the next
+//! The tracker of a source may follow its targets more closely than the system filter: its models of motion may be
+//! those of the targets, and what is recovered of its measurements may be wrong. Nobody else shows that, but the next
 //! measurement does. Its distance from where the source's latest report led to is compared with its distance from where
 //! the filter led to. Both distances contain the error of the measurement, and a chance has to be excluded.
 
