@@ -248,8 +248,8 @@ impl Engine {
         let factor = if self.only_repeats(sensor) { 1.0 } else { CONTRADICTION };
         let entry = self.tracks.sensors.get(sensor);
         let target = self.tracks.systems.get_mut(entry.system);
+        // Measurements are kept: if a report of another source comes late, the filter uses all of them again.
         target.filter.follow(&entry.latest, factor);
-        self.tracks.kept.forget(entry.system);
         self.stands_alone(sensor);
     }
 
