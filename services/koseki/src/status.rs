@@ -105,6 +105,7 @@ enum InstanceState {
 struct RegistrationStatus {
     /// Number of the source, as in the files from 1.
     source: u16,
+    name: String,
     text: String,
     /// Lines of `[source.correction]` that hold the estimated biases; empty without estimated biases.
     correction: Vec<String>,
@@ -155,6 +156,7 @@ impl InstanceStatus {
                 status.registrations = compared
                     .map(|source| RegistrationStatus {
                         source: source.number + 1,
+                        name: source.name.clone(),
                         text: source.registration.to_string(),
                         correction: correction(config.as_ref(), source.number, &source.registration),
                     })
@@ -215,7 +217,7 @@ impl InstanceStatus {
             text.push_str(&format!("  the next start goes on from {}\n", file.display()));
         }
         for known in &self.registrations {
-            text.push_str(&format!("  registration: source {}: {}\n", known.source, known.text));
+            text.push_str(&format!("  registration of {}: {}\n", known.name, known.text));
             if !known.correction.is_empty() {
                 let lines = known.correction.join("\n      ");
                 text.push_str(&format!(
@@ -529,6 +531,7 @@ mod tests {
             processes: Vec::new(),
             registrations: vec![RegistrationStatus {
                 source: 3,
+                name: "radar-west".to_owned(),
                 text: "-1.5 m east".to_owned(),
                 correction: vec!["east_m = -1.5".to_owned(), "time_s = 0.250".to_owned()],
             }],
@@ -542,7 +545,7 @@ mod tests {
             text.starts_with("instance demo: run by process 7, in /run/koseki/demo\n"),
             "{text}"
         );
-        let lines = "  registration: source 3: -1.5 m east\n    to keep it, write into the source's table:\n      \
+        let lines = "  registration of radar-west: -1.5 m east\n    to keep it, write into the source's table:\n      \
                      [source.correction]\n      east_m = -1.5\n      time_s = 0.250\n";
         assert!(text.contains(lines), "{text}");
         let remedy = AlarmKind::DiskLow.remedy();
@@ -552,6 +555,7 @@ mod tests {
         assert_eq!(value["alarms"][0]["severity"], "major");
         assert_eq!((&value["state"], &value["pid"]), (&"runs".into(), &7.into()));
         assert_eq!(value["registrations"][0]["source"], 3);
+        assert_eq!(value["registrations"][0]["name"], "radar-west");
         let refused = InstanceStatus {
             state: InstanceState::Refused,
             ..status
