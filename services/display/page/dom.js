@@ -78,9 +78,14 @@ export function clock(seconds) {
   return `${two(date.getUTCHours())}:${two(date.getUTCMinutes())}:${two(date.getUTCSeconds())}`;
 }
 
+/** Day, UTC. @param {number} seconds since 1970 */
+export function day(seconds) {
+  return new Date(seconds * 1000).toISOString().slice(0, 10);
+}
+
 /** Day and time, UTC. @param {number} seconds since 1970 */
 export function dayAndClock(seconds) {
-  return `${new Date(seconds * 1000).toISOString().slice(0, 10)} ${clock(seconds)}`;
+  return `${day(seconds)} ${clock(seconds)}`;
 }
 
 /** Duration: 4 s, 3 min, 2.1 h. @param {number} seconds */

@@ -1,7 +1,7 @@
 /** Line above the map: connection, alarms, what the filter hides, and the time; and the warnings on the map. */
 
 import { standing } from "./alarms.js";
-import { byId, clock, dayAndClock, grouped, h, setText } from "./dom.js";
+import { byId, clock, day, dayAndClock, grouped, h, setText } from "./dom.js";
 
 /** @typedef {import("./app.js").App} App */
 /** @typedef {{word: string, severity: string, act?: string}} Pill */
@@ -17,8 +17,10 @@ export function showHeader(app) {
   const isPast = settings.at > 0;
   setText(byId("clock"), picture.time > 0 ? clock(picture.time) : "--:--:--");
   byId("clock").setAttribute("title", picture.time > 0 ? `${dayAndClock(picture.time)} UTC` : "");
-  setText(byId("mode"), isPast ? (settings.speed > 0 ? `PLAY ×${settings.speed}` : "PAUSED") : "LIVE");
-  byId("mode").classList.toggle("past", isPast);
+  setText(byId("day"), dayText(app));
+  const present = app.isReplay ? "REPLAY" : "LIVE";
+  setText(byId("mode"), isPast ? (settings.speed > 0 ? `PLAY ×${settings.speed}` : "PAUSED") : present);
+  byId("mode").classList.toggle("past", isPast || app.isReplay);
   app.map.classList.toggle("past", isPast);
   showCounts(app);
   showFaults(app);
@@ -37,6 +39,13 @@ export function showHeader(app) {
       ),
     );
   }
+}
+
+/** The time zone, with the day of a picture that is not of today. @param {App} app */
+function dayText({ picture, isReplay }) {
+  if (picture.time <= 0) return "UTC";
+  const isToday = day(picture.time) === day(Date.now() / 1000);
+  return isToday && !isReplay ? "UTC" : `UTC ${day(picture.time)}`;
 }
 
 /** How many tracks there are, and how many of them are hidden. @param {App} app */

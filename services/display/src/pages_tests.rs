@@ -200,11 +200,13 @@ fn the_clock_is_the_machines_and_an_offset_of_the_data_is_told() {
     world.receive(&header(1), &[track(9, 0.0)], later(20));
     let told = status::status(&world, status::Audience::default(), later(20));
     assert_eq!(told["data_offset_s"], json!(-20.0), "and when it is gone, it is gone");
+    assert_eq!(told["replay"], json!(false));
     // With recorded inputs, the picture has data time.
     world.set_clock(crate::clock::PictureClock::of(true));
     world.receive(&header(1), &[ahead], later(20));
     assert_eq!(world.time_ns(later(21)), later(8).utc_ns);
-    assert_eq!(world.data_offset_ns(later(21)), None);
+    let told = status::status(&world, status::Audience::default(), later(21));
+    assert_eq!((&told["data_offset_s"], &told["replay"]), (&json!(null), &json!(true)));
 }
 
 fn ask(server: &Server, request: &str) -> (String, Vec<u8>) {

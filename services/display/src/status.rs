@@ -51,6 +51,7 @@ pub(crate) fn status(world: &World, audience: Audience, now: Now) -> Value {
         "time_s": seconds(world.time_ns(now)),
         "fusion": fusion,
         "data_offset_s": world.data_offset_ns(now).map(seconds),
+        "replay": world.is_replay(),
         "history": history,
         "clients": audience.clients,
         "skipped": audience.skipped,

@@ -257,6 +257,11 @@ impl World {
         self.clock = clock;
     }
 
+    /// Whether the picture has the time of the data: the deployment replays recordings.
+    pub(crate) fn is_replay(&self) -> bool {
+        self.recording.is_none() && matches!(self.clock, PictureClock::Data(_))
+    }
+
     /// Returns the offset of the data from the picture's clock, nanoseconds, positive: data ahead. `None` if the
     /// picture has data time, or without recent states.
     pub(crate) fn data_offset_ns(&self, now: Now) -> Option<i64> {
