@@ -6,6 +6,7 @@
 //! can be decoded: a data block may look like any of them
 //! ([`RecordingSurvey::foreign`](crate::recording::RecordingSurvey::foreign)).
 
+use std::borrow::Cow;
 use std::fmt;
 
 use asterix::registry;
@@ -19,6 +20,8 @@ const GPS_TRAILER: usize = 10;
 const GPS_BLOCK_MAX: usize = 1 << 12;
 /// Data blocks, or frames, in a row that make a kind certain.
 const ENOUGH: usize = 3;
+/// Byte order mark.
+const MARK: char = '\u{feff}';
 /// Lines at the beginning of a text among which comments and sentences of other kinds may stand.
 const LINES_BEFORE: usize = 20;
 
@@ -74,7 +77,8 @@ impl Foreign {
 
     /// Kind of a file that is text; `None` if it is none.
     pub fn as_text(bytes: &[u8]) -> Option<Self> {
-        text(bytes).filter(|_| !bytes.is_empty()).map(Self::of_text)
+        let text = text(bytes).filter(|_| !bytes.is_empty())?;
+        Some(Self::of_text(text.trim_start_matches(MARK)))
     }
 
     fn of_text(text: &str) -> Self {
@@ -137,20 +141,25 @@ impl fmt::Display for Foreign {
     }
 }
 
-/// Beginning of a file as text, if all of it is text.
-fn text(bytes: &[u8]) -> Option<&str> {
+/// Beginning of a file as text, if all of it is text: letters without control characters, in UTF-8 or, with few letters
+/// beyond ASCII, in a code page of an older system.
+fn text(bytes: &[u8]) -> Option<Cow<'_, str>> {
+    /// Letters of which at most one is no ASCII.
+    const OF_ASCII: usize = 8;
     let beginning = &bytes[..bytes.len().min(TEXT_BYTES)];
     let text = match std::str::from_utf8(beginning) {
-        Ok(text) => text,
+        Ok(text) => Cow::Borrowed(text),
         // The last letter may be cut.
         Err(error) if error.valid_up_to() + 4 > beginning.len() && bytes.len() > TEXT_BYTES => {
-            std::str::from_utf8(&beginning[..error.valid_up_to()]).ok()?
+            Cow::Borrowed(std::str::from_utf8(&beginning[..error.valid_up_to()]).ok()?)
         }
-        Err(_) => return None,
+        Err(_) => {
+            let others = beginning.iter().filter(|octet| !octet.is_ascii()).count();
+            (OF_ASCII * others <= beginning.len()).then(|| String::from_utf8_lossy(beginning))?
+        }
     };
     let is_text = |letter: char| !letter.is_control() || letter.is_ascii_whitespace();
-    let text = text.trim_start_matches('\u{feff}');
-    text.chars().all(is_text).then_some(text)
+    text.trim_start_matches(MARK).chars().all(is_text).then_some(text)
 }
 
 /// Whether most units of two bytes behind the byte order mark are letters of the first 256.
@@ -233,7 +242,7 @@ mod tests {
             .encode_utf16()
             .flat_map(u16::to_le_bytes)
             .collect();
-        let cases: [(&[u8], Option<Foreign>); 23] = [
+        let cases: [(&[u8], Option<Foreign>); 24] = [
             (b"", Some(Foreign::Empty)),
             (b"\x89MCAP0\r\n\x01", Some(Foreign::Mcap)),
             (b"\x1f\x8b\x08\0", Some(Foreign::Gzip)),
@@ -261,6 +270,7 @@ mod tests {
             (b"<?xml version='1.0'?>\n<event/>\n", Some(Foreign::Xml)),
             (b"# receiver 1\nMSG,3,1,1,4CA2D6,1\n", Some(Foreign::Sbs)),
             (&utf16, Some(Foreign::Utf16)),
+            (b"MSG,1,1,1,4CA2D6,1,,,,,K\xe9LM123\n", Some(Foreign::Sbs)),
             ("root:x:0:0:Ω\n".as_bytes(), Some(Foreign::Text)),
             (&[48, 0, 8, 0x80, 1, 2, 3, 4], None),
         ];
