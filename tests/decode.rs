@@ -160,6 +160,10 @@ fn statistics_are_a_table_and_a_file() {
     assert_eq!(found["senders"], json!([sender]));
     assert_eq!(found["refusals"][0]["first_offset"], 53);
     assert_eq!(found["categories"][0]["blocks_refused"], 1);
+    // The same where nothing is asked for, and where only the file is.
+    assert_eq!(folder.decode("s.ast"), (printed.clone(), said.clone()));
+    assert_eq!(folder.decode("s.ast --json again.json"), (printed, said));
+    assert_eq!(folder.read("again.json"), folder.read("s.json"));
 }
 
 /// A CAT048 record of nothing but a source and a reserved expansion field.
@@ -211,12 +215,11 @@ fn strictness_and_kind_can_be_asked_for() {
 #[test]
 fn wrong_usage_is_one_line_and_changes_nothing() {
     let folder = Folder::with_recording("x.ast", &report(0.0));
-    let cases: [(&str, &[&str]); 8] = [
-        ("x.ast", &["--out FILE.jsonl", "--statistics"]),
+    let cases: [(&str, &[&str]); 7] = [
         ("x.ast --out x.ast", &["x.ast is the recording itself"]),
         ("x.ast --statistics --json ./x.ast", &["x.ast is the recording itself"]),
         ("x.ast --out - --statistics", &["would mix on standard output"]),
-        ("x.ast --out y --json z", &["--statistics"]),
+        ("x.ast --out - --json z", &["would mix on standard output"]),
         ("x.ast --out y --edition 21=7.7", &["category 021", "2.4", "0.23"]),
         (
             "x.ast --out y --edition 21=2.1 --edition 21=0.23",

@@ -114,6 +114,193 @@ fn the_same_files_give_the_same_bytes() {
 }
 
 #[test]
+fn a_file_out_of_order_is_refused() {
+    let folder = two_sensors();
+    let good = folder.read("a.csv");
+    let (header, rows) = good.split_once('\n').unwrap();
+    // By target, as a data base gives them.
+    let mut rows: Vec<&str> = rows.lines().collect();
+    rows.sort_by_key(|row| row.split(',').nth(2).unwrap().to_owned());
+    folder.write("unsorted.csv", format!("{header}\n{}\n", rows.join("\n")));
+    for command in ["fuse --out x.csv", "smooth --out x.csv", "compare"] {
+        let line = folder.refusal(&format!("{command} --tracks unsorted.csv"));
+        for part in [
+            " of 45 rows are out of order by time",
+            "line 17, column time_s: 0.25 is before",
+            "sort the rows",
+        ] {
+            assert!(line.contains(part), "{command}: {line}");
+        }
+    }
+    assert!(!folder.path("x.csv").exists());
+}
+
+#[test]
+fn times_of_the_day_that_begin_again_at_midnight_are_refused() {
+    let row = |time_s: f64, more: &str| format!("{time_s},7,1,0,0,0,0,0,0,{VARIANCES},confirmed{more}\n");
+    let times = (0..40).map(|place| (86_390.05 + 0.5 * f64::from(place)) % 86_400.0);
+    let rows: String = times.clone().map(|time_s| row(time_s, "")).collect();
+    let arrived: String = times
+        .clone()
+        .map(|time_s| row(time_s, &format!(",{}", time_s + 1.0)))
+        .collect();
+    let plots: String = times
+        .zip(1..)
+        .map(|(time_s, scan)| format!("{time_s},1,{scan},1,range_bearing,1000,0.5,,,15,0.006,,,0,0,0\n"))
+        .collect();
+    let folder = Folder::with(&[
+        ("midnight.csv", format!("{HEADER}\n{rows}")),
+        ("arrived.csv", format!("{HEADER},arrival_s\n{arrived}")),
+        (
+            "plots.csv",
+            format!("time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,pz\n{plots}"),
+        ),
+    ]);
+    for command in [
+        "fuse --tracks midnight.csv",
+        "fuse --tracks arrived.csv",
+        "track --detections plots.csv",
+    ] {
+        let line = folder.refusal(&format!("{command} --out x.csv"));
+        assert!(
+            line.contains("line 22") && line.contains("add 86400 to the times of the next day"),
+            "{line}"
+        );
+    }
+    // Few rows behind midnight are left out, and counted with the remedy.
+    let mut short: String = (0..2_000).map(|place| row(80_000.0 + f64::from(place), "")).collect();
+    (0..5).for_each(|place| short += &row(f64::from(place), ""));
+    folder.write("short.csv", format!("{HEADER}\n{short}"));
+    let (_, said) = folder.succeed("fuse --tracks short.csv --out x.csv");
+    assert!(
+        said.contains("5 for order of time") && said.contains("add 86400"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_table_of_which_the_engine_uses_nothing_is_a_failure() {
+    let folder = two_sensors();
+    let limits = "[[sensor]]\nid = 7\nposition_m = [50e3, 50e3]\nlimits = { range_m = 1000.0 }\n";
+    let speeds = "[[sensor]]\nid = 7\nlimits = { speed_mps = 10.0 }\n";
+    let millimetres: String = folder
+        .read("a.csv")
+        .lines()
+        .map(|line| {
+            let mut values: Vec<String> = line.split(',').map(str::to_owned).collect();
+            if let Ok(y) = values[4].parse::<f64>() {
+                values[4] = (1e6 * (y + 1e3)).to_string();
+            }
+            values.join(",") + "\n"
+        })
+        .collect();
+    folder.write("near.toml", limits);
+    folder.write("slow.toml", speeds);
+    folder.write("millimetres.csv", millimetres);
+    for (arguments, expected) in [
+        ("a.csv --config near.toml", "line 2, columns x and y: 25, 0 is"),
+        (
+            "a.csv --config slow.toml",
+            "line 2, columns vx and vy: 100, 0 is 100 m/s, beyond limits.speed_mps = 10",
+        ),
+        ("millimetres.csv", "line 2, column y: 1000000000 is beyond 1e8 m"),
+    ] {
+        let output = folder.run(&format!("fuse --tracks {arguments} --out x.csv"));
+        let said = String::from_utf8_lossy(&output.stderr);
+        let last = said.lines().last().unwrap_or_default();
+        assert_eq!(output.status.code(), Some(1), "{arguments}: {said}");
+        assert!(
+            last.contains("no report was used") && last.contains(expected),
+            "{arguments}: {said}"
+        );
+    }
+}
+
+#[test]
+fn times_since_1970_give_the_same_picture() {
+    const DAY_S: i64 = 20_000 * 86_400;
+    let folder = two_sensors();
+    folder.succeed("fuse --tracks a.csv b.csv --refresh 1 --out midnight.csv");
+    for name in ["a", "b"] {
+        let text = folder.read(&format!("{name}.csv"));
+        let (header, rows) = text.split_once('\n').unwrap();
+        let moved = rows.lines().map(|row| {
+            let (time_s, rest) = row.split_once(',').unwrap();
+            let (whole, decimals) = time_s.split_once('.').unwrap_or((time_s, "0"));
+            format!("{}.{decimals},{rest}\n", DAY_S + whole.parse::<i64>().unwrap())
+        });
+        folder.write(
+            &format!("{name}70.csv"),
+            format!("{header}\n{}", moved.collect::<String>()),
+        );
+    }
+    folder.succeed("fuse --tracks a70.csv b70.csv --refresh 1 --out since.csv");
+    let times = |name: &str, less_s: i64| -> Vec<i64> {
+        let times = column(&folder.read(name), "time_s").into_iter();
+        times.map(|time_s| time_s.parse::<i64>().unwrap() - less_s).collect()
+    };
+    assert_eq!(times("since.csv", DAY_S), times("midnight.csv", 0));
+    for name in ["x", "y", "vx", "P00", "system_track_id", "state"] {
+        let of = |file: &str| column(&folder.read(file), name);
+        assert_eq!(of("since.csv"), of("midnight.csv"), "{name}");
+    }
+    let line = folder.refusal("fuse --tracks a70.csv b.csv --out x.csv");
+    assert!(
+        line.contains("a70.csv: times count from 1970, but those of b.csv from a midnight"),
+        "{line}"
+    );
+    let both = folder.read("a.csv") + folder.read("a70.csv").split_once('\n').unwrap().1;
+    folder.write("both.csv", both);
+    let (_, said) = folder.succeed("fuse --tracks both.csv --out x.csv");
+    assert!(
+        said.contains("does not count from where the first row counts"),
+        "{said}"
+    );
+}
+
+#[test]
+fn quotes_and_a_byte_order_mark_change_nothing() {
+    let folder = two_sensors();
+    folder.succeed("fuse --tracks a.csv --out plain.csv");
+    let quoted: String = folder
+        .read("a.csv")
+        .lines()
+        .map(|line| format!("\"{}\"\r\n", line.replace(',', "\",\"")))
+        .collect();
+    folder.write("quoted.csv", format!("\u{feff}{quoted}"));
+    folder.succeed("fuse --tracks quoted.csv --out unquoted.csv");
+    assert_eq!(folder.read("plain.csv"), folder.read("unquoted.csv"));
+}
+
+#[test]
+fn a_hyphen_is_standard_output() {
+    let folder = two_sensors();
+    folder.succeed("fuse --tracks a.csv b.csv --refresh 1 --out file.csv");
+    let (printed, said) = folder.succeed("fuse --tracks a.csv b.csv --refresh 1 --out -");
+    assert_eq!(printed, folder.read("file.csv"));
+    assert!(said.contains("rows") && !folder.path("-").exists(), "{said}");
+    assert!(
+        folder
+            .refusal("fuse --tracks a.csv --out - --json")
+            .contains("would mix on standard output")
+    );
+    assert!(
+        folder
+            .refusal("fuse --tracks a.csv --out - --explain -")
+            .contains("name one file")
+    );
+    // Nobody reads on: that is no failure.
+    let mut command = folder.command("fuse --tracks a.csv b.csv --out -");
+    command
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped());
+    let mut running = command.spawn().unwrap();
+    drop(running.stdout.take());
+    let output = running.wait_with_output().unwrap();
+    assert!(output.status.success(), "{output:?}");
+}
+
+#[test]
 fn rows_that_cannot_be_used_are_left_out_counted_and_named() {
     let folder = two_sensors();
     folder.succeed("fuse --tracks a.csv --refresh 1 --out good.csv");

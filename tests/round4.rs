@@ -47,6 +47,77 @@ fn bugs_position_only_track() {
     }
 }
 
+/// A deployment of one source with a recording, as data blocks of the default editions.
+fn recorded(name: &str) -> String {
+    format!(
+        "name = \"kinds\"\n[frame]\nlatitude_deg = 41.0\nlongitude_deg = 2.0\n[time]\ndate = \"2016-05-10\"\n\
+         [[source]]\nname = \"radar\"\n[source.recorded]\nfile = \"{name}\"\n"
+    )
+}
+
+/// Text of which two letters are a length of a data block: every command names it, and none sends it.
+#[test]
+fn text_kinds() {
+    const CASE: &str = "round4/text-kinds";
+    let Some(data) = recordings(CASE) else { return };
+    for (name, kind) in [("receiver.sbs", "it is an SBS log"), ("history.jsonl", "it is JSON")] {
+        let file = data.join(CASE).join(name);
+        let configuration = recorded(&file.display().to_string());
+        let folder = Folder::with(&[("live.toml", configuration.as_bytes())]);
+        let file = file.display();
+        let mut commands = vec![
+            (1, format!("decode {file} --out x.jsonl")),
+            (1, format!("decode {file} --statistics")),
+            (2, "check live.toml".to_owned()),
+            (2, "up live.toml --for 1".to_owned()),
+        ];
+        if name == "history.jsonl" {
+            commands.push((2, format!("send {file} --to 127.0.0.1:9")));
+        }
+        for (code, command) in commands {
+            let said = folder.line_of(code, &command);
+            assert!(said.contains(kind), "{command}: {said}");
+            for wrong in [".gps", "cut short"] {
+                assert!(!said.contains(wrong), "{command}: {said}");
+            }
+        }
+    }
+}
+
+/// ADS-B of edition 0.23, read as 2.4: every command names the edition.
+#[test]
+fn recordings_of_another_edition() {
+    const CASE: &str = "lebl2016/160510-lebl-220001_ADSB_cat21_v023.ast";
+    let Some(data) = recordings(CASE) else { return };
+    let file = data.join(CASE);
+    let configuration = recorded(&file.display().to_string());
+    let folder = Folder::with(&[("live.toml", configuration.as_bytes())]);
+    let file = file.display();
+    for (command, remedy) in [
+        (
+            "check live.toml",
+            "set source[0].recorded.editions = { \"21\" = \"0.23\" }",
+        ),
+        (
+            "up live.toml --for 1",
+            "set source[0].recorded.editions = { \"21\" = \"0.23\" }",
+        ),
+        (
+            &format!("send {file} --to 127.0.0.1:9 --retime now"),
+            "add --edition 21=0.23",
+        ),
+    ] {
+        let said = folder.line_of(2, command);
+        assert!(
+            said.contains("category 021: ") && said.contains(remedy),
+            "{command}: {said}"
+        );
+    }
+    let decoded = folder.run(&format!("decode {file} --statistics"));
+    assert!(String::from_utf8_lossy(&decoded.stderr).contains("try --edition 21=0.23"));
+    folder.succeed("check live.toml --set source[0].recorded.editions={\"21\"=\"0.23\"}");
+}
+
 /// Files in which nothing is known of any position, or a variance is beyond all limits.
 #[test]
 fn bugs_all_rows_invalid() {

@@ -92,6 +92,17 @@ fn lines_are_served_to_whoever_connects() {
 fn what_is_no_recording_and_what_cannot_be_meant_is_said() {
     let home = Home::new();
     std::fs::write(home.path("notes.txt"), "nothing of the kind\n").unwrap();
+    // Letters are lengths of data blocks.
+    std::fs::write(
+        home.path("long.json"),
+        "{\"hex\": \"abcd01\", \"lat\": 50.0}\n".repeat(10_000),
+    )
+    .unwrap();
+    let mut octets: Vec<u8> = (0..100_000_u32)
+        .map(|place| (place.wrapping_mul(2_654_435_761) >> 24) as u8)
+        .collect();
+    octets[..3].copy_from_slice(&[200, 0x10, 0]);
+    std::fs::write(home.path("octets.bin"), octets).unwrap();
     let radar = repository("examples/data/radar-north.ast");
     let radar = radar.to_str().unwrap();
     for (arguments, expected) in [
@@ -99,6 +110,8 @@ fn what_is_no_recording_and_what_cannot_be_meant_is_said() {
             vec!["notes.txt", "--to", "127.0.0.1:9"],
             "holds neither data blocks of ASTERIX, lines of SBS-1 nor snapshots of an antenna array",
         ),
+        (vec!["long.json", "--to", "127.0.0.1:9"], "it is JSON"),
+        (vec!["octets.bin", "--to", "127.0.0.1:9"], "holds neither data blocks"),
         (vec!["missing.ast", "--to", "127.0.0.1:9"], "cannot be read"),
         (vec!["notes.txt", "--to", "127.0.0.1"], "invalid value"),
         (vec!["notes.txt=here"], "here is no ADDRESS:PORT"),
@@ -113,6 +126,20 @@ fn what_is_no_recording_and_what_cannot_be_meant_is_said() {
         assert_eq!(output.status.code(), Some(2), "{said}");
         assert!(said.contains(expected), "{said}");
     }
+}
+
+#[test]
+fn what_is_behind_the_last_block_is_counted() {
+    let home = Home::new();
+    let (_socket, address) = receiver();
+    let mut content = std::fs::read(repository("examples/data/radar-north.ast")).unwrap();
+    content.extend([48, 0, 1, 7, 7]);
+    std::fs::write(home.path("damaged.ast"), &content).unwrap();
+    let output = home.run(&["send", "damaged.ast", "--to", &address, "--speed", "max"]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    let expected = "damaged.ast: byte 22758: no data block begins here; 5 octets from here on were not sent";
+    assert!(said.contains(expected), "{said}");
 }
 
 #[test]

@@ -1,9 +1,9 @@
 //! Tables of text: a header line with the columns' names, then a row per line.
 //!
 //! Columns are found by name, in any order; unused columns are ignored, so that files may contain more columns than a
-//! reader needs. Values are separated by commas and not quoted: no format here needs quotes, and a stray quotation
-//! mark would hide the lines behind it. Blanks around values, blank lines and the line ends of other systems are
-//! accepted.
+//! reader needs. Values are separated by commas, with or without quotation marks around them; a quoted value ends in
+//! its line, so that a stray mark hides no lines behind it. Blanks around values, blank lines, a byte order mark and
+//! the line ends of other systems are accepted.
 //!
 //! An error in a row of a large file must be easy to find. Every error therefore names the line (as counted by
 //! editors), the column, the value, and the permitted values.
@@ -29,8 +29,10 @@ pub const COVARIANCE_COLUMNS: [&str; 21] = [
     "P34", "P35", "P44", "P45", "P55",
 ];
 
-/// Longest time that is accepted, seconds: 46 days, the most that seconds in 64 bits give exactly to the nanosecond.
+/// Longest time since a midnight, seconds: 46 days, the most that seconds in 64 bits give exactly to the nanosecond.
 const TIME_MAX_S: f64 = 4e6;
+/// Times that can only be UTC, seconds since 1970: from 1973 to 2103.
+const UTC_S: std::ops::Range<f64> = 1e8..4.2e9;
 /// Characters of a value that an error shows.
 const SHOWN_MAX: usize = 40;
 
@@ -134,7 +136,20 @@ impl<R: Read> Table<R> {
     /// If the header lacks the column, or names the column more than once.
     pub fn required(&self, name: &'static str) -> Result<Column, CsvError> {
         self.optional(name)?
-            .ok_or_else(|| self.header_error(name, "is missing"))
+            .ok_or_else(|| self.header_error(name, self.why_missing()))
+    }
+
+    /// What the first line shows about a column that it lacks.
+    fn why_missing(&self) -> &'static str {
+        let first = self.header.iter().next().unwrap_or_default();
+        match first {
+            [b'#', ..] => "is missing: the first line must be the header, not a comment",
+            _ if self.header.len() == 1 && first.contains(&b';') => {
+                "is missing: separate values by commas, not semicolons"
+            }
+            _ if self.header.len() == 1 && first.contains(&b'\t') => "is missing: separate values by commas, not tabs",
+            _ => "is missing",
+        }
     }
 
     /// Columns that must all be there.
@@ -328,6 +343,53 @@ impl Cells<'_> {
         self.time_s(column).map(frames::time::ns)
     }
 
+    /// Nanoseconds since 1970 of a time in seconds, which counts from the midnight `first_day_ns` or from 1970.
+    ///
+    /// # Errors
+    /// If the value is none.
+    #[inline]
+    pub fn utc_ns(&self, column: Column, first_day_ns: i64) -> Result<i64, CsvError> {
+        let seconds = self.number(column)?;
+        if seconds.abs() <= TIME_MAX_S {
+            return Ok(first_day_ns.saturating_add(frames::time::ns(seconds)));
+        }
+        self.since_1970_ns(column, seconds)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn since_1970_ns(&self, column: Column, seconds: f64) -> Result<i64, CsvError> {
+        /// Digits of a second to the nanosecond.
+        const DECIMALS: usize = 9;
+        if !UTC_S.contains(&seconds) {
+            let reason = format!(
+                "is no time: count seconds from midnight (UTC) of the first day, up to {TIME_MAX_S}, or from 1970"
+            );
+            return Err(self.error(column, reason));
+        }
+        // Doubles are some hundred nanoseconds apart here.
+        let (whole, decimals) = self
+            .value(column)
+            .split_at_checked(
+                self.value(column)
+                    .iter()
+                    .position(|octet| *octet == b'.')
+                    .unwrap_or(usize::MAX),
+            )
+            .unwrap_or((self.value(column), b""));
+        let decimals = decimals.get(1..).unwrap_or_default();
+        let mut digits = [b'0'; DECIMALS];
+        digits
+            .iter_mut()
+            .zip(decimals)
+            .for_each(|(place, digit)| *place = *digit);
+        let parts = number::whole(whole).zip(number::whole(&digits));
+        Ok(match parts {
+            Some((whole, ns)) => whole as i64 * frames::time::NS_PER_S + ns as i64,
+            None => frames::time::ns(seconds),
+        })
+    }
+
     /// The value without blanks around it.
     #[inline]
     fn value(&self, column: Column) -> &[u8] {
@@ -392,7 +454,7 @@ mod tests {
 
     #[test]
     fn errors_name_line_column_value_and_remedy_and_reading_goes_on() {
-        let text = b"a,b\r\n1,2\r\n\r\n1,x\r\n1\r\n1,inf\r\n1,\r\n1,\xff\r\n1,\"2\"\r\n1,3";
+        let text = b"a,b\r\n1,2\r\n\r\n1,x\r\n1\r\n1,inf\r\n1,\r\n1,\xff\r\n1,\"2\"\r\n1,\"2\r\n1,3";
         let expected = [
             Ok(2.0),
             Err("line 4, column b: \"x\" is no number; write one like -12.5"),
@@ -400,7 +462,8 @@ mod tests {
             Err("line 6, column b: \"inf\" is not finite; leave out rows without a value"),
             Err("line 7, column b: \"\" is empty; write a number"),
             Err("line 8, column b: \"\u{fffd}\" is not UTF-8 text"),
-            Err("line 9, column b: \"\\\"2\\\"\" is no number; write one like -12.5"),
+            Ok(2.0),
+            Err("line 10, column b: \"\\\"2\" is no number; write one like -12.5"),
             Ok(3.0),
         ];
         assert_eq!(column_b(text), expected.map(|one| one.map_err(str::to_owned)));
@@ -418,6 +481,9 @@ mod tests {
         assert_eq!(fault("a,c\n"), "header: column b is missing; the header is \"a,c\"");
         assert_eq!(fault(""), "header: column b is missing; the header is \"\"");
         assert!(fault("b,a,b\n").contains("more than once"));
+        assert!(fault("a;b\n1;2\n").contains("by commas, not semicolons"));
+        assert!(fault("a\tb\n").contains("by commas, not tabs"));
+        assert!(fault("# a table\na,b\n").contains("not a comment"));
     }
 
     #[test]
@@ -436,6 +502,32 @@ mod tests {
         assert_eq!(time("3999999.999999999"), Ok(3_999_999_999_999_999));
         assert_eq!(time("-0.000000001"), Ok(-1));
         assert!(time("1620114891.8").unwrap_err().contains("count from midnight"));
+    }
+
+    #[test]
+    fn times_count_from_a_midnight_or_from_1970() {
+        const DAY_NS: i64 = 86_400_000_000_000;
+        let time = |text: &str| {
+            let text = format!("b\n{text}\n");
+            let mut table = Table::new(text.as_bytes()).unwrap();
+            let column = table.required("b").unwrap();
+            let row = table.next_row().unwrap().unwrap();
+            row.utc_ns(column, DAY_NS).map_err(|error| error.to_string())
+        };
+        assert_eq!(time("1.5"), Ok(DAY_NS + 1_500_000_000));
+        assert_eq!(time("-3999999.999999999"), Ok(DAY_NS - 3_999_999_999_999_999));
+        for (text, ns) in [
+            ("1795880310", 1_795_880_310_000_000_000),
+            ("1795880310.123456789", 1_795_880_310_123_456_789),
+            (" \"1795880310.1234567891\" ", 1_795_880_310_123_456_789),
+            ("1.5e9", 1_500_000_000_000_000_000),
+        ] {
+            assert_eq!(time(text), Ok(ns), "{text}");
+        }
+        // Milliseconds, a date as digits, and a time of no clock.
+        for text in ["1795880310123", "20261128", "-5e8"] {
+            assert!(time(text).unwrap_err().contains("or from 1970"), "{text}");
+        }
     }
 
     #[test]

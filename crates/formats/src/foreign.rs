@@ -1,17 +1,29 @@
 //! Kinds of files that are given as recordings of ASTERIX and are none.
 //!
-//! Raw data blocks have no mark, so that any file could be raw data blocks. After a failure to decode, this module
-//! identifies the kind of the file. Decodable files are not examined: a data block may look like any other format.
+//! Raw data blocks have no mark, so that any file could be raw data blocks. Two letters of text are a length of some
+//! ten thousand bytes, so that a long text even is a sequence of blocks. Text is therefore recognised first: the length
+//! of a block of ASTERIX begins with a byte that no text contains. Other kinds are looked for where little of the file
+//! can be decoded: a data block may look like any of them
+//! ([`RecordingSurvey::foreign`](crate::recording::RecordingSurvey::foreign)).
 
+use std::borrow::Cow;
 use std::fmt;
+
+use asterix::registry;
 
 /// Bytes at the beginning of a text that are looked at.
 const TEXT_BYTES: usize = 1 << 12;
 /// Bytes before the first data block of a `.gps` recording, and behind each data block.
 const GPS_HEADER: usize = 2_200;
 const GPS_TRAILER: usize = 10;
+/// Longest data block of a `.gps` recording: blocks came in datagrams.
+const GPS_BLOCK_MAX: usize = 1 << 12;
 /// Data blocks, or frames, in a row that make a kind certain.
 const ENOUGH: usize = 3;
+/// Byte order mark.
+const MARK: char = '\u{feff}';
+/// Lines at the beginning of a text among which comments and sentences of other kinds may stand.
+const LINES_BEFORE: usize = 20;
 
 /// Kind of a file that is no ASTERIX.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,6 +40,8 @@ pub enum Foreign {
     Beast,
     /// Sentences of the automatic identification system of ships.
     Ais,
+    /// Other sentences of NMEA 0183.
+    Nmea,
     /// Lines of transponder receivers.
     Sbs,
     /// Mode S frames as hexadecimal text.
@@ -36,8 +50,12 @@ pub enum Foreign {
     Hex,
     /// JSON.
     Json,
+    /// XML.
+    Xml,
     /// Table of text.
     Csv,
+    /// Text in units of two bytes.
+    Utf16,
     /// Other text.
     Text,
 }
@@ -49,15 +67,28 @@ impl Foreign {
             [] => Some(Self::Empty),
             [0x89, b'M', b'C', b'A', b'P', ..] => Some(Self::Mcap),
             [0x1f, 0x8b, 0x08, ..] => Some(Self::Gzip),
-            _ if is_beast(bytes) => Some(Self::Beast),
-            _ if is_gps(bytes) => Some(Self::Gps),
-            _ => text(bytes).map(Self::of_text),
+            [0xff, 0xfe, ..] | [0xfe, 0xff, ..] if is_utf16(bytes) => Some(Self::Utf16),
+            _ => Self::as_text(bytes).or_else(|| {
+                let kinds = [(Self::Beast, is_beast(bytes)), (Self::Gps, is_gps(bytes))];
+                kinds.into_iter().find_map(|(kind, is_it)| is_it.then_some(kind))
+            }),
         }
+    }
+
+    /// Kind of a file that is text; `None` if it is none.
+    pub fn as_text(bytes: &[u8]) -> Option<Self> {
+        let text = text(bytes).filter(|_| !bytes.is_empty())?;
+        Some(Self::of_text(text.trim_start_matches(MARK)))
     }
 
     fn of_text(text: &str) -> Self {
         let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
-        let first = lines.next().unwrap_or_default();
+        let is_ais = |line: &str| ["!AIVD", "!BSVD", "!ABVD"].iter().any(|head| line.contains(head));
+        // Receivers at sea write the sentences of all their devices, and loggers write a head.
+        if lines.clone().take(LINES_BEFORE).any(is_ais) {
+            return Self::Ais;
+        }
+        let first = lines.find(|line| !line.starts_with('#')).unwrap_or_default();
         let is_hex = |line: &str| line.bytes().all(|letter| letter.is_ascii_hexdigit() || letter == b' ');
         let mode_s = |line: &str| {
             let frame = line
@@ -65,8 +96,10 @@ impl Foreign {
                 .and_then(|line| line.strip_suffix(';'));
             frame.is_some_and(|frame| frame.len() >= 4 && is_hex(frame))
         };
-        if ["!AIVD", "!BSVD", "!ABVD"].iter().any(|head| first.contains(head)) {
-            Self::Ais
+        if first.starts_with(['$', '!']) && first.contains(',') {
+            Self::Nmea
+        } else if first.starts_with('<') && first.contains('>') {
+            Self::Xml
         } else if ["MSG,", "SEL,", "ID,", "AIR,", "STA,", "CLK,"]
             .iter()
             .any(|head| first.starts_with(head))
@@ -95,29 +128,49 @@ impl fmt::Display for Foreign {
             Self::Gzip => "it is compressed by gzip: unpack it",
             Self::Beast => "it is a recording of Beast frames (Mode S), which nothing here reads",
             Self::Ais => "it is a log of AIS (ships), which nothing here reads",
+            Self::Nmea => "it is a log of NMEA 0183 sentences",
             Self::Sbs => "it is an SBS log (BaseStation), which an adapter reads: [source.recorded] format = \"sbs\"",
             Self::ModeS => "it is a log of Mode S frames as text (AVR), which nothing here reads",
             Self::Hex => "it is hexadecimal text: turn it into octets, as `xxd -r -p` does",
             Self::Json => "it is JSON; `koseki encode` reads records of ASTERIX as JSON",
+            Self::Xml => "it is XML, which nothing here reads",
             Self::Csv => "it is a table of text",
+            Self::Utf16 => "it is text in UTF-16: save it as UTF-8",
             Self::Text => "it is text",
         })
     }
 }
 
-/// Beginning of a file as text, if all of it is text.
-fn text(bytes: &[u8]) -> Option<&str> {
+/// Beginning of a file as text, if all of it is text: letters without control characters, in UTF-8 or, with few letters
+/// beyond ASCII, in a code page of an older system.
+fn text(bytes: &[u8]) -> Option<Cow<'_, str>> {
+    /// Letters of which at most one is no ASCII.
+    const OF_ASCII: usize = 8;
     let beginning = &bytes[..bytes.len().min(TEXT_BYTES)];
     let text = match std::str::from_utf8(beginning) {
-        Ok(text) => text,
+        Ok(text) => Cow::Borrowed(text),
         // The last letter may be cut.
         Err(error) if error.valid_up_to() + 4 > beginning.len() && bytes.len() > TEXT_BYTES => {
-            std::str::from_utf8(&beginning[..error.valid_up_to()]).ok()?
+            Cow::Borrowed(std::str::from_utf8(&beginning[..error.valid_up_to()]).ok()?)
         }
-        Err(_) => return None,
+        Err(_) => {
+            let others = beginning.iter().filter(|octet| !octet.is_ascii()).count();
+            (OF_ASCII * others <= beginning.len()).then(|| String::from_utf8_lossy(beginning))?
+        }
     };
     let is_text = |letter: char| !letter.is_control() || letter.is_ascii_whitespace();
-    text.trim_start_matches('\u{feff}').chars().all(is_text).then_some(text)
+    text.trim_start_matches(MARK).chars().all(is_text).then_some(text)
+}
+
+/// Whether most units of two bytes behind the byte order mark are letters of the first 256.
+fn is_utf16(bytes: &[u8]) -> bool {
+    let high = usize::from(bytes[0] == 0xff);
+    let units = bytes[2..bytes.len().min(TEXT_BYTES)].chunks_exact(2);
+    let (of_all, latin) = (
+        units.len(),
+        units.filter(|unit| unit[high] == 0 && unit[1 - high] != 0).count(),
+    );
+    2 * latin > of_all
 }
 
 /// Whether some frames follow each other: an escape, a kind, and so many bytes, of which each escape is there twice.
@@ -153,7 +206,7 @@ fn is_gps(bytes: &[u8]) -> bool {
             return false;
         };
         let length = usize::from(u16::from_be_bytes([*high, *low]));
-        if *category == 0 || length < 4 {
+        if registry::default_edition(*category).is_none() || !(4..=GPS_BLOCK_MAX).contains(&length) {
             return false;
         }
         at += length + GPS_TRAILER;
@@ -185,7 +238,11 @@ mod tests {
             gps.extend([48, 0, length]);
             gps.extend(vec![1; usize::from(length) - 3 + GPS_TRAILER]);
         }
-        let cases: [(&[u8], Option<Foreign>); 16] = [
+        let utf16: Vec<u8> = "\u{feff}time_s,x\n1,2\n"
+            .encode_utf16()
+            .flat_map(u16::to_le_bytes)
+            .collect();
+        let cases: [(&[u8], Option<Foreign>); 24] = [
             (b"", Some(Foreign::Empty)),
             (b"\x89MCAP0\r\n\x01", Some(Foreign::Mcap)),
             (b"\x1f\x8b\x08\0", Some(Foreign::Gzip)),
@@ -202,7 +259,18 @@ mod tests {
             ),
             (b"\n30 00 08 80 01 02 03 04\n", Some(Foreign::Hex)),
             (b"{\"category\": 48}\n", Some(Foreign::Json)),
+            ("\u{feff}{\"category\": 48}\n".as_bytes(), Some(Foreign::Json)),
             (b"time_s,track\n1,2\n3,4\n", Some(Foreign::Csv)),
+            (b"# a log\n!AIVDM,1,1,,A,13u?,0*24\n", Some(Foreign::Ais)),
+            (
+                b"$PGHP,1,2020,1,1,0,0,0,0,338,2,,1,2D*2C\n!AIVDM,1,1,,A,1,0*24\n",
+                Some(Foreign::Ais),
+            ),
+            (b"$GPRMC,1,A,,,,,,,,,*00\n$GPGGA,2*00\n", Some(Foreign::Nmea)),
+            (b"<?xml version='1.0'?>\n<event/>\n", Some(Foreign::Xml)),
+            (b"# receiver 1\nMSG,3,1,1,4CA2D6,1\n", Some(Foreign::Sbs)),
+            (&utf16, Some(Foreign::Utf16)),
+            (b"MSG,1,1,1,4CA2D6,1,,,,,K\xe9LM123\n", Some(Foreign::Sbs)),
             ("root:x:0:0:Ω\n".as_bytes(), Some(Foreign::Text)),
             (&[48, 0, 8, 0x80, 1, 2, 3, 4], None),
         ];
@@ -212,5 +280,31 @@ mod tests {
         // A character of several bytes at the edge of the examined bytes.
         let long = [&vec![b'x'; TEXT_BYTES - 1][..], "Ω and more".as_bytes()].concat();
         assert_eq!(Foreign::of(&long), Some(Foreign::Text));
+    }
+
+    #[test]
+    fn long_texts_are_no_gps_recordings() {
+        // Behind byte 2,200 their letters are lengths of blocks that follow each other up to the end.
+        for (line, kind) in [
+            (
+                &b"MSG,3,1,1,4CA2D6,1,2020/01/01,12:00:00.000,,,,,,,,\n"[..],
+                Foreign::Sbs,
+            ),
+            (b"{\"hex\": \"abcd01\", \"lat\": 50.0}\n", Foreign::Json),
+            (b"!AIVDM,1,1,,A,13u?etPv2;0n:dDPwUM1U1Cb069D,0*24\n", Foreign::Ais),
+            (
+                b"$GPRMC,123519,A,4807.038,N,01131.000,E,022.4,084.4,230394,003.1,W*6A\n",
+                Foreign::Nmea,
+            ),
+            (b"*8D4840D6202CC371C32CE0576098;\n", Foreign::ModeS),
+            (b"1620114891.8 8D4840D6202CC371C32CE0576098\n", Foreign::Text),
+            (b"8D4840D6202CC371C32CE0576098\n", Foreign::Hex),
+            (b"1.5,4,abc,8D4840D6202CC371C32CE0576098\n", Foreign::Csv),
+        ] {
+            for length in [40_000, 200_000, 1_000_000] {
+                let text = line.repeat(length / line.len());
+                assert_eq!(Foreign::of(&text), Some(kind), "{}", String::from_utf8_lossy(line));
+            }
+        }
     }
 }

@@ -3,7 +3,7 @@
 //! A row is a report: time, identity of the track, state vector, upper triangle of the covariance, and state of the
 //! track. Identity of the target, method, trace, and flags for observed height and velocity may follow; without the
 //! two flag columns, both were observed. A source with only the trace of its covariance leaves the covariance columns
-//! empty, or omits them (TI-1).
+//! empty, or omits them (TI-1). Times of a file count from a midnight, or all from 1970.
 //!
 //! An empty cell, or a variance of 0, leaves the height or a component of the velocity unknown. A
 //! position needs variances, from the row or from the configured accuracy of its sensor. Further optional columns
@@ -37,6 +37,13 @@ const VARIANCE_ROUNDING: f64 = 5e-5;
 pub type SensorTrackWriter<W> = RowWriter<SensorTrack, W>;
 /// Reads sensor tracks.
 pub type SensorTrackReader<R, F> = RowReader<R, SensorTrackColumns<F>>;
+
+/// Whether a time since a midnight, nanoseconds, is beyond all that tables count from there: it counts from 1970.
+pub fn is_since_1970(time_ns: i64) -> bool {
+    /// As many days as seconds in 64 bits give exactly to the nanosecond.
+    const DAYS_MAX: i64 = 50;
+    time_ns > DAYS_MAX * frames::time::NS_PER_DAY
+}
 
 /// Sensor track under the id by which a file names its sensor.
 pub(crate) struct SensorTrackRow<'a> {
@@ -95,6 +102,8 @@ pub struct SensorTrackColumns<F> {
     accurate: Option<Vec<u32>>,
     /// Time of arrival of the row read last, nanoseconds.
     arrival_ns: i64,
+    /// Whether times count from 1970, and not from the first day; `None` before the first row.
+    since_1970: Option<bool>,
 }
 
 impl<R: Read, F: FnMut(u32) -> Option<u16>> SensorTrackReader<R, F> {
@@ -126,6 +135,7 @@ impl<R: Read, F: FnMut(u32) -> Option<u16>> SensorTrackReader<R, F> {
             arrival: table.optional("arrival_s")?,
             accurate: Some(Vec::new()),
             arrival_ns: first_day_ns,
+            since_1970: None,
         };
         Ok(Self { table, columns })
     }
@@ -173,7 +183,7 @@ impl<F: FnMut(u32) -> Option<u16>> Columns for SensorTrackColumns<F> {
         let has_accuracy = self.accurate.as_ref().is_none_or(|ids| ids.contains(&sensor));
         let covariance = self.covariance(row, trace_m2, &state, has_accuracy)?;
         let (kind, members) = self.kind(row)?;
-        let time_ns = row.time_ns(self.at.time)?.saturating_add(self.first_day_ns);
+        let time_ns = self.time_of(row)?;
         self.arrival_ns = self.arrival_of(row, time_ns)?;
         Ok(SensorTrack {
             time_of_measurement_ns: time_ns,
@@ -196,12 +206,24 @@ impl<F: FnMut(u32) -> Option<u16>> Columns for SensorTrackColumns<F> {
 }
 
 impl<F> SensorTrackColumns<F> {
+    /// The time of a row, nanoseconds, on the time base of the rows before.
+    fn time_of(&mut self, row: Cells<'_>) -> Result<i64, CsvError> {
+        let time_ns = row.utc_ns(self.at.time, self.first_day_ns)?;
+        let is_far = is_since_1970(time_ns.saturating_sub(self.first_day_ns));
+        if *self.since_1970.get_or_insert(is_far) != is_far {
+            let reason =
+                "does not count from where the first row counts; count all times from midnight or all from 1970";
+            return Err(row.error(self.at.time, reason));
+        }
+        Ok(time_ns)
+    }
+
     /// When the report of `time_ns` arrived, nanoseconds.
     fn arrival_of(&self, row: Cells<'_>, time_ns: i64) -> Result<i64, CsvError> {
         let Some(column) = self.arrival else {
             return Ok(time_ns);
         };
-        let arrival_ns = row.time_ns(column)?.saturating_add(self.first_day_ns);
+        let arrival_ns = row.utc_ns(column, self.first_day_ns)?;
         if arrival_ns < time_ns {
             return Err(row.error(column, "is before time_s; no report arrives before its measurement"));
         }

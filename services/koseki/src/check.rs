@@ -155,7 +155,9 @@ fn json(path: &Path, config: &Config, found: &[RecordingFindings], free_bytes: O
     };
     let warnings = settings.doubtful_lifetimes().into_iter().map(|doubt| doubt.to_string());
     let warnings = warnings.chain(settings.border.gaps().into_iter().map(|gap| gap.to_string()));
-    let warnings = warnings.chain(doubtful_periods(config, found));
+    let warnings = warnings
+        .chain(doubtful_periods(config, found))
+        .chain(doubtful_editions(found));
     json!({
         "sound": true,
         "warnings": warnings.collect::<Vec<_>>(),
@@ -212,6 +214,16 @@ fn period(source: &Source, config: &Config, found: Option<&RecordingFindings>) -
         Some(turn) => format!("every {} s, as {} show", digits(period_s), shown_by(turn.basis)),
         None => format!("every {period_s} s"),
     }
+}
+
+/// Blocks of recordings that fit another edition better.
+fn doubtful_editions(found: &[RecordingFindings]) -> impl Iterator<Item = String> {
+    let doubts = |found: &RecordingFindings| {
+        let file = found.file.display().to_string();
+        let doubts = found.doubts.iter().map(move |doubt| format!("{file}: {doubt}"));
+        doubts.collect::<Vec<_>>()
+    };
+    found.iter().flat_map(doubts)
 }
 
 /// A period that is configured, and that the source's recording contradicts.
@@ -306,7 +318,8 @@ fn summary(path: &Path, config: &Config, found: &[RecordingFindings], free_bytes
     for gap in settings.border.gaps() {
         row("warning", gap.to_string());
     }
-    for doubt in doubtful_periods(config, found).chain(check_trackers::doubts(config)) {
+    let doubts = doubtful_periods(config, found).chain(doubtful_editions(found));
+    for doubt in doubts.chain(check_trackers::doubts(config)) {
         row("warning", doubt);
     }
     let free = free_bytes.map_or_else(String::new, |free| format!("; {} are free", size(free)));

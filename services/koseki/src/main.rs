@@ -19,6 +19,7 @@ mod check_trackers;
 mod config;
 mod decode;
 mod doctor;
+mod editions;
 mod encode;
 mod feed;
 mod generate;
@@ -90,7 +91,11 @@ fn run(command: Command) -> anyhow::Result<()> {
         }
         Command::Up(up) => {
             let (config, options) = args::deployment(&up.config, up.shared)?;
-            recordings::inspect(&config, &options.data, Depth::Blocks)?;
+            for found in recordings::inspect(&config, &options.data, Depth::Blocks)? {
+                for doubt in &found.doubts {
+                    runtime::notice(format_args!("koseki: {}: {doubt}", found.file.display()));
+                }
+            }
             display::check_maps(config.parts.display(), &config.frame, &options.data).map_err(Usage)?;
             display::check_views(config.parts.display(), &options.data).map_err(Usage)?;
             launch(&config, options, up.seconds, up.fresh)

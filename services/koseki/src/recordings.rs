@@ -1,17 +1,18 @@
 //! Check of the recordings against the configuration, before the start of processes.
 //!
 //! A missing recording, a recording of another sensor, or a truncated recording would otherwise appear only as a
-//! source that is silent, or falls silent early. Therefore each file is read, the headers of its data blocks are
-//! followed, and its first target report is decoded; `koseki check` decodes everything. An error is one line: file,
+//! source that is silent, or falls silent early. Therefore each file is read, its data blocks are compared with their
+//! editions, and its first target report is decoded; `koseki check` decodes everything. An error is one line: file,
 //! byte, found value, expected value, and remedy.
 //!
-//! Limit: damage within a block is not detected here. The adapter skips and counts undecodable bytes.
+//! Limit: of damage within blocks, only a count is given, as long as most blocks of the category fit their edition.
+//! The adapter skips and counts undecodable bytes.
 
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use asterix::{Error as BlockError, blocks, registry};
+use asterix::{Edition, Error as BlockError, Mode, blocks, registry};
 use csv_table::CsvError;
 use deployment::{
     Input, Platform, PlatformInput, PlotFormat, Recorded, RecordedFormat, SampleDelivery, Source, Truncated,
@@ -21,6 +22,7 @@ use formats::autoferry;
 use formats::containers::{Container, TimeStamp, datagrams};
 use formats::foreign::Foreign;
 use formats::platform_states_csv::PlatformStateReader;
+use formats::recording::{RecordingBytes, RecordingSurvey};
 use formats::sbs::{AircraftMerger, SbsLine, SbsSettings};
 use formats::scan_rows_csv::ScanRowReader;
 use formats::sensor_tracks_csv::SensorTrackReader;
@@ -31,6 +33,7 @@ use tracking::turn_time::TurnEstimate;
 use tracking::wide_area::arrivals::Arrivals;
 
 use crate::config::Config;
+use crate::editions;
 
 /// Thoroughness of a look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,6 +65,8 @@ pub(crate) struct RecordingFindings {
     pub(crate) last_time_ns: Option<i64>,
     /// Duration of the antenna turn in the data, for a source tracked from its plots, if every record was decoded.
     pub(crate) turn: Option<TurnEstimate>,
+    /// Sentences on blocks that fit another edition better than the one by which they are read.
+    pub(crate) doubts: Vec<String>,
 }
 
 /// A recording that cannot be used.
@@ -225,7 +230,14 @@ fn inspect_wide_area(sensor: &WideAreaSensor, data: &Path, depth: Depth) -> Resu
 
 fn look(bytes: &[u8], recorded: &Recorded, key: &RecordingOwner, depth: Depth) -> Result<RecordingFindings, String> {
     let (blocks, found) = match recorded.format {
-        RecordedFormat::Asterix => (walk(bytes, recorded, key)?, decode(bytes, recorded, depth)),
+        RecordedFormat::Asterix => {
+            let survey = survey(bytes, recorded);
+            check_kind(bytes, recorded, &survey, key)?;
+            let doubts = doubts(&survey, recorded, key)?;
+            let blocks = count_blocks(bytes, recorded, &survey, key)?;
+            let decoded = decode(bytes, recorded, depth);
+            (blocks, RecordingFindings { doubts, ..decoded })
+        }
         RecordedFormat::Sbs => (0, read_lines(bytes, key)?),
         RecordedFormat::SensorTracks => (0, read_rows(bytes, key)?),
     };
@@ -243,50 +255,63 @@ fn look(bytes: &[u8], recorded: &Recorded, key: &RecordingOwner, depth: Depth) -
     })
 }
 
-/// Counts the blocks. Data of another sensor are reported first: they need not even be blocks.
-fn walk(bytes: &[u8], recorded: &Recorded, key: &RecordingOwner) -> Result<usize, String> {
-    let expected = expected_categories(recorded);
-    let (mut count, mut known, mut others) = (0, false, Vec::new());
-    let mut wrong = None;
-    let is_raw = Container::detect(bytes) == Container::Raw;
-    for datagram in datagrams(bytes).flatten() {
-        for block in blocks(&datagram.bytes) {
-            match block {
-                Ok(block) if expected.contains(&block.category) => {
-                    count += 1;
-                    known = true;
-                }
-                Ok(block) => {
-                    count += 1;
-                    if !others.contains(&block.category) {
-                        others.push(block.category);
-                    }
-                }
-                // A capture may contain other network traffic, which is counted, not an error.
-                Err(error) if is_raw => wrong = Some(error),
-                Err(_) => {}
-            }
-        }
-    }
+/// Compares the blocks with the editions by which the source's adapter reads them.
+fn survey(bytes: &[u8], recorded: &Recorded) -> RecordingSurvey {
+    let tables = recorded.asterix.tables.iter();
+    let recording = RecordingBytes::new(bytes).with_mode(recorded.asterix.mode);
+    tables
+        .fold(recording, |recording, table| recording.with_table(table))
+        .survey()
+}
+
+/// Checks that the file is a recording, and of this sensor.
+fn check_kind(bytes: &[u8], recorded: &Recorded, survey: &RecordingSurvey, key: &RecordingOwner) -> Result<(), String> {
     let (whose, place) = (&key.whose, &key.place);
-    let foreign = Foreign::of(bytes).filter(|kind| !known && is_raw && *kind != Foreign::Empty);
-    if let Some(kind) = foreign {
+    let expected = expected_categories(recorded);
+    if let Some(kind) = survey.foreign(bytes).filter(|kind| *kind != Foreign::Empty) {
         return Err(format!(
             "no ASTERIX, expected category {} for {whose}: {kind}; correct {place}.file or .format",
             categories(&expected, "or")
         ));
     }
-    match wrong {
-        _ if !known && !others.is_empty() => Err(format!(
+    let found: Vec<u8> = survey.categories.keys().copied().collect();
+    if !found.is_empty() && !found.iter().any(|category| expected.contains(category)) {
+        return Err(format!(
             "byte 0: found blocks of category {} only, expected {} for {whose}: correct {place}.file or .editions",
-            categories(&others, "and"),
+            categories(&found, "and"),
             categories(&expected, "or")
+        ));
+    }
+    Ok(())
+}
+
+/// Counts the blocks.
+fn count_blocks(
+    bytes: &[u8],
+    recorded: &Recorded,
+    survey: &RecordingSurvey,
+    key: &RecordingOwner,
+) -> Result<usize, String> {
+    let (whose, place) = (&key.whose, &key.place);
+    let count = survey.blocks() as usize;
+    // A capture may contain other network traffic, which is counted, not an error.
+    let is_raw = survey.container == Container::Raw;
+    let wrong = is_raw.then(|| blocks(bytes).find_map(Result::err)).flatten();
+    match wrong {
+        Some(error) if survey.records() == 0 => Err(format!(
+            "{error}, and nothing before it is a record: the file is no ASTERIX; it is the recording of {whose}: correct \
+             {place}.file or .format"
         )),
         Some(error @ BlockError::BlockLength { .. }) => Err(format!(
             "{error}: nothing from here on can be read; record or copy it anew, or keep the first {} bytes",
             error.offset()
         )),
-        Some(_) if known && recorded.truncated == Truncated::Accept => Ok(count),
+        Some(_) if recorded.truncated == Truncated::Accept => Ok(count),
+        Some(error) if 2 * error.offset() < bytes.len() => Err(format!(
+            "{error}: nothing from here on is a data block; record or copy it anew, or use the first {} bytes alone by \
+             {place}.truncated = \"accept\"",
+            error.offset()
+        )),
         Some(error) => Err(format!(
             "{error}: the recording was cut short; copy it anew, or use it without this block by {place}.truncated = \
              \"accept\""
@@ -296,6 +321,27 @@ fn walk(bytes: &[u8], recorded: &Recorded, key: &RecordingOwner) -> Result<usize
         )),
         None => Ok(count),
     }
+}
+
+/// Returns a sentence for each category of which a small part fits another edition better.
+///
+/// # Errors
+/// The sentence on the first category of which most blocks do not fit: what is left of it fits by accident.
+fn doubts(survey: &RecordingSurvey, recorded: &Recorded, key: &RecordingOwner) -> Result<Vec<String>, String> {
+    let expected = expected_categories(recorded);
+    let mut doubts = Vec::new();
+    let read = survey.categories.iter().filter(|(number, _)| expected.contains(number));
+    for (number, category) in read {
+        let (place, is_strict) = (&key.place, recorded.asterix.mode == Mode::Strict);
+        let set = |edition: Edition| format!("set {place}.editions = {{ \"{number}\" = \"{edition}\" }}");
+        let sentence = editions::verdict(*number, category, is_strict, set);
+        match sentence {
+            Some(sentence) if category.is_withheld() => return Err(sentence),
+            Some(sentence) if category.better().is_some() => doubts.push(sentence),
+            _ => {}
+        }
+    }
+    Ok(doubts)
 }
 
 /// The categories of the editions that the configuration lists; without any, all that there are tables for.
@@ -372,6 +418,13 @@ fn read_lines(bytes: &[u8], key: &RecordingOwner) -> Result<RecordingFindings, S
         }
     }
     found.records = merger.counters().messages;
+    let foreign = Foreign::of(bytes).filter(|kind| ![Foreign::Sbs, Foreign::Empty].contains(kind));
+    if let Some(kind) = foreign.filter(|_| found.records == 0) {
+        let (whose, place) = (&key.whose, &key.place);
+        return Err(format!(
+            "no line of SBS-1, expected some for {whose}: {kind}; correct {place}.file or .format"
+        ));
+    }
     if found.records > 0 && !timed {
         return Err(format!(
             "no line has a time (values 7 to 10): the times of {} are unknown; record the lines with their \
@@ -492,7 +545,7 @@ mod tests {
     fn another_category_is_named() {
         let line = outcome(&[48, 0, 4, 0, 34, 0, 3], &[]).unwrap_err();
         assert!(
-            line.starts_with("byte 0: found blocks of category 048 and 034 only, expected 010 for source \"radar\"")
+            line.starts_with("byte 0: found blocks of category 034 and 048 only, expected 010 for source \"radar\"")
         );
         assert!(line.contains("source[0].recorded.file"), "{line}");
         // The same, where it is cut as well: that does not matter any more.

@@ -136,7 +136,8 @@ FILE     time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,P01,…,P55,state  
          and, if known, address,mode_3a,callsign,method,trace,height_valid,velocity_valid, of ships mmsi,name, and from
          `koseki track` kind,members,type,type_confidence (docs/wide-area.md). Metres, m/s, the upper triangle of the covariance row by
          row, or instead only its trace over east and north; state is tentative, confirmed, coasted or terminated. A file
-         may contain several sensors; several files are merged by time. Unusable rows are omitted and counted.
+         may contain several sensors; several files are merged by time. Unusable rows are omitted and counted; a file is
+         refused if more than 1 % of its rows are out of order. Times count on across midnight, or from 1970 (UTC) in all files.
          With a column arrival_s (absolute, not before time_s), rows are delivered in its order, whatever their order in the
          file, and time passes with it; a row that is late by up to fusion.late_window_s (10 s) changes the states as if it
          had come in time.
@@ -174,7 +175,7 @@ pub struct Fuse {
     /// Write rows at whole multiples of this interval, seconds [default: a row per update]
     #[arg(long, value_name = "SECONDS", value_parser = refresh)]
     pub(crate) refresh: Option<Duration>,
-    /// File for the system tracks
+    /// File for the system tracks; - for standard output
     #[arg(long, value_name = "FILE")]
     pub(crate) out: PathBuf,
     /// File for decisions with their reasons, a row per decision
@@ -283,7 +284,7 @@ pub struct TrackArgs {
     /// Tracker process whose detections are taken from a recording, if the recording has several
     #[arg(long, value_name = "NAME")]
     pub(crate) tracker: Option<String>,
-    /// File for the tracks
+    /// File for the tracks; - for standard output
     #[arg(long, value_name = "FILE")]
     pub(crate) out: PathBuf,
     /// Write the tracks at whole multiples of this period, instead of after each scan, seconds
@@ -375,7 +376,7 @@ pub struct Locate {
     /// Settings of filters and selection: a TOML file
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
-    /// File for the fixes
+    /// File for the fixes; - for standard output
     #[arg(long, value_name = "FILE")]
     pub(crate) out: PathBuf,
     /// File for decisions with their reasons, a row per decision

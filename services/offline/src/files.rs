@@ -2,16 +2,20 @@
 //!
 //! An output file appears complete or not at all: a command writes it under another name in the same folder and
 //! renames it when it is complete. A command that fails or is killed leaves no partial table under the final name,
-//! and the result of an earlier run remains until a new result replaces it.
+//! and the result of an earlier run remains until a new result replaces it. `-` is standard output.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
+use std::os::fd::AsFd as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 
 /// Size of read and write buffers, bytes.
 const BUFFER_OCTETS: usize = 1 << 18;
+
+/// Output that is standard output.
+const STANDARD_OUTPUT: &str = "-";
 
 /// Command line that is well-formed but contradictory.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -83,13 +87,30 @@ pub fn check_outputs<'a>(
     Ok(())
 }
 
+/// Rejects an output to standard output beside an answer as JSON, which goes there, too.
+///
+/// # Errors
+/// The option.
+pub(crate) fn check_answer(json: bool, outputs: &[(&str, Option<&PathBuf>)]) -> Result<(), Usage> {
+    let is_there = |file: Option<&PathBuf>| file.is_some_and(|file| file == Path::new(STANDARD_OUTPUT));
+    match outputs.iter().find(|(_, file)| json && is_there(*file)) {
+        Some((option, _)) => Err(Usage(format!(
+            "{option} - and --json would mix on standard output: give {option} a file"
+        ))),
+        None => Ok(()),
+    }
+}
+
 /// Output file that appears when it is complete.
 #[derive(Debug)]
 pub struct OutputFile {
     path: PathBuf,
-    /// Path written until completion; `None` for a device or a pipe, which is written directly.
+    /// Path written until completion; `None` for a device, a pipe or standard output, which are written directly.
     unfinished: Option<PathBuf>,
+    /// `None` once the file is complete, or the reader of standard output has closed it.
     writer: Option<BufWriter<File>>,
+    /// Whether the reader of standard output has closed it, as `| head` does.
+    is_closed: bool,
 }
 
 impl OutputFile {
@@ -98,6 +119,16 @@ impl OutputFile {
     /// # Errors
     /// If the file cannot be written there.
     pub fn begin(path: &Path) -> anyhow::Result<Self> {
+        if path == Path::new(STANDARD_OUTPUT) {
+            let duplicate = io::stdout().as_fd().try_clone_to_owned();
+            let file = File::from(duplicate.context("standard output cannot be written")?);
+            return Ok(Self {
+                path: "standard output".into(),
+                unfinished: None,
+                writer: Some(BufWriter::with_capacity(BUFFER_OCTETS, file)),
+                is_closed: false,
+            });
+        }
         let is_device = fs::metadata(path).is_ok_and(|found| !found.is_file());
         let unfinished = (!is_device).then(|| unfinished_name(path));
         let at = unfinished.as_deref().unwrap_or(path);
@@ -111,6 +142,7 @@ impl OutputFile {
             path: path.to_owned(),
             unfinished,
             writer: Some(BufWriter::with_capacity(BUFFER_OCTETS, file)),
+            is_closed: false,
         })
     }
 
@@ -119,7 +151,8 @@ impl OutputFile {
     /// # Errors
     /// If the file cannot be completed or moved.
     pub fn finish(mut self) -> anyhow::Result<()> {
-        let finished = self.writer.take().map_or(Ok(()), |mut writer| writer.flush());
+        let finished = self.flush();
+        self.writer = None;
         finished
             .and_then(|()| match &self.unfinished {
                 Some(unfinished) => fs::rename(unfinished, &self.path),
@@ -131,16 +164,34 @@ impl OutputFile {
     }
 }
 
+impl OutputFile {
+    /// What became of a write to a file, or to standard output: a closed reader is no failure.
+    fn written<T>(&mut self, outcome: io::Result<T>, all: T) -> io::Result<T> {
+        match outcome {
+            Err(error) if error.kind() == io::ErrorKind::BrokenPipe && self.unfinished.is_none() => {
+                // What the buffer holds is not written again when it is dropped.
+                let _ = self.writer.take().map(BufWriter::into_parts);
+                self.is_closed = true;
+                Ok(all)
+            }
+            outcome => outcome,
+        }
+    }
+}
+
 impl Write for OutputFile {
     fn write(&mut self, octets: &[u8]) -> io::Result<usize> {
-        match &mut self.writer {
+        let outcome = match &mut self.writer {
             Some(writer) => writer.write(octets),
-            None => Err(io::ErrorKind::NotConnected.into()),
-        }
+            None if self.is_closed => return Ok(octets.len()),
+            None => return Err(io::ErrorKind::NotConnected.into()),
+        };
+        self.written(outcome, octets.len())
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.writer.as_mut().map_or(Ok(()), Write::flush)
+        let outcome = self.writer.as_mut().map_or(Ok(()), Write::flush);
+        self.written(outcome, ())
     }
 }
 

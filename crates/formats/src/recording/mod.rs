@@ -35,6 +35,7 @@ pub use statistics::{Rate, RecordSender, SenderSummary, Statistics};
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::containers::{Container, ContainerCounts, Datagrams, RecordedDatagram, TimeStamp};
+use crate::foreign::Foreign;
 use asterix::choice::ChosenEdition;
 use asterix::field::{self, Elements};
 use asterix::{Block, Category, Edition, Error, Mode, Record, blocks_at, registry};
@@ -86,6 +87,8 @@ pub struct CategorySurvey {
     pub blocks_refused: u64,
     /// The records in those that do.
     pub records: u64,
+    /// Bytes of the blocks that do.
+    pub octets: u64,
     /// For each other edition, how many of the blocks refused fit it; the default first, then by number.
     pub others: Vec<(Edition, u64)>,
     /// Elements with latitudes, if impossible latitudes count against the edition.
@@ -220,6 +223,31 @@ impl RecordingSurvey {
     pub fn blocks(&self) -> u64 {
         self.categories.values().map(|category| category.blocks).sum()
     }
+
+    /// The records that are given.
+    pub fn records(&self) -> u64 {
+        self.given().map(|category| category.records).sum()
+    }
+
+    /// Whether most of the surveyed bytes are in blocks whose records are given.
+    pub fn is_mostly_read(&self, bytes: &[u8]) -> bool {
+        let octets: u64 = self.given().map(|category| category.octets).sum();
+        2 * octets > bytes.len() as u64
+    }
+
+    /// Kind of the surveyed bytes if they are no recording: text, and other kinds where less than half can be decoded.
+    /// Captures have marks of their own.
+    pub fn foreign(&self, bytes: &[u8]) -> Option<Foreign> {
+        match self.container {
+            Container::Raw if self.is_mostly_read(bytes) => Foreign::as_text(bytes),
+            Container::Raw => Foreign::of(bytes),
+            Container::Pcap | Container::PcapNg | Container::Final => None,
+        }
+    }
+
+    fn given(&self) -> impl Iterator<Item = &CategorySurvey> {
+        self.categories.values().filter(|category| !category.is_withheld())
+    }
 }
 
 impl CategorySurvey {
@@ -232,6 +260,7 @@ impl CategorySurvey {
             blocks: 0,
             blocks_refused: 0,
             records: 0,
+            octets: 0,
             others: others.map(|other| (other.edition, 0)).collect(),
             latitudes: table.map(latitudes).unwrap_or_default(),
         }
@@ -263,7 +292,10 @@ impl CategorySurvey {
             }),
         };
         match fitted {
-            Ok(records) => self.records += records,
+            Ok(records) => {
+                self.records += records;
+                self.octets += block.bytes.len() as u64;
+            }
             Err(_) => {
                 self.blocks_refused += 1;
                 for (edition, fitting) in &mut self.others {

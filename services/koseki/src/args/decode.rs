@@ -10,9 +10,10 @@ use super::values::editions_help;
 
 pub(super) const DECODE_EXAMPLES: &str = "\
 Examples:
+  koseki decode radar.pcap                     statistics: what it holds
   koseki decode radar.pcap --out radar.jsonl
   koseki decode adsb.ast --edition 21=0.23 --out - | head -1
-  koseki decode night.ff --statistics --json night.json
+  koseki decode night.ff --json night.json
 
 FILE contains bare data blocks, is a capture (pcap, pcapng), or has frames of the final format; its first bytes identify
 the kind. A line of output has the item numbers of a record as keys, \"_c\" for the category and \"_ts\" for the second
@@ -40,10 +41,17 @@ pub(crate) struct DecodeArgs {
     /// File for the records, a JSON object per line; - for standard output
     #[arg(long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
-    /// Print amounts and times per sender, and rejected blocks
+    /// Print amounts and times per sender, and rejected blocks [default: without --out]
     #[arg(long)]
     pub(crate) statistics: bool,
     /// File for the same statistics as JSON
-    #[arg(long, value_name = "FILE", requires = "statistics")]
+    #[arg(long, value_name = "FILE")]
     pub(crate) json: Option<PathBuf>,
+}
+
+impl DecodeArgs {
+    /// Whether statistics are printed: where nothing else is asked for, too.
+    pub(crate) fn shows_statistics(&self) -> bool {
+        self.statistics || self.out.is_none() || self.json.is_some()
+    }
 }

@@ -15,7 +15,6 @@ use anyhow::Context as _;
 use asterix::choice::ChosenEdition;
 use asterix::{JsonLines, Mode};
 use formats::containers::TimeStamp;
-use formats::foreign::Foreign;
 use formats::recording::{Expansions, RecordingBytes, RecordingSurvey, Statistics};
 use offline::{Usage, is_same_file};
 
@@ -37,6 +36,9 @@ pub(crate) fn run(decode: &DecodeArgs) -> anyhow::Result<()> {
     let bytes = fs::read(&decode.file).with_context(|| format!("{} cannot be read", decode.file.display()))?;
     let recording = open(decode, &bytes);
     let survey = recording.survey();
+    if let Some(kind) = survey.foreign(&bytes) {
+        anyhow::bail!("{}: no record of ASTERIX can be read: {kind}", decode.file.display());
+    }
     let mut expansions = Expansions::new(&decode.editions);
     if let Some(out) = &decode.out {
         let lines = RecordLines {
@@ -46,7 +48,7 @@ pub(crate) fn run(decode: &DecodeArgs) -> anyhow::Result<()> {
         };
         lines.write_to(out, &mut expansions)?;
     }
-    if decode.statistics {
+    if decode.shows_statistics() {
         let statistics = gather(&recording, &survey);
         crate::print(&tables::tables(&decode.file, &survey, &statistics))?;
         if let Some(path) = &decode.json {
@@ -57,9 +59,8 @@ pub(crate) fn run(decode: &DecodeArgs) -> anyhow::Result<()> {
     // With standard error closed, the records are written all the same.
     let said = notes::notes(decode, &survey) + &notes::of_expansions(&expansions);
     let _ = io::stderr().write_all(said.as_bytes());
-    if notes::records_given(&survey) == 0 {
-        let kind = Foreign::of(&bytes).map_or_else(String::new, |kind| format!(": {kind}"));
-        anyhow::bail!("{}: no record of ASTERIX can be read{kind}", decode.file.display());
+    if survey.records() == 0 {
+        anyhow::bail!("{}: no record of ASTERIX can be read", decode.file.display());
     }
     Ok(())
 }
@@ -67,15 +68,8 @@ pub(crate) fn run(decode: &DecodeArgs) -> anyhow::Result<()> {
 fn check(decode: &DecodeArgs) -> Result<(), Usage> {
     let refuse = |what: &str| Err(Usage(format!("{what} (see `koseki decode --help`)")));
     let to_standard_output = decode.out.as_deref() == Some(Path::new(STANDARD_OUTPUT));
-    match &decode.out {
-        None if !decode.statistics => refuse(
-            "nothing is asked for: write the records with --out FILE.jsonl, or with --out - to standard output, or \
-             print statistics with --statistics",
-        )?,
-        Some(_) if to_standard_output && decode.statistics => {
-            refuse("--out - and --statistics would mix on standard output: give --out a file")?;
-        }
-        _ => {}
+    if to_standard_output && decode.shows_statistics() {
+        refuse("--out - and statistics would mix on standard output: give --out a file")?;
     }
     for written in [&decode.out, &decode.json].into_iter().flatten() {
         if is_same_file(written, &decode.file) {

@@ -3,24 +3,23 @@
 use std::fmt::Write as _;
 
 use asterix::Edition;
-use formats::recording::{CategorySurvey, Expansions, RecordingSurvey, RefusalGroup};
+use formats::recording::{Expansions, RecordingSurvey, RefusalGroup};
 use telemetry::table::count;
 
 use crate::args::DecodeArgs;
+use crate::editions;
 
 /// Reasons that are shown; `--statistics` shows all.
 const REASONS_SHOWN_MAX: usize = 20;
 /// Categories without a table that are shown.
 const CATEGORIES_SHOWN_MAX: usize = 8;
-/// Editions that are shown, of those that fit equally well.
-const EDITIONS_SHOWN_MAX: usize = 4;
 
 /// Returns notes on a recording: a line with its content, and a line for each omission.
 pub(super) fn notes(decode: &DecodeArgs, survey: &RecordingSurvey) -> String {
     let mut text = format!(
         "koseki: {}: {} of {} in {} ({})\n",
         decode.file.display(),
-        several(records_given(survey), "record"),
+        several(survey.records(), "record"),
         several(survey.blocks(), "block"),
         several(survey.unpacked.datagrams, "datagram"),
         survey.container,
@@ -28,8 +27,9 @@ pub(super) fn notes(decode: &DecodeArgs, survey: &RecordingSurvey) -> String {
     // Writing to a string cannot fail.
     let mut note = |line: &str| writeln!(text, "koseki: {line}").unwrap_or(());
     for (number, category) in &survey.categories {
-        if let Some(edition) = category.edition.filter(|_| category.blocks_refused > 0) {
-            note(&verdict(*number, category, edition, decode.strict));
+        let try_it = |edition: Edition| format!("try --edition {number}={edition}");
+        if let Some(line) = editions::verdict(*number, category, decode.strict, try_it) {
+            note(&line);
         }
     }
     if let Some(line) = without_table(survey) {
@@ -37,11 +37,15 @@ pub(super) fn notes(decode: &DecodeArgs, survey: &RecordingSurvey) -> String {
     }
     let refusals = survey.refusals.by_count();
     // A table shows them better.
-    let shown = if decode.statistics { 0 } else { REASONS_SHOWN_MAX };
+    let shown = if decode.shows_statistics() {
+        0
+    } else {
+        REASONS_SHOWN_MAX
+    };
     for refusal in refusals.iter().take(shown) {
         note(&sentence(refusal));
     }
-    if !decode.statistics && refusals.len() > shown {
+    if !decode.shows_statistics() && refusals.len() > shown {
         note(&format!(
             "and for {} more reasons; --statistics shows all",
             refusals.len() - shown
@@ -66,54 +70,6 @@ pub(super) fn of_expansions(expansions: &Expansions) -> String {
         )
     });
     notes.collect()
-}
-
-pub(super) fn records_given(survey: &RecordingSurvey) -> u64 {
-    let given = survey.categories.values().filter(|category| !category.is_withheld());
-    given.map(|category| category.records).sum()
-}
-
-/// Returns a note on a category with blocks that do not fit: the consequence, and a suggestion.
-fn verdict(number: u8, category: &CategorySurvey, edition: Edition, strict: bool) -> String {
-    let refused = count(category.blocks_refused);
-    let of = match category.blocks {
-        1 => "1 block does".to_owned(),
-        blocks => format!("{} blocks do", count(blocks)),
-    };
-    let consequence = match category.is_withheld() {
-        true => "none of its records is given, because blocks may fit by accident",
-        false => "they are left out",
-    };
-    let strictly = if strict { " strictly" } else { "" };
-    let remedy = remedy(number, category, strict);
-    format!("category {number:03}: {refused} of {of} not fit edition {edition}{strictly}: {consequence}{remedy}")
-}
-
-fn remedy(number: u8, category: &CategorySurvey, strict: bool) -> String {
-    let list = |editions: &[Edition]| {
-        let names: Vec<String> = editions.iter().map(ToString::to_string).collect();
-        names.join(", ")
-    };
-    if let Some((editions, fitting)) = category.better() {
-        let (first, fitting) = (editions[0], count(fitting));
-        let so_do = match &editions[1..editions.len().min(EDITIONS_SHOWN_MAX)] {
-            [] => String::new(),
-            same => format!(" (so do {})", list(same)),
-        };
-        return format!("; edition {first} fits {fitting} of them{so_do}: try --edition {number}={first}");
-    }
-    if !category.is_withheld() {
-        return String::new();
-    }
-    let others: Vec<Edition> = category.others.iter().map(|(edition, _)| *edition).collect();
-    match (others.is_empty(), strict) {
-        (true, _) => "; there is no table of another edition".to_owned(),
-        (false, true) => format!("; the other editions here ({}) fit no better", list(&others)),
-        (false, false) => format!(
-            "; the other editions here ({}) fit no better, so the sender uses one that is not known",
-            list(&others)
-        ),
-    }
 }
 
 /// Returns a note on categories without a decoder; a capture with other traffic may have many.

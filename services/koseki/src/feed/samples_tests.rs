@@ -107,6 +107,16 @@ fn identities_are_read() {
 }
 
 #[test]
+fn a_byte_order_mark_and_many_decimals_change_nothing() {
+    let line = r#"{"track": 1, "position_m": [1, 2], "sigma_m": 30, "time": "2026-05-01T10:00:00.123456789Z"}"#;
+    let plain = tracked(line).unwrap();
+    assert_eq!(tracked(&format!("\u{feff}{line}")).unwrap(), plain);
+    for decimals in ["123456789012", "1234567890123456789012345"] {
+        assert_eq!(tracked(&line.replace("123456789", decimals)).unwrap(), plain);
+    }
+}
+
+#[test]
 fn a_ships_number_is_digits_with_or_without_quotation_marks() {
     let identity = |fields: &str| {
         let line = format!(r#"{{"track": 1, "position_m": [1, 2], "sigma_m": 30, {fields}}}"#);
@@ -116,6 +126,8 @@ fn a_ships_number_is_digits_with_or_without_quotation_marks() {
         (r#""227000000""#, 227_000_000),
         ("227000000", 227_000_000),
         (r#""002275400""#, 2_275_400),
+        ("2275400", 2_275_400),
+        (r#""023320001""#, 23_320_001),
     ] {
         let found = identity(&format!(r#""mmsi": {text}, "name": "QUEEN MARY 2""#)).unwrap();
         assert_eq!(
@@ -129,6 +141,10 @@ fn a_ships_number_is_digits_with_or_without_quotation_marks() {
         (r#""mmsi": "22700000A""#, "mmsi", "write it as in \"211234560\""),
         (r#""mmsi": 2270000000"#, "mmsi", "nine digits"),
         (r#""mmsi": 0"#, "mmsi", "nine digits"),
+        // 001193046 would be a coast station of the country 119, which there is not.
+        (r#""mmsi": 1193046"#, "mmsi", "nine digits"),
+        (r#""mmsi": "12345""#, "mmsi", "nine digits"),
+        (r#""mmsi": 227000000, "mmsi": 227000001"#, "mmsi", "must be given once"),
         (r#""mmsi": -5"#, "mmsi", "nine digits"),
         (
             r#""mmsi": 227000000, "address": "87BEC0""#,
@@ -151,6 +167,14 @@ fn each_mistake_is_named_by_field_and_remedy() {
     let mistakes = [
         ("41.3, 2.1", "line", "must be JSON"),
         ("[1, 2]", "line", "must be a JSON object"),
+        ("12.5", "line", "must be a JSON object"),
+        ("\"track\"", "line", "must be a JSON object"),
+        ("null", "line", "must be a JSON object"),
+        (
+            r#"{"track": 1, "sigma_m": 30, "track": 2}"#,
+            "track",
+            "must be given once",
+        ),
         (
             r#"{"latitude": 91, "longitude": 2, "sigma_m": 5}"#,
             "latitude",

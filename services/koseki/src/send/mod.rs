@@ -16,6 +16,8 @@ use std::path::Path;
 use std::time::Duration;
 
 use anyhow::Context as _;
+use asterix::Edition;
+use formats::recording::RecordingBytes;
 use offline::{InputError, Usage};
 use runtime::clock::mono_ns;
 use runtime::signals::Stop;
@@ -24,6 +26,7 @@ use serde_json::json;
 use telemetry::table::count;
 
 use crate::args::{Retime, Send};
+use crate::editions;
 use pieces::{Mover, Pieces, Timed, begins_ns, offsets_ns};
 use way_out::WayOut;
 
@@ -33,6 +36,8 @@ const SLEEP_MAX_NS: i64 = 100_000_000;
 const PROGRESS_NS: i64 = 1_000_000_000;
 /// Nanoseconds in a second.
 const S: f64 = 1e9;
+/// Why a file is not sent.
+const NOTHING_TO_SEND: &str = "holds neither data blocks of ASTERIX, lines of SBS-1 nor snapshots of an antenna array";
 
 /// Sends.
 ///
@@ -52,6 +57,7 @@ pub(crate) fn run(send: &Send) -> anyhow::Result<()> {
     let mut recordings = Vec::new();
     for (sent, octets) in send.files.iter().zip(&contents) {
         let pieces = Pieces::of(octets, &send.editions).map_err(|error| InputError::new(&sent.file, error))?;
+        examine(&sent.file, octets, &pieces, send)?;
         recordings.push(pieces);
     }
     let begins: Vec<Option<i64>> = recordings.iter().map(begins_ns).collect();
@@ -60,8 +66,7 @@ pub(crate) fn run(send: &Send) -> anyhow::Result<()> {
     for ((sent, pieces), offset_ns) in send.files.iter().zip(&recordings).zip(&offsets) {
         let mut timed = Timed::new(pieces).peekable();
         if timed.peek().is_none() {
-            let what = "holds neither data blocks of ASTERIX, lines of SBS-1 nor snapshots of an antenna array";
-            return Err(InputError::new(&sent.file, what).into());
+            return Err(InputError::new(&sent.file, NOTHING_TO_SEND).into());
         }
         let to = sent.to.or(send.to).ok_or_else(|| {
             let file = sent.file.display();
@@ -83,11 +88,53 @@ pub(crate) fn run(send: &Send) -> anyhow::Result<()> {
     }
     let sent = send_all(send, &mut feeds, moves_times, &begins, &stop)?;
     let failed = feeds.iter().map(|feed| feed.way_out.failed()).sum();
+    for (sent, pieces) in send.files.iter().zip(&recordings) {
+        let left_out = pieces.octets_left_out();
+        if left_out > 0 {
+            runtime::notice(format_args!(
+                "koseki: {}: byte {}: no data block begins here; {} octets from here on were not sent",
+                sent.file.display(),
+                pieces.octets - left_out,
+                count(left_out as u64)
+            ));
+        }
+    }
     crate::show(send.json.then(|| sent.json(failed)), || sent.text(failed))
 }
 
 fn read(file: &Path) -> anyhow::Result<Vec<u8>> {
     Ok(std::fs::read(file).map_err(|error| InputError::new(file, format!("cannot be read: {error}")))?)
+}
+
+/// Refuses a file that is no recording: any octets are data blocks by accident for a while, and must not reach a
+/// group of operational receivers. Names categories of another edition.
+fn examine(file: &Path, octets: &[u8], pieces: &Pieces<'_>, send: &Send) -> anyhow::Result<()> {
+    if !pieces.are_blocks() {
+        return Ok(());
+    }
+    let survey = RecordingBytes::new(octets).with_editions(&send.editions).survey();
+    if let Some(kind) = survey.foreign(octets) {
+        return Err(InputError::new(file, format!("{NOTHING_TO_SEND}: {kind}")).into());
+    }
+    // Blocks of an unknown category or edition follow each other to the end.
+    let is_known = survey.records() > 0 || survey.categories.values().any(|category| category.better().is_some());
+    if !is_known && pieces.octets_left_out() > 0 {
+        return Err(InputError::new(file, NOTHING_TO_SEND).into());
+    }
+    for (number, category) in &survey.categories {
+        let choose = |edition: Edition| format!("add --edition {number}={edition}");
+        let verdict = editions::verdict(*number, category, false, choose);
+        match verdict.filter(|_| category.better().is_some()) {
+            // The wrong octets would be changed.
+            Some(verdict) if category.is_withheld() && send.retime.is_some() => {
+                let what = format!("its times cannot be moved: {verdict}");
+                return Err(InputError::new(file, what).into());
+            }
+            Some(verdict) => runtime::notice(format_args!("koseki: {}: {verdict}", file.display())),
+            None => {}
+        }
+    }
+    Ok(())
 }
 
 /// A recording on its way.

@@ -7,6 +7,7 @@ use asterix::times::{TICKS_PER_S, first_time_of_day, move_times};
 use asterix::{Category, blocks, registry};
 use csv_table::CsvError;
 use formats::containers::{Container, Datagrams, TimeStamp};
+use formats::foreign::Foreign;
 use formats::sbs::{SbsLine, moved_line, stamped_ns};
 use formats::snapshot_datagram;
 use frames::time::{DayUnroller, NS_PER_DAY, NS_PER_S};
@@ -64,10 +65,8 @@ impl<'a> Pieces<'a> {
             ChosenEdition::Category(table) => Some(*table),
             ChosenEdition::Expansion(_) => None,
         };
-        let is_line = content
-            .split(|octet| *octet == b'\n')
-            .next()
-            .is_some_and(|line| SbsLine::parse(line).is_ok());
+        // Behind comments, too.
+        let is_line = Foreign::of(content) == Some(Foreign::Sbs);
         let snapshots = snapshots::antennas(content).map(|antennas| snapshots::datagrams(content, antennas));
         Ok(Self {
             content,
@@ -84,6 +83,20 @@ impl<'a> Pieces<'a> {
 
     pub(super) fn kind(&self) -> PieceKind {
         self.kind
+    }
+
+    /// Whether the pieces are data blocks, or datagrams of a capture.
+    pub(super) fn are_blocks(&self) -> bool {
+        self.kind == PieceKind::Datagrams && self.snapshots.is_none()
+    }
+
+    /// Octets behind the last data block of a recording without a container.
+    pub(super) fn octets_left_out(&self) -> usize {
+        if !self.are_blocks() || Container::detect(self.content) != Container::Raw {
+            return 0;
+        }
+        let error = blocks(self.content).find_map(Result::err);
+        error.map_or(0, |error| self.octets - error.offset())
     }
 
     /// All, in the order of the recording.

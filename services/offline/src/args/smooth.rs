@@ -56,7 +56,7 @@ pub struct Smooth {
     /// Output of `koseki fuse` that is smoothed: a CSV file
     #[arg(long, value_name = "FILE")]
     pub(crate) fused: Option<PathBuf>,
-    /// File for the smoothed system tracks
+    /// File for the smoothed system tracks; - for standard output
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
     /// File for the smoothed system tracks as ASTERIX CAT062

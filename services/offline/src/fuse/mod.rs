@@ -19,7 +19,7 @@ use fusion::{Engine, FilterInput};
 use messages::{Decision, SystemTrack};
 
 use crate::args::Fuse;
-use crate::files::check_outputs;
+use crate::files::{check_answer, check_outputs};
 use crate::host::Host;
 use crate::reading::{EngineReader, Setup, drive_into, rule};
 use lagging::LaggingRows;
@@ -40,6 +40,7 @@ pub(crate) fn run(fuse: &Fuse, host: &dyn Host) -> anyhow::Result<()> {
         ("--smoothed", fuse.smoothed.as_ref()),
     ];
     check_outputs(fuse.input.tracks.iter().chain(&fuse.input.config), &outputs)?;
+    check_answer(fuse.json, &outputs)?;
     let named = fuse.rule.as_deref().map(rule).transpose()?;
     let mut setup = Setup::of(host, &fuse.input)?;
     if let Some(rule) = named {
@@ -99,7 +100,15 @@ pub(crate) fn run(fuse: &Fuse, host: &dyn Host) -> anyhow::Result<()> {
         driven,
         written,
     };
-    summary.show(host, fuse.json)
+    summary.show(host, fuse.json)?;
+    // A table without a row looks like a picture without targets.
+    match setup.reports()?.next()? {
+        Some(first) if summary.is_unused() => {
+            let file = fuse.input.tracks[0].display();
+            anyhow::bail!("{file}: no report was used: {}", summary.first_rejection(&first))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// What is written.

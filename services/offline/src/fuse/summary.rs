@@ -4,11 +4,12 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use fusion::Engine;
+use messages::admission::{POSITION_MAX_M, SPEED_MAX_MPS};
 use messages::{Counter, NS_PER_S, TrackState};
 use serde_json::{Value, json};
 
 use crate::host::Host;
-use crate::reading::{DriveTotals, Setup, SkippedRows};
+use crate::reading::{ArrivedReport, DriveTotals, Setup, SkippedRows};
 
 /// Figures of the summary.
 pub(crate) struct FuseSummary<'a> {
@@ -36,6 +37,12 @@ const OF_SENSORS: [Counter; 12] = [
     Counter::LateBeyondWindow,
     Counter::LateUnkept,
 ];
+/// Counters of reports that the engine does not look at any further.
+const REJECTIONS: [Counter; 3] = [
+    Counter::RejectedInvalid,
+    Counter::RejectedTooFast,
+    Counter::RejectedTooFar,
+];
 /// Counters of system tracks.
 const OF_TRACKS: [Counter; 6] = [
     Counter::TracksStarted,
@@ -53,6 +60,53 @@ impl FuseSummary<'_> {
     /// If standard output fails.
     pub(crate) fn show(&self, host: &dyn Host, json: bool) -> anyhow::Result<()> {
         host.show(json.then(|| self.as_json()), || self.as_text())
+    }
+
+    /// Whether the engine has rejected every report.
+    pub(crate) fn is_unused(&self) -> bool {
+        let rejected: u64 = (0..self.setup.sensor_ids.len() as u16)
+            .map(|source| {
+                REJECTIONS
+                    .iter()
+                    .map(|counter| self.of_source(source, *counter))
+                    .sum::<u64>()
+            })
+            .sum();
+        self.driven.reports > 0 && rejected >= self.driven.reports
+    }
+
+    /// Returns a sentence on the value and the limit for which the first report was rejected.
+    pub(crate) fn first_rejection(&self, first: &ArrivedReport) -> String {
+        let report = &first.track;
+        let limits = &self.engine.settings().sources[usize::from(report.source)].limits;
+        let ([x, y, _], [vx, vy, _]) = (report.position_m, report.velocity_mps);
+        let columns = ["x", "y", "z"]
+            .into_iter()
+            .zip(report.position_m)
+            .map(|value| (value, POSITION_MAX_M, "m"));
+        let speeds = ["vx", "vy", "vz"]
+            .into_iter()
+            .zip(report.velocity_mps)
+            .map(|value| (value, SPEED_MAX_MPS, "m/s"));
+        let impossible = columns.chain(speeds).find(|((_, value), max, _)| value.abs() > *max);
+        let (distance_m, speed_mps) = ((x - limits.place_m[0]).hypot(y - limits.place_m[1]), vx.hypot(vy));
+        let why = match impossible {
+            Some(((column, value), max, unit)) => {
+                format!("column {column}: {value} is beyond {max:e} {unit}, which nothing on this planet is")
+            }
+            None if distance_m > limits.range_m => format!(
+                "columns x and y: {x}, {y} is {distance_m:.0} m from its sensor, beyond limits.range_m = {}; raise it if \
+                 the sensor sees this far",
+                limits.range_m
+            ),
+            None if speed_mps > limits.speed_mps => format!(
+                "columns vx and vy: {vx}, {vy} is {speed_mps:.0} m/s, beyond limits.speed_mps = {}; raise it if targets \
+                 are this fast",
+                limits.speed_mps
+            ),
+            None => "its covariance is impossible".to_owned(),
+        };
+        format!("line {}, {why}", first.line)
     }
 
     fn as_json(&self) -> Value {

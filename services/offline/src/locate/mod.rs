@@ -20,7 +20,7 @@ use observations::{ArrivalTime, Bearing, EmitterMeasurement};
 use platform::{Assumed, History, Mount, Refusal};
 
 use crate::args::Locate;
-use crate::files::{InputError, Usage, check_outputs};
+use crate::files::{InputError, Usage, check_answer, check_outputs};
 use crate::host::{Host, TableOutput};
 use crate::locate_columns::FIX_COLUMNS;
 use crate::reading::{Progress, SkippedRows, platform_states};
@@ -45,6 +45,7 @@ pub(crate) fn run(locate: &Locate, host: &dyn Host) -> anyhow::Result<()> {
     ];
     let inputs = [&locate.fixes, &locate.config, &locate.platform].into_iter().flatten();
     check_outputs(inputs.chain(&locate.bearings), &outputs)?;
+    check_answer(locate.json, &outputs)?;
     let (mut settings, mut dropped) = settings(locate, host)?;
     dropped.extend_from_slice(&locate.dropped);
     let mut input = MeasurementInput::open(host, &locate.bearings, locate.fixes.as_deref())?;

@@ -11,6 +11,8 @@ use std::io::Read;
 use formats::sensor_tracks_csv::SensorTrackReader;
 use messages::SensorTrack;
 
+use super::refusals::MIDNIGHT_STEP_NS;
+
 /// Order of the rows of a file that states when they arrived.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum RowOrder {
@@ -26,7 +28,7 @@ pub(crate) struct ArrivedReport {
     /// When it arrived, nanoseconds: not before its time of measurement.
     pub(crate) arrival_ns: i64,
     /// Line of its file.
-    pub(super) line: u64,
+    pub(crate) line: u64,
 }
 
 impl ArrivedReport {
@@ -62,6 +64,8 @@ pub(super) struct ArrivalOrder {
     order: RowOrder,
     /// Greatest time by which a row arrived before a row further up, nanoseconds.
     disorder_ns: i64,
+    /// Line and time of the first row that came half a day and more before a row further up.
+    midnight: Option<(u64, i64)>,
     /// Latest arrival of the rows so far, nanoseconds.
     latest_ns: i64,
     rows: BinaryHeap<Reverse<ArrivedReport>>,
@@ -76,6 +80,7 @@ impl ArrivalOrder {
         let mut new = Self {
             order,
             disorder_ns: 0,
+            midnight: None,
             latest_ns: i64::MIN,
             rows: BinaryHeap::new(),
         };
@@ -84,10 +89,19 @@ impl ArrivalOrder {
             if let Ok(track) = row {
                 let arrival_ns = new.arrival_of(&track, reader.arrival_ns());
                 latest_ns = latest_ns.max(arrival_ns);
-                new.disorder_ns = new.disorder_ns.max(latest_ns.saturating_sub(arrival_ns));
+                let behind_ns = latest_ns.saturating_sub(arrival_ns);
+                new.disorder_ns = new.disorder_ns.max(behind_ns);
+                if behind_ns > MIDNIGHT_STEP_NS {
+                    new.midnight.get_or_insert((reader.line(), arrival_ns));
+                }
             }
         }
         new
+    }
+
+    /// Line and time, nanoseconds, of the first row with which the times begin again.
+    pub(super) fn midnight(&self) -> Option<(u64, i64)> {
+        self.midnight
     }
 
     /// When a report arrives that did so at `stated_ns`.

@@ -13,13 +13,13 @@ use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use formats::sensor_tracks_csv::SensorTrackReader;
+use formats::sensor_tracks_csv::{SensorTrackReader, is_since_1970};
 use fusion::settings::SOURCES_MAX;
 
 use super::arrivals::{ArrivalOrder, ArrivedReport, RowOrder};
 use super::kept::{KeptFile, KeptReader, KeptRows};
 use super::progress::CountingInput;
-use super::refusals::SkippedRows;
+use super::refusals::{MIDNIGHT_REMEDY, MIDNIGHT_STEP_NS, SkippedRows};
 use crate::files::InputError;
 use crate::host::Host;
 
@@ -27,6 +27,9 @@ use crate::host::Host;
 const AHEAD: usize = 16;
 /// A row this much later than most following rows counts as wrong, nanoseconds.
 const LEAP_NS: i64 = 5_000_000_000;
+/// Rows out of order that are left out of any file, and part of the rows of a long file, percent: more are no errors of
+/// single rows.
+const OUT_OF_ORDER_MAX: (u64, u64) = (10, 1);
 
 /// Source of each `sensor_id`.
 #[derive(Clone, Debug, Default)]
@@ -81,6 +84,12 @@ struct FileLane {
     given_ns: i64,
     /// Order of a file that states when its rows arrived.
     arrivals: Option<ArrivalOrder>,
+    /// Readable rows so far, and whether their times count from 1970.
+    readable: u64,
+    since_1970: bool,
+    /// Rows among them that are earlier than a row above them, and the sentence on the first.
+    out_of_order: u64,
+    first_out_of_order: Option<String>,
 }
 
 /// Where the rows of a file come from.
@@ -180,6 +189,37 @@ impl MergedRows {
         self.lanes.iter().any(|lane| lane.arrivals.is_some())
     }
 
+    /// Refuses files that count their times differently, and files of which too many rows have been left out for their
+    /// time: what is left would look right.
+    ///
+    /// # Errors
+    /// The first file.
+    pub(crate) fn check_order(&self) -> Result<(), InputError> {
+        let used = || self.lanes.iter().filter(|lane| lane.readable > 0);
+        if let (Some(one), Some(other)) = (
+            used().find(|lane| lane.since_1970),
+            used().find(|lane| !lane.since_1970),
+        ) {
+            let what = format!(
+                "times count from 1970, but those of {} from a midnight; count both from one of them",
+                other.path.display()
+            );
+            return Err(InputError::new(&one.path, what));
+        }
+        let (rows_max, percent_max) = OUT_OF_ORDER_MAX;
+        let is_unsorted =
+            |lane: &&FileLane| lane.out_of_order > rows_max && 100 * lane.out_of_order > percent_max * lane.readable;
+        let Some(lane) = self.lanes.iter().find(is_unsorted) else {
+            return Ok(());
+        };
+        let first = lane.first_out_of_order.as_deref().unwrap_or_default();
+        let what = format!(
+            "{} of {} rows are out of order by time, the first: {first}",
+            lane.out_of_order, lane.readable
+        );
+        Err(InputError::new(&lane.path, what))
+    }
+
     /// Returns the next report of all files to arrive; at equal times, the report measured first, and then that of the
     /// sensor with the smallest number.
     ///
@@ -211,7 +251,19 @@ impl FileLane {
             ahead: VecDeque::with_capacity(1 + AHEAD),
             given_ns: i64::MIN,
             arrivals,
+            readable: 0,
+            since_1970: false,
+            out_of_order: 0,
+            first_out_of_order: None,
         }
+    }
+
+    /// Leaves out a row that is earlier than a row above it.
+    fn leave_out(&mut self, refusals: &mut SkippedRows, line: u64, what: String) {
+        refusals.out_of_order(&self.path, line, &what);
+        self.out_of_order += 1;
+        self.first_out_of_order
+            .get_or_insert_with(|| format!("line {line}, column time_s: {what}"));
     }
 
     /// Finds the next row: the first one read ahead, unless its time or that of the row after it is wrong.
@@ -237,12 +289,16 @@ impl FileLane {
             let Some((after_ns, _, line)) = after.filter(|(after_ns, ..)| *after_ns < next_ns) else {
                 return Ok(());
             };
+            let remedy = match next_ns - after_ns > MIDNIGHT_STEP_NS {
+                true => MIDNIGHT_REMEDY,
+                false => "sort the rows by time",
+            };
             let what = format!(
-                "{} is before {}, the time of an earlier row; sort the rows by time",
+                "{} is before {}, the time of an earlier row; {remedy}",
                 seconds(after_ns),
                 seconds(next_ns)
             );
-            refusals.out_of_order(&self.path, line, &what);
+            self.leave_out(refusals, line, what);
             self.ahead.remove(1);
         }
     }
@@ -297,6 +353,7 @@ impl FileLane {
             LaneRows::Kept { reader, octets } => {
                 let has_next = reader.next_into(&mut self.ahead);
                 if has_next {
+                    self.readable += 1;
                     *octets.borrow_mut() += reader.octets_of_row();
                 }
                 return Ok(has_next);
@@ -317,6 +374,8 @@ impl FileLane {
                 line: reader.line(),
             };
             *kept = kept.take().and_then(|kept| kept.with(&row));
+            self.readable += 1;
+            self.since_1970 = is_since_1970(row.track.time_of_measurement_ns);
             self.ahead.push_back(row);
             return Ok(true);
         }
@@ -328,7 +387,17 @@ impl FileLane {
 fn arrivals_of(host: &dyn Host, path: &Path, order: RowOrder) -> Result<ArrivalOrder, InputError> {
     let input = CountingInput::new(host.open(path)?, Rc::default());
     let reader = SensorTrackReader::new(input, 0, |_| Some(0)).map_err(|error| InputError::new(path, error))?;
-    Ok(ArrivalOrder::of(reader, order))
+    let order = ArrivalOrder::of(reader, order);
+    match order.midnight() {
+        Some((line, time_ns)) => {
+            let what = format!(
+                "line {line}: {} is more than half a day before the time of an earlier row; {MIDNIGHT_REMEDY}",
+                seconds(time_ns)
+            );
+            Err(InputError::new(path, what))
+        }
+        None => Ok(order),
+    }
 }
 
 fn time_source_line(row: &ArrivedReport) -> (i64, u16, u64) {

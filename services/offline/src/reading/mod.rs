@@ -11,9 +11,11 @@ mod refusals;
 mod setup;
 mod survey;
 
+pub(crate) use arrivals::ArrivedReport;
 pub(crate) use drive::{DriveTotals, EngineReader, drive, drive_into};
 pub(crate) use merged::named_twice;
 pub(crate) use platform_states::platform_states;
 pub(crate) use progress::{CountingInput, Progress};
 pub use refusals::SkippedRows;
+pub(crate) use refusals::{MIDNIGHT_REMEDY, MIDNIGHT_STEP_NS};
 pub(crate) use setup::{Setup, rule};

@@ -4,11 +4,17 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use csv_table::CsvError;
+use frames::time::NS_PER_DAY;
 
 use crate::files::InputError;
 
 /// Maximum number of refused rows shown with their place and value.
 const SHOWN_MAX: usize = 5;
+
+/// A step back by more is the midnight after which a clock begins again, nanoseconds.
+pub(crate) const MIDNIGHT_STEP_NS: i64 = NS_PER_DAY / 2;
+/// What to do about it.
+pub(crate) const MIDNIGHT_REMEDY: &str = "times count on across midnight: add 86400 to the times of the next day";
 
 /// Skipped rows.
 #[derive(Clone, Debug, Default)]

@@ -73,6 +73,7 @@ impl FileSurvey {
             sensors[source].add(&report, before_ns);
             progress.at(*merged.octets.borrow())?;
         }
+        merged.check_order()?;
         let known = merged.sensors.borrow().clone();
         let seen = known.ids.iter().zip(sensors).filter(|(_, sensor)| sensor.live_max > 0);
         let mut seen: Vec<SeenSensor> = seen.map(|(id, sensor)| sensor.seen(*id)).collect();

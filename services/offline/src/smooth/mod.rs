@@ -20,7 +20,7 @@ use messages::SystemTrack;
 use settings::Seconds;
 
 use crate::args::Smooth;
-use crate::files::{Usage, check_outputs};
+use crate::files::{Usage, check_answer, check_outputs};
 use crate::fuse::nanoseconds;
 use crate::fuse::rows::{StateSelection, StateSink};
 use crate::host::{Host, TableOutput};
@@ -42,6 +42,7 @@ pub(crate) fn run(smooth: &Smooth, host: &dyn Host) -> anyhow::Result<()> {
     let input = smooth.input();
     let inputs = input.tracks.iter().chain(&input.config).chain(&smooth.fused);
     check_outputs(inputs, &smooth.outputs())?;
+    check_answer(smooth.json, &smooth.outputs())?;
     let named = smooth.rule.as_deref().map(rule).transpose()?;
     let mut setup = Setup::of(host, &input)?;
     let place = smooth.asterix.as_ref().map(|_| place_of(smooth, &setup)).transpose()?;

@@ -7,16 +7,46 @@ use std::path::{Path, PathBuf};
 use configuration::SeenDetections;
 use formats::autoferry;
 use formats::scan_rows_csv::{ScanRow, ScanRowReader};
-use frames::time::NS_PER_DAY;
+use frames::time::{NS_PER_DAY, seconds};
 use observations::{Detection, TransponderReply};
 use tracking::Settings;
 use tracking::scans::ScanOfDetections;
 
 use crate::files::InputError;
 use crate::host::{self, Host};
-use crate::reading::SkippedRows;
+use crate::reading::{MIDNIGHT_REMEDY, MIDNIGHT_STEP_NS, SkippedRows};
 
 const BUFFER_OCTETS: usize = 1 << 18;
+
+/// Where a row stands in a file, and in the scans of its sensor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct RowPlace {
+    sensor_id: u32,
+    scan: u32,
+    time_ns: i64,
+    line: u64,
+}
+
+/// Returns a sentence on the first scan that is half a day and more before the scan of the number before: the times
+/// begin again at midnight, and rows are put in their order later.
+fn midnight(mut places: Vec<RowPlace>) -> Option<String> {
+    places.sort_unstable();
+    let is_back = |pair: &&[RowPlace]| {
+        pair[0].sensor_id == pair[1].sensor_id && pair[0].time_ns.saturating_sub(pair[1].time_ns) > MIDNIGHT_STEP_NS
+    };
+    let [before, back] = places.windows(2).find(is_back)? else {
+        return None;
+    };
+    Some(format!(
+        "line {}, column time_s: {} of scan {} of sensor {} is before {} of scan {}; {MIDNIGHT_REMEDY}",
+        back.line,
+        seconds(back.time_ns),
+        back.scan,
+        back.sensor_id,
+        seconds(before.time_ns),
+        before.scan,
+    ))
+}
 
 /// Detections from the files.
 #[derive(Debug)]
@@ -83,14 +113,33 @@ impl DetectionInput {
             Err(_) => first[..begun].chain(file),
         };
         let reader = ScanRowReader::new(BufReader::with_capacity(BUFFER_OCTETS, file), 0);
-        for row in reader.map_err(|error| InputError::new(path, error))? {
-            match self.refusals.usable(path, row)? {
-                Some(ScanRow::Detection(detection)) => self.detections.push(detection),
-                Some(ScanRow::Empty(scan)) => self.silent.push((scan.sensor_id, scan.scan, scan.time_ns)),
-                None => {}
+        let mut reader = reader.map_err(|error| InputError::new(path, error))?;
+        let mut places = Vec::new();
+        while let Some(row) = reader.next() {
+            let Some(row) = self.refusals.usable(path, row)? else {
+                continue;
+            };
+            let (sensor_id, scan, time_ns) = match &row {
+                ScanRow::Detection(detection) => {
+                    (detection.sensor_id, detection.scan, detection.time_of_measurement_ns)
+                }
+                ScanRow::Empty(empty) => (empty.sensor_id, empty.scan, empty.time_ns),
+            };
+            places.push(RowPlace {
+                sensor_id,
+                scan,
+                time_ns,
+                line: reader.line(),
+            });
+            match row {
+                ScanRow::Detection(detection) => self.detections.push(detection),
+                ScanRow::Empty(scan) => self.silent.push((scan.sensor_id, scan.scan, scan.time_ns)),
             }
         }
-        Ok(())
+        match midnight(places) {
+            Some(what) => Err(InputError::new(path, what)),
+            None => Ok(()),
+        }
     }
 
     /// Reads a recording; times count from midnight of the first scan's day.

@@ -28,7 +28,7 @@ use tracking::scans::scans_of;
 use tracking::wide_area::arrivals::Arrivals;
 
 use crate::args::TrackArgs;
-use crate::files::{InputError, Usage, check_outputs};
+use crate::files::{InputError, Usage, check_answer, check_outputs};
 use crate::host::Host;
 use crate::reading::Progress;
 use explain::Explained;
@@ -282,6 +282,7 @@ fn check_files(track: &TrackArgs) -> Result<(), Usage> {
         ("--explain", track.explain.as_ref()),
         ("--cues", track.cues.as_ref()),
     ];
+    check_answer(track.json, &outputs)?;
     let inputs = track.detections.iter().chain(&track.config);
     check_outputs(
         inputs
