@@ -9,7 +9,8 @@
 //!   count of those that the kernel had to drop;
 //! - [`UdpSender`]: datagrams to an address or a group;
 //! - [`TcpLines`]: lines of a server, connected to again whenever the connection is lost;
-//! - [`LineServer`]: bytes to all connected clients.
+//! - [`LineServer`]: bytes to all connected clients;
+//! - [`Door`]: who may be connected to a listening socket, and for how long.
 //!
 //! Network input may be large, incomplete, hostile or late. Every call does a bounded amount of work and waits at
 //! most for the given time, every buffer is allocated when the socket is opened, and all discarded input is counted
@@ -23,6 +24,7 @@
 compile_error!("the crate `net` reads control messages as the kernel of 64-bit Linux lays them out");
 
 mod batch;
+mod door;
 mod error;
 mod interface;
 mod line_server;
@@ -34,9 +36,10 @@ mod splitter;
 mod wait;
 
 pub use batch::BATCH_MAX;
+pub use door::{Admitted, Door, DoorCounters, DoorLimits, DoorNews, DoorRefusal, Ended, Peer, Ticket};
 pub use error::NetError;
 pub use interface::Interface;
-pub use line_server::{LineServer, LineServerCounters, READERS_MAX};
+pub use line_server::LineServer;
 pub use lines::{LinesCounters, LinesSettings, TcpLines};
 pub use receiver::{Datagram, ReceiverCounters, ReceiverSettings, UdpReceiver};
 pub use sender::{SenderCounters, SenderSettings, UdpSender};

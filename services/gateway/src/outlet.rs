@@ -6,7 +6,7 @@ use std::net::SocketAddr;
 use anyhow::Context as _;
 use messages::Counter;
 use net::{Interface, LineServer, SenderSettings, UdpSender};
-use runtime::HealthEntry;
+use runtime::{HealthEntry, Now};
 use settings::SettingsError;
 
 use crate::destination::{Destination, sender_mistake};
@@ -39,7 +39,7 @@ pub(crate) enum Outlet {
     /// In datagrams.
     Datagrams(Box<UdpSender>),
     /// To each connected client.
-    Lines(LineServer),
+    Lines(Box<LineServer>),
 }
 
 impl fmt::Display for OutletWay {
@@ -103,7 +103,7 @@ impl Outlet {
     pub(crate) fn open(way: &OutletWay) -> anyhow::Result<Self> {
         let outlet = match way {
             OutletWay::Datagrams(sender) => UdpSender::open(sender).map(|sender| Self::Datagrams(Box::new(sender))),
-            OutletWay::Lines(address) => LineServer::open(*address).map(Self::Lines),
+            OutletWay::Lines(address) => LineServer::open(*address).map(|server| Self::Lines(Box::new(server))),
         };
         outlet.with_context(|| way.to_string())
     }
@@ -115,6 +115,12 @@ impl Outlet {
     pub(crate) fn accept_with(&mut self, greeting: &[u8]) -> anyhow::Result<()> {
         if let Self::Lines(server) = self {
             server.accept_with(greeting)?;
+            if let Some(counters) = server.news(Now::read().mono_ns) {
+                let at = server.local_address()?;
+                runtime::notice(format_args!(
+                    "koseki: clients at {at} refused or disconnected: {counters}"
+                ));
+            }
         }
         Ok(())
     }

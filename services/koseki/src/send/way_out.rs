@@ -3,7 +3,7 @@
 use std::net::SocketAddr;
 use std::time::Duration;
 
-use net::{Interface, LineServer, NetError, SenderSettings, UdpSender};
+use net::{DoorRefusal, Interface, LineServer, NetError, SenderSettings, UdpSender};
 use runtime::signals::Stop;
 
 use super::pieces::PieceKind;
@@ -17,7 +17,7 @@ pub(super) enum WayOut {
     /// Datagrams to an address or group.
     Datagrams(UdpSender),
     /// Lines to all connected clients.
-    Lines(LineServer),
+    Lines(Box<LineServer>),
 }
 
 impl WayOut {
@@ -32,7 +32,7 @@ impl WayOut {
                 settings.interface = interface.filter(|_| to.ip().is_multicast()).cloned();
                 Self::Datagrams(UdpSender::open(&settings)?)
             }
-            PieceKind::Lines => Self::Lines(LineServer::open(to)?),
+            PieceKind::Lines => Self::Lines(Box::new(LineServer::open(to)?)),
         })
     }
 
@@ -69,7 +69,7 @@ impl WayOut {
     pub(super) fn failed(&self) -> u64 {
         match self {
             Self::Datagrams(sender) => sender.counters().failed,
-            Self::Lines(server) => server.counters().slow,
+            Self::Lines(server) => server.counters().refused(DoorRefusal::Slow),
         }
     }
 }

@@ -67,14 +67,14 @@ impl SampleForm {
 /// Where they go.
 enum LineDestination {
     Out(io::StdoutLock<'static>),
-    Server(LineServer),
+    Server(Box<LineServer>),
 }
 
 impl LineDestination {
     fn open(tap: &Tap) -> anyhow::Result<Self> {
         Ok(match tap.socket() {
-            Some(TapSocket::Unix(path)) => Self::Server(LineServer::open_unix(&path, tap.mode, tap.group)?),
-            Some(TapSocket::Tcp(address)) => Self::Server(LineServer::open(address)?),
+            Some(TapSocket::Unix(path)) => Self::Server(Box::new(LineServer::open_unix(&path, tap.mode, tap.group)?)),
+            Some(TapSocket::Tcp(address)) => Self::Server(Box::new(LineServer::open(address)?)),
             None => Self::Out(io::stdout().lock()),
         })
     }
@@ -87,7 +87,11 @@ impl LineDestination {
                 if !octets.is_empty() {
                     server.send(octets);
                 }
-                server.accept_with(head).map(|_| ())
+                server.accept_with(head)?;
+                if let Some(counters) = server.news(mono_ns()) {
+                    eprintln!("koseki tap: readers refused or disconnected: {counters}");
+                }
+                Ok(())
             }
         }
     }
