@@ -14,6 +14,7 @@ use std::path::{Path, PathBuf};
 
 use crate::NetError;
 use crate::door::{Door, DoorCounters, DoorLimits, DoorNews, DoorRefusal, Ended, Peer};
+use crate::reach::Reach;
 
 /// A socket that sends the same to each of its readers.
 #[derive(Debug)]
@@ -66,8 +67,9 @@ impl LineServer {
     /// Listens at `address`.
     ///
     /// # Errors
-    /// [`NetError`] if the operating system refuses.
-    pub fn open(address: SocketAddr) -> Result<Self, NetError> {
+    /// [`NetError`] if other machines reach the address without permission, or if the operating system refuses.
+    pub fn open(address: SocketAddr, reach: Reach) -> Result<Self, NetError> {
+        reach.check(address).map_err(NetError::Reach)?;
         let failed = || NetError::refused::<io::Error>(format!("listening at {address}"));
         let listener = TcpListener::bind(address).map_err(failed())?;
         listener.set_nonblocking(true).map_err(failed())?;

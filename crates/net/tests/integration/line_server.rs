@@ -4,7 +4,7 @@ use std::io::Read as _;
 use std::net::{Ipv4Addr, SocketAddr, TcpStream};
 use std::time::Duration;
 
-use net::{DoorLimits, DoorRefusal, LineServer};
+use net::{DoorLimits, DoorRefusal, LineServer, Reach};
 use socket2::{Domain, Socket, Type};
 
 /// Longest wait of a test for what has to come.
@@ -22,7 +22,7 @@ fn reader(from: Ipv4Addr, to: SocketAddr) -> TcpStream {
 
 #[test]
 fn readers_of_one_address_leave_places_for_those_of_others_and_refusals_are_counted() {
-    let mut server = LineServer::open("127.0.0.1:0".parse().unwrap()).unwrap();
+    let mut server = LineServer::open("127.0.0.1:0".parse().unwrap(), Reach::OtherMachines).unwrap();
     let to = server.local_address().unwrap();
     let [one, other] = [1, 2].map(|host| Ipv4Addr::new(127, 0, 0, host));
     let limit = DoorLimits::OF_READERS.address_max;

@@ -21,7 +21,7 @@ use std::time::Duration;
 use anyhow::Context as _;
 use bus::{Bus, SharedMemory};
 use koseki_client::ErrorKind;
-use net::{AllowedSenders, DoorCounters, DoorRefusal};
+use net::{AllowedSenders, DoorCounters, DoorRefusal, Reach};
 use offline::Usage;
 use runtime::Now;
 use runtime::signals::Stop;
@@ -47,7 +47,9 @@ pub(crate) fn run(feed: &Feed) -> anyhow::Result<()> {
     let senders = AllowedSenders::parse(feed.senders.iter().map(String::as_str));
     let senders = senders.map_err(|error| Usage(format!("--senders: {error}")))?;
     for (option, address) in [("--tcp", feed.tcp), ("--udp", feed.udp)] {
-        check_reach(option, address, feed.remote)?;
+        let reach = Reach::permitted(feed.remote, "--remote, with --senders to restrict it");
+        let refused = address.map_or(Ok(()), |address| reach.check(address));
+        refused.map_err(|reason| Usage(format!("{option}: {reason}")))?;
     }
     let root = instances::running_or_only(feed.instance.as_deref())?;
     let stop = Stop::on_signals()?;
@@ -89,17 +91,6 @@ pub(crate) fn run(feed: &Feed) -> anyhow::Result<()> {
         anyhow::bail!("none of the lines was published");
     }
     Ok(())
-}
-
-/// Refuses an address that other machines reach, unless the command permits it.
-fn check_reach(option: &str, address: Option<SocketAddr>, is_remote: bool) -> Result<(), Usage> {
-    match address {
-        Some(address) if !address.ip().is_loopback() && !is_remote => Err(Usage(format!(
-            "{option} {address}: other machines reach this address; add --remote to permit it, and --senders to restrict \
-             it, or give the port alone"
-        ))),
-        _ => Ok(()),
-    }
 }
 
 /// Opens where the lines come from. `ended` gets the result at the end of standard input.
@@ -216,22 +207,5 @@ impl FeedSummary {
             );
         }
         text + "\n"
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_address_of_other_machines_needs_permission() {
-        let reach = |address: &str, is_remote| check_reach("--tcp", Some(address.parse().unwrap()), is_remote);
-        for address in ["127.0.0.1:9", "[::1]:9"] {
-            assert!(reach(address, false).is_ok(), "{address}");
-        }
-        for address in ["0.0.0.0:9", "192.0.2.1:9", "[::]:9"] {
-            assert!(reach(address, false).unwrap_err().0.contains("--remote"), "{address}");
-            assert!(reach(address, true).is_ok(), "{address}");
-        }
     }
 }

@@ -16,6 +16,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use anyhow::Context as _;
+use net::Reach;
 use offline::{InputError, Usage};
 use runtime::clock::mono_ns;
 use runtime::signals::Stop;
@@ -69,7 +70,12 @@ pub(crate) fn run(send: &Send) -> anyhow::Result<()> {
                 "{file} has no address: give it one, {file}=ADDRESS:PORT, or all of them one with --to"
             ))
         })?;
-        let way_out = WayOut::open(to, send.interface.as_ref(), pieces.kind());
+        let way_out = WayOut::open(
+            to,
+            send.interface.as_ref(),
+            pieces.kind(),
+            Reach::permitted(send.remote, "--remote"),
+        );
         feeds.push(RecordingFeed {
             pieces,
             timed,
