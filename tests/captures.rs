@@ -1,7 +1,9 @@
 //! Captures of what sensors send, and the same sensor tracks made of them again.
 
+use std::collections::BTreeSet;
 use std::io::Write as _;
 use std::net::{Ipv4Addr, TcpListener};
+use std::os::unix::fs::PermissionsExt as _;
 use std::path::Path;
 
 use formats::containers::datagrams;
@@ -147,5 +149,47 @@ fn what_sensors_sent_gives_the_same_sensor_tracks_again() {
             before.len(),
             after.len()
         );
+    }
+}
+
+/// Modes of all files, and of all folders, in `folder`.
+fn modes(folder: &Path, found: &mut [BTreeSet<u32>; 2]) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let entry = entry.unwrap();
+        let kind = entry.file_type().unwrap();
+        if kind.is_symlink() {
+            continue;
+        }
+        let mode = entry.metadata().unwrap().permissions().mode() & 0o7777;
+        found[usize::from(kind.is_dir())].insert(mode);
+        if kind.is_dir() {
+            modes(&entry.path(), found);
+        }
+    }
+}
+
+#[test]
+fn files_of_a_deployment_are_for_its_user_alone_unless_a_key_lets_others_read() {
+    for (key, file, folder) in [(None, 0o600, 0o700), (Some("launcher.file_mode=\"640\""), 0o640, 0o750)] {
+        let home = Home::new();
+        let format = "recorder.format=[\"csv\", \"mcap\", \"pcapng\"]";
+        let mut options = vec!["--out", "out", "--set", format];
+        options.extend(["--set", "recorder.enabled=true", "--set", "monitor.files=true"]);
+        options.extend(key.iter().flat_map(|key| ["--set", key]));
+        let demo = home.demo_with(&options);
+        let latest = home.path("out/latest");
+        let has = |begin: &str, end: &str| {
+            let entries = std::fs::read_dir(&latest).into_iter().flatten().flatten();
+            let mut names = entries.map(|entry| entry.file_name().into_string().unwrap());
+            names.any(|name| name.starts_with(begin) && name.ends_with(end))
+        };
+        until("all kinds of files are there", || {
+            has("system_tracks", ".csv") && has("received_", ".pcapng") && has("", ".mcap")
+        });
+        demo.stop();
+        let mut found = [BTreeSet::new(), BTreeSet::new()];
+        modes(&home.path("out"), &mut found);
+        assert_eq!(found, [BTreeSet::from([file]), BTreeSet::from([folder])], "{key:?}");
+        home.assert_nothing_is_left("demo");
     }
 }

@@ -5,6 +5,7 @@ use std::fs;
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::net::{SocketAddr, TcpStream, UdpSocket};
 use std::process::Stdio;
+use std::sync::Arc;
 use std::time::Duration;
 
 use bus::{Bus, Mark, SharedMemory, Subscriber};
@@ -233,6 +234,18 @@ fn datagrams_and_standard_input_feed_too_and_refusals_are_counted_by_field() {
     home.assert_nothing_is_left("test");
 }
 
+/// Most connections of an address.
+const ADDRESS_MAX: usize = net::DoorLimits::OF_SENDERS.address_max;
+
+/// The answer to a wrong line in a new connection, or to the connection.
+fn answer_to_nonsense(address: SocketAddr) -> (TcpStream, String) {
+    let mut stream = connect(address);
+    stream.write_all(b"nonsense\n").unwrap();
+    let mut answer = String::new();
+    BufReader::new(&stream).read_line(&mut answer).unwrap();
+    (stream, answer)
+}
+
 #[test]
 fn a_connection_too_many_is_answered_before_it_is_closed_and_accepted_once_there_is_a_place() {
     let home = Home::new();
@@ -240,25 +253,83 @@ fn a_connection_too_many_is_answered_before_it_is_closed_and_accepted_once_there
     let address = free_address();
     let text = address.to_string();
     let feed = home.start(&["feed", "--instance", "test", "--source", "own", "--tcp", &text]);
-    let mut served = vec![connect(address)];
-    served.extend((1..16).map(|_| TcpStream::connect(address).unwrap()));
+    let mut served = Vec::new();
+    for _ in 0..ADDRESS_MAX {
+        let (stream, answer) = answer_to_nonsense(address);
+        assert!(answer.contains("must be JSON"), "{answer}");
+        served.push(stream);
+    }
     // With lines under way, which would lose the answer in a connection that is closed at once.
     let mut one_more = TcpStream::connect(address).unwrap();
     one_more.write_all(scan(0).repeat(100).as_bytes()).unwrap();
     let answers: Vec<String> = BufReader::new(one_more).lines().map(Result::unwrap).collect();
     let [answer] = &answers[..] else { panic!("{answers:?}") };
     let answer: serde_json::Value = serde_json::from_str(answer).unwrap();
-    assert_eq!(answer["limit"], "must be at most 16 connections at a time", "{answer}");
+    assert_eq!(
+        answer["limit"], "must be at most 64 connections at a time, 32 of them from one address",
+        "{answer}"
+    );
     assert!(answer["remedy"].as_str().unwrap().contains("end another"), "{answer}");
     drop(served.pop());
     until("a place is free", || {
-        let mut stream = TcpStream::connect(address).unwrap();
-        stream.write_all(b"nonsense\n").unwrap();
-        let mut answer = String::new();
-        BufReader::new(stream).read_line(&mut answer).unwrap();
-        answer.contains("must be JSON")
+        answer_to_nonsense(address).1.contains("must be JSON")
     });
     feed.stop();
+    running.stop();
+    home.assert_nothing_is_left("test");
+}
+
+#[test]
+fn silent_connections_keep_nobody_out_end_in_time_and_are_counted_with_the_last_peer() {
+    let home = Home::new();
+    let running = site(&home);
+    let address = free_address();
+    let text = address.to_string();
+    let arguments = [
+        "feed",
+        "--instance",
+        "test",
+        "--source",
+        "own",
+        "--tcp",
+        &text,
+        "--json",
+    ];
+    let feed = home.start(&arguments);
+    let mut silent = vec![connect(address)];
+    // The end of a line is part of it.
+    silent[0].write_all(b"{\"latitude\": 41").unwrap();
+    silent.extend((1..300).map(|_| connect(address)));
+    let (_speaks, answer) = answer_to_nonsense(address);
+    assert!(answer.contains("must be JSON"), "{answer}");
+    // The first ones gave way at once, the last ones have the time for a first line.
+    for (place, expected) in [(0, "before others need the place"), (299, "a first line within 10 s")] {
+        let answers: Vec<String> = BufReader::new(&silent[place]).lines().map(Result::unwrap).collect();
+        assert!(
+            answers.len() == 1 && answers[0].contains(expected),
+            "{place}: {answers:?}"
+        );
+    }
+    let last = silent[299].local_addr().unwrap().to_string();
+    running.until_said("connection gave-way ");
+    running.until_said("connection silent ");
+    feed.until_said("connections refused or ended: gave-way ");
+    let summary = Arc::clone(&feed.stdout);
+    let (status, said) = feed.stop();
+    assert_eq!(status.code(), Some(1), "no line was accepted: {said}");
+    let summary: serde_json::Value = serde_json::from_str(&summary.lock().unwrap()).unwrap();
+    let refused = &summary["refused_connections"];
+    let gave_way = 301 - ADDRESS_MAX as u64;
+    assert_eq!(
+        (refused["gave-way"].as_u64(), refused["silent"].as_u64()),
+        (Some(gave_way), Some(300 - gave_way)),
+        "{summary}"
+    );
+    assert_eq!(
+        summary["last_refused_connection"]["peer"].as_str(),
+        Some(&*last),
+        "{summary}"
+    );
     running.stop();
     home.assert_nothing_is_left("test");
 }

@@ -78,6 +78,14 @@ fn lines_are_served_to_whoever_connects() {
         free.local_addr().unwrap().to_string()
     };
     let arguments = ["send", "aircraft.sbs", "--to", &port, "--speed", "max"];
+    let public = ["send", "aircraft.sbs", "--to", "0.0.0.0:0"];
+    let refused = home.command(&public).current_dir(home.path("")).output().unwrap();
+    let said = String::from_utf8_lossy(&refused.stderr);
+    assert_eq!(refused.status.code(), Some(2), "{said}");
+    assert!(
+        said.contains("can be reached from other machines") && said.contains("--remote"),
+        "{said}"
+    );
     let sending = home.start_command(home.command(&arguments).current_dir(home.path("")));
     sending.until_said("for a reader");
     let reader = TcpStream::connect(&port).unwrap();

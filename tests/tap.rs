@@ -133,6 +133,18 @@ fn what_is_no_topic_or_does_not_run_is_said() {
     let home = Home::new();
     let refused = home.run(&["tap", "nonsense", "--instance", "demo"]);
     assert_eq!(refused.status.code(), Some(2));
+    for option in ["--tcp", "--serve"] {
+        let refused = home.run(&["tap", "--instance", "demo", option, "0.0.0.0:0"]);
+        let said = String::from_utf8(refused.stderr).unwrap();
+        assert_eq!(refused.status.code(), Some(2), "{said}");
+        assert!(
+            said.contains("can be reached from other machines") && said.contains("--remote"),
+            "{said}"
+        );
+    }
+    let refused = home.run(&["tap", "--instance", "demo", "--tcp", "0.0.0.0:0", "--remote"]);
+    let said = String::from_utf8(refused.stderr).unwrap();
+    assert!(said.contains("no instance demo runs"), "{said}");
     let refused = home.run(&["tap", "--instance", "demo"]);
     let said = String::from_utf8(refused.stderr).unwrap();
     assert!(said.contains("no instance demo runs"), "{said}");

@@ -225,10 +225,12 @@ alarms! {
         "End one of the processes, or declare an external source for each: two publishers of a source double its \
          information.";
     LinesRefused = 46, "lines-refused", Major, raise 0 s, clear 10 s,
-        "`koseki feed` refuses lines of datagrams{of}: {reasons}.",
+        "`koseki feed` refuses lines of datagrams or connections{of}: {reasons}.",
         "Correct the sender: the words are the names of wrong fields, and `koseki feed --help` lists the permitted ones. \
          `sender` counts datagrams of senders that are not listed, `length` empty and too long ones, `buffer` those that \
-         the kernel dropped. Over TCP each refused line is answered.";
+         the kernel dropped. Over TCP each refused line is answered. `connection` with a word counts connections that were \
+         refused or ended: `silent` ones sent no line in time, `gave-way` ones sent none before others needed the place. \
+         The last line of `koseki feed` on standard error names the latest peer; `--senders` keeps others out.";
 }
 
 #[cfg(test)]

@@ -43,6 +43,23 @@ pub const IN_INSTANCE: &str = "configuration.toml";
 /// File in the folder of a running instance with the names of its sources, a line each.
 const SOURCES_IN_INSTANCE: &str = "sources";
 
+/// File in the folder of a running instance with the address at which browsers reach its display.
+const PAGE_IN_INSTANCE: &str = "display";
+
+/// Keeps the address of the page of the instance in the folder `instance`. The display may have chosen its port.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn keep_page(instance: &Path, address: &str) -> std::io::Result<()> {
+    std::fs::write(instance.join(PAGE_IN_INSTANCE), address)
+}
+
+/// Returns the address of the page of the instance in the folder `instance`; `None` without a display.
+pub fn page_of(instance: &Path) -> Option<String> {
+    let address = std::fs::read_to_string(instance.join(PAGE_IN_INSTANCE)).ok()?;
+    Some(address).filter(|address| !address.is_empty())
+}
+
 /// A checked deployment.
 #[derive(Clone, Debug)]
 pub struct Deployment {

@@ -19,6 +19,10 @@ pub enum NetError {
         reason: String,
     },
 
+    /// Other machines reach an address without permission; a sentence with the remedy.
+    #[error("{0}")]
+    Reach(String),
+
     /// The machine has no such network interface.
     #[error("interface {interface}: this machine has none of that name or address; it has {present}")]
     NoInterface {

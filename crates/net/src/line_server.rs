@@ -1,7 +1,8 @@
 //! Server of bytes for all connected clients.
 //!
 //! Receivers of transponder signals serve their lines to all clients, and wait for no client: a slow client is
-//! disconnected, and may connect again. A client receives only bytes sent after its connection.
+//! disconnected, and may connect again. A client receives only bytes sent after its connection. The number of clients is
+//! limited, in all and of an address ([`DoorLimits::OF_READERS`]).
 
 use std::fmt::Debug;
 use std::fs::{self, Permissions};
@@ -12,27 +13,15 @@ use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
 
 use crate::NetError;
-
-/// Most readers at a time.
-pub const READERS_MAX: usize = 64;
-
-/// Counts since the socket was opened.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct LineServerCounters {
-    /// Readers that have connected.
-    pub readers: u64,
-    /// Readers of these that were let go since they did not keep up.
-    pub slow: u64,
-    /// Readers of these that were turned away since there were too many.
-    pub refused: u64,
-}
+use crate::door::{Door, DoorCounters, DoorLimits, DoorNews, DoorRefusal, Ended, Peer};
+use crate::reach::Reach;
 
 /// A socket that sends the same to each of its readers.
 #[derive(Debug)]
 pub struct LineServer {
     listener: Listener,
-    readers: Vec<Box<dyn ClientConnection>>,
-    counters: LineServerCounters,
+    readers: Door<Box<dyn ClientConnection>>,
+    news: DoorNews,
 }
 
 /// Connection to a client.
@@ -47,19 +36,19 @@ enum Listener {
 }
 
 impl Listener {
-    fn accept(&self) -> io::Result<Box<dyn ClientConnection>> {
+    fn accept(&self) -> io::Result<(Box<dyn ClientConnection>, Peer)> {
         match self {
             Self::Tcp(listener) => {
-                let (reader, _) = listener.accept()?;
+                let (reader, address) = listener.accept()?;
                 reader.set_nonblocking(true)?;
                 // Lines are to arrive when they are sent.
                 reader.set_nodelay(true)?;
-                Ok(Box::new(reader))
+                Ok((Box::new(reader), Peer(Some(address))))
             }
             Self::Unix(listener, _) => {
                 let (reader, _) = listener.accept()?;
                 reader.set_nonblocking(true)?;
-                Ok(Box::new(reader))
+                Ok((Box::new(reader), Peer(None)))
             }
         }
     }
@@ -78,8 +67,9 @@ impl LineServer {
     /// Listens at `address`.
     ///
     /// # Errors
-    /// [`NetError`] if the operating system refuses.
-    pub fn open(address: SocketAddr) -> Result<Self, NetError> {
+    /// [`NetError`] if other machines reach the address without permission, or if the operating system refuses.
+    pub fn open(address: SocketAddr, reach: Reach) -> Result<Self, NetError> {
+        reach.check(address).map_err(NetError::Reach)?;
         let failed = || NetError::refused::<io::Error>(format!("listening at {address}"));
         let listener = TcpListener::bind(address).map_err(failed())?;
         listener.set_nonblocking(true).map_err(failed())?;
@@ -114,8 +104,8 @@ impl LineServer {
     fn of(listener: Listener) -> Self {
         Self {
             listener,
-            readers: Vec::with_capacity(READERS_MAX),
-            counters: LineServerCounters::default(),
+            readers: Door::new(DoorLimits::OF_READERS),
+            news: DoorNews::default(),
         }
     }
 
@@ -144,43 +134,39 @@ impl LineServer {
     /// The same.
     pub fn accept_with(&mut self, head: &[u8]) -> io::Result<usize> {
         loop {
-            let mut reader = match self.listener.accept() {
-                Ok(reader) => reader,
+            let (mut reader, peer) = match self.listener.accept() {
+                Ok(accepted) => accepted,
                 Err(error) if error.kind() == ErrorKind::WouldBlock => return Ok(self.readers.len()),
                 // The reader has gone again already.
                 Err(error) if error.kind() == ErrorKind::ConnectionAborted => continue,
                 Err(error) => return Err(error),
             };
-            if self.readers.len() == READERS_MAX {
-                self.counters.refused += 1;
-                continue;
-            }
-            self.counters.readers += 1;
             // The buffer of a new connection is empty; a closed connection is detected at the next send.
             let _ = reader.write(head);
-            self.readers.push(reader);
+            // A reader without a place is counted, and let go. Readers need not send, so the time is of no matter.
+            let _ = self.readers.admit(peer, 0, reader);
         }
     }
 
     /// Sends to every client without waiting; disconnects a client that cannot take all bytes or has closed.
     pub fn send(&mut self, octets: &[u8]) {
-        let slow = &mut self.counters.slow;
-        self.readers.retain_mut(|reader| match reader.write(octets) {
-            Ok(written) if written == octets.len() => true,
+        self.readers.retain(|reader| match reader.write(octets) {
+            Ok(written) if written == octets.len() => Ok(None),
             // The begin of a line without its end would be a wrong line.
-            Ok(_) => {
-                *slow += 1;
-                false
-            }
-            Err(error) => {
-                *slow += u64::from(error.kind() == ErrorKind::WouldBlock);
-                false
-            }
+            Ok(_) => Ok(Some(DoorRefusal::Slow)),
+            Err(error) if error.kind() == ErrorKind::WouldBlock => Ok(Some(DoorRefusal::Slow)),
+            Err(_) => Err(Ended),
         });
     }
 
+    /// Returns the counts if readers were refused or let go, and that is to be reported at the monotonic time `now_ns`.
+    pub fn news(&mut self, now_ns: i64) -> Option<DoorCounters> {
+        let counters = self.readers.counters();
+        self.news.is_due(&counters, now_ns).then_some(counters)
+    }
+
     /// Counts so far.
-    pub fn counters(&self) -> LineServerCounters {
-        self.counters
+    pub fn counters(&self) -> DoorCounters {
+        self.readers.counters()
     }
 }

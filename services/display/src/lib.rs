@@ -131,6 +131,8 @@ pub fn run(process: &Process, settings: &Settings, engine: &fusion::Settings) ->
     let shared = SharedState::fed(world, maps, Now::read, Feed::of(&process.config), desk);
     let server = serve(settings, Moments::of_deployment(shared.clone()))?;
     say(&server, settings);
+    // For `koseki top` and `koseki status`, which go on without it.
+    let _ = deployment::keep_page(process.bus.root().path(), &address_of(&server, settings));
     let sight = (shared, server.counts().clone());
     let has_operators = settings.operator_token.is_some();
     let mut agent = agent::DisplayAgent::new(&process.config, has_operators, &process.bus, process.incarnation, sight)?;
@@ -254,11 +256,14 @@ fn listen(settings: &Settings) -> anyhow::Result<TcpListener> {
 
 /// Prints the address of the display.
 fn say(server: &Server, settings: &Settings) {
+    let address = address_of(server, settings);
+    runtime::notice(format_args!("koseki: the picture is at {address}"));
+}
+
+/// Returns the address of the display for a browser, without the token.
+fn address_of(server: &Server, settings: &Settings) -> String {
     let token = settings.token.as_ref().map_or("", |_| "?token=…");
-    runtime::notice(format_args!(
-        "koseki: the picture is at http://{}/{token}",
-        server.address()
-    ));
+    format!("http://{}/{token}", server.address())
 }
 
 fn origin(config: &Deployment) -> FrameOrigin {

@@ -22,6 +22,8 @@ settings::settings! {
         ttl: Option<u8> = None, usually "the machine's choice";
         /// Address and port at which controllers connect (TCP); each gets a header line and all following rows.
         listen: Option<Destination> = None, usually "none: datagrams are sent";
+        /// Permit a `listen` that other machines can reach: whoever reaches it reads everything, unencrypted.
+        remote: bool = false;
         /// Largest size of a datagram, bytes: by default the room of an Ethernet frame beside the headers of IPv4 and
         /// UDP.
         block_bytes: usize = 1472, in [256, 65_507];
@@ -43,6 +45,7 @@ impl CueOutletSettings {
             listen: self.listen,
             interface: self.interface.as_deref(),
             ttl: self.ttl,
+            remote: self.remote,
         };
         keys.way()
     }

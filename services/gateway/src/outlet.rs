@@ -5,8 +5,8 @@ use std::net::SocketAddr;
 
 use anyhow::Context as _;
 use messages::Counter;
-use net::{Interface, LineServer, SenderSettings, UdpSender};
-use runtime::HealthEntry;
+use net::{Interface, LineServer, Reach, SenderSettings, UdpSender};
+use runtime::{HealthEntry, Now};
 use settings::SettingsError;
 
 use crate::destination::{Destination, sender_mistake};
@@ -17,7 +17,7 @@ pub(crate) enum OutletWay {
     /// In datagrams.
     Datagrams(SenderSettings),
     /// To each client that connects (TCP).
-    Lines(SocketAddr),
+    Lines(SocketAddr, Reach),
 }
 
 /// Keys of an outlet that select the way.
@@ -31,6 +31,8 @@ pub(crate) struct OutletKeys<'a> {
     pub(crate) interface: Option<&'a str>,
     /// Time to live of datagrams.
     pub(crate) ttl: Option<u8>,
+    /// Whether other machines may reach the address for connections.
+    pub(crate) remote: bool,
 }
 
 /// An open way out.
@@ -39,14 +41,14 @@ pub(crate) enum Outlet {
     /// In datagrams.
     Datagrams(Box<UdpSender>),
     /// To each connected client.
-    Lines(LineServer),
+    Lines(Box<LineServer>),
 }
 
 impl fmt::Display for OutletWay {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Datagrams(sender) => write!(f, "sending to {}", sender.destination),
-            Self::Lines(address) => write!(f, "listening at {address}"),
+            Self::Lines(address, _) => write!(f, "listening at {address}"),
         }
     }
 }
@@ -56,7 +58,7 @@ impl OutletWay {
     pub(crate) fn sender(self) -> Option<SenderSettings> {
         match self {
             Self::Datagrams(sender) => Some(sender),
-            Self::Lines(_) => None,
+            Self::Lines(..) => None,
         }
     }
 }
@@ -68,6 +70,10 @@ impl OutletKeys<'_> {
     /// If not exactly one way is given, or a key does not fit the way.
     pub(crate) fn way(&self) -> Result<OutletWay, SettingsError> {
         match (self.send_to, self.listen) {
+            (Some(_), None) if self.remote => {
+                let what = "is about clients that connect, but datagrams are sent; leave it out";
+                Err(SettingsError::new("remote", what))
+            }
             (Some(to), None) => {
                 let interface = |text: &str| -> Interface {
                     let Ok(interface) = text.parse();
@@ -86,7 +92,13 @@ impl OutletKeys<'_> {
                 let key = if self.interface.is_some() { "interface" } else { "ttl" };
                 Err(SettingsError::new(key, what))
             }
-            (None, Some(at)) => Ok(OutletWay::Lines(at.0)),
+            (None, Some(at)) => {
+                let reach = Reach::permitted(self.remote, "remote = true beside it");
+                reach
+                    .check(at.0)
+                    .map_err(|reason| SettingsError::new("listen", reason))?;
+                Ok(OutletWay::Lines(at.0, reach))
+            }
             _ => {
                 let what = "give either send_to (datagrams) or listen (connections of clients)";
                 Err(SettingsError::new("", what))
@@ -103,7 +115,9 @@ impl Outlet {
     pub(crate) fn open(way: &OutletWay) -> anyhow::Result<Self> {
         let outlet = match way {
             OutletWay::Datagrams(sender) => UdpSender::open(sender).map(|sender| Self::Datagrams(Box::new(sender))),
-            OutletWay::Lines(address) => LineServer::open(*address).map(Self::Lines),
+            OutletWay::Lines(address, reach) => {
+                LineServer::open(*address, *reach).map(|server| Self::Lines(Box::new(server)))
+            }
         };
         outlet.with_context(|| way.to_string())
     }
@@ -115,6 +129,12 @@ impl Outlet {
     pub(crate) fn accept_with(&mut self, greeting: &[u8]) -> anyhow::Result<()> {
         if let Self::Lines(server) = self {
             server.accept_with(greeting)?;
+            if let Some(counters) = server.news(Now::read().mono_ns) {
+                let at = server.local_address()?;
+                runtime::notice(format_args!(
+                    "koseki: clients at {at} refused or disconnected: {counters}"
+                ));
+            }
         }
         Ok(())
     }

@@ -58,9 +58,10 @@ settings::settings! {
         name: String;
         /// Multicast group or address, with the port, as destination of the datagrams.
         send_to: Option<Destination> = None, usually "none: clients connect";
-        /// Address and port at which clients connect (TCP), for Cursor on Target: a loopback address, unless clients
-        /// of other hosts are wanted.
+        /// Address and port at which clients connect (TCP), for Cursor on Target.
         listen: Option<Destination> = None, usually "none: datagrams are sent";
+        /// Permit a `listen` that other machines can reach: whoever reaches it reads everything, unencrypted.
+        remote: bool = false;
         /// Form of the output.
         format: OutputFormat = OutputFormat::Asterix;
         /// Time until clients of Cursor on Target drop a track without a new event; longer than `refresh_s`.
@@ -119,7 +120,7 @@ pub(crate) enum GatewayContent<'a> {
 impl Settings {
     fn check(&self) -> Result<(), SettingsError> {
         match (self.way()?, self.format) {
-            (OutletWay::Lines(_), OutputFormat::Asterix) => {
+            (OutletWay::Lines(..), OutputFormat::Asterix) => {
                 let what = "is for format = \"cot\"; ASTERIX leaves in datagrams: give send_to";
                 return Err(SettingsError::new("listen", what));
             }
@@ -199,6 +200,7 @@ impl Settings {
             listen: self.listen,
             interface: self.interface.as_deref(),
             ttl: self.ttl,
+            remote: self.remote,
         };
         keys.way()
     }

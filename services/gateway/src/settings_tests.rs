@@ -162,6 +162,10 @@ fn a_cue_outlet_needs_one_way_out_and_a_source_with_cues() {
             "cue_outlet[0].ttl",
         ),
         (
+            format!("{source}listen = \"0.0.0.0:8620\"\n"),
+            "0.0.0.0:8620 can be reached from other machines",
+        ),
+        (
             "source = \"nobody\"\nlisten = \"127.0.0.1:8620\"\n".to_owned(),
             "there is no source named \"nobody\"",
         ),
@@ -191,10 +195,17 @@ fn cursor_on_target_has_keys_of_its_own() {
     let sender = |keys: &[&str]| read(keys).unwrap().services.gateways[0].sender.is_some();
     assert!(sender(&[cot, to]));
     assert!(!sender(&[cot, at]));
+    for address in ["0.0.0.0", "[::]", "192.0.2.7"] {
+        let public = format!("listen = \"{address}:8087\"");
+        let refused = read(&[cot, &public]).unwrap_err().to_string();
+        assert!(refused.contains("permit it by remote = true beside it"), "{refused}");
+        assert!(!sender(&[cot, &public, "remote = true"]));
+    }
     for (keys, part) in [
         (&[cot][..], "give either send_to"),
         (&[cot, to, at], "give either send_to"),
         (&[cot, at, "ttl = 3"], "ttl: is about datagrams"),
+        (&[cot, to, "remote = true"], "remote: is about clients that connect"),
         (&[cot, to, "sac = 1"], "sac: is for ASTERIX"),
         (
             &[cot, to, "target_identification = true"],

@@ -65,6 +65,8 @@ struct InstanceStatus {
     /// Where it lives.
     folder: PathBuf,
     state: InstanceState,
+    /// Address of the picture for a browser; `None` without a display.
+    picture: Option<String>,
     /// Process number of the launcher, while it runs.
     pid: Option<u32>,
     /// File of the last end, from which the next start goes on.
@@ -126,6 +128,7 @@ impl InstanceStatus {
             instance: instance.root.instance().to_owned(),
             folder: instance.root.path().to_owned(),
             state: InstanceState::Runs,
+            picture: None,
             pid: instance.pid,
             goes_on_from: None,
             processes: Vec::new(),
@@ -150,6 +153,7 @@ impl InstanceStatus {
             Ok((observed, joined)) => {
                 let now_ns = mono_ns();
                 status.processes = rows(observed.book(), &joined, now_ns);
+                status.picture = deployment::page_of(instance.root.path());
                 let sources = observed.sources().into_iter();
                 let compared = sources.filter(|source| source.registration.comparisons > 0.0);
                 let config = Config::of_running(instance.root.path()).ok();
@@ -185,6 +189,7 @@ impl InstanceStatus {
             folder: instances::named(&ended.instance)?.path().to_owned(),
             instance: ended.instance,
             state: InstanceState::Ended,
+            picture: None,
             pid: None,
             goes_on_from: Some(ended.file),
             processes: Vec::new(),
@@ -213,6 +218,9 @@ impl InstanceStatus {
             InstanceState::Refused => format!("instance {name}: does not run; a start of it was refused\n"),
             InstanceState::Ended => format!("instance {name}: has ended\n"),
         };
+        if let Some(address) = &self.picture {
+            text.push_str(&format!("  the picture is at {address}\n"));
+        }
         if let Some(file) = &self.goes_on_from {
             text.push_str(&format!("  the next start goes on from {}\n", file.display()));
         }
@@ -526,6 +534,7 @@ mod tests {
             instance: "demo".to_owned(),
             folder: "/run/koseki/demo".into(),
             state: InstanceState::Runs,
+            picture: Some("http://127.0.0.1:8900/".to_owned()),
             pid: Some(7),
             goes_on_from: None,
             processes: Vec::new(),
@@ -543,6 +552,10 @@ mod tests {
         let text = status.text();
         assert!(
             text.starts_with("instance demo: run by process 7, in /run/koseki/demo\n"),
+            "{text}"
+        );
+        assert!(
+            text.contains("\n  the picture is at http://127.0.0.1:8900/\n"),
             "{text}"
         );
         let lines = "  registration of radar-west: -1.5 m east\n    to keep it, write into the source's table:\n      \

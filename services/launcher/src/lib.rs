@@ -87,6 +87,8 @@ pub struct RunOptions {
 /// If the instance already runs, the machine refuses an operation, a needed child cannot be kept running
 /// ([`ChildRefused`] for its configuration), or a child did not stop as requested.
 pub fn run(config: &Deployment, settings: &Settings, orders: &RunOptions) -> anyhow::Result<()> {
+    // All children inherit it. Recordings hold what shared memory holds, which is this user's alone.
+    rustix::process::umask(rustix::fs::Mode::from_raw_mode(settings.file_mode.mask()));
     let stop = Stop::on_signals().context("catching signals")?;
     let wake = wake::Wake::on_signals().context("catching signals")?;
     let processes = part::parts(config).len();

@@ -1,5 +1,6 @@
 //! Duty cycle of the monitor.
 
+use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::Context as _;
@@ -48,6 +49,8 @@ pub struct MonitorAgent<S: Transport> {
     waiting: TrackWait<S>,
     clock: ClockReader,
     screen: Screen,
+    /// Folder of the instance.
+    folder: PathBuf,
     files: Option<Files>,
     /// Server of metrics, or the reason for its absence.
     metrics: Option<Result<Metrics, String>>,
@@ -138,6 +141,7 @@ impl<S: Transport> MonitorAgent<S> {
         };
         Ok(Self {
             metrics: settings.metrics().map(serve),
+            folder: bus.root().path().to_owned(),
             survey,
             states,
             health,
@@ -283,9 +287,10 @@ impl<S: Transport> Agent for MonitorAgent<S> {
         self.look_at_alarms(now)?;
         if now.mono_ns - self.begun.mono_ns >= self.interval_ns {
             let length_ns = self.close_interval(now)?;
-            let overview = self
+            let mut overview = self
                 .survey
                 .overview(now, length_ns, self.states.counts(), self.alarms.standing());
+            overview.page = deployment::page_of(&self.folder);
             self.screen.show(&overview);
         }
         if more {

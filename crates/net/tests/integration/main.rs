@@ -1,5 +1,6 @@
 //! Sockets on the loopback interface.
 
 mod allocation;
+mod line_server;
 mod lines;
 mod udp;

@@ -39,6 +39,9 @@ pub(crate) struct Send {
     /// Name or address of the interface for a multicast group
     #[arg(long, value_name = "INTERFACE")]
     pub(crate) interface: Option<Interface>,
+    /// For lines, permit an address that other machines reach
+    #[arg(long)]
+    pub(crate) remote: bool,
     /// Factor of the original speed, or max
     #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = speed)]
     pub(crate) speed: Speed,

@@ -77,6 +77,9 @@ pub(crate) struct Tap {
     /// Serve the lines at this address or Unix socket
     #[arg(long, value_name = "ADDRESS:PORT|FILE", conflicts_with = "tcp", value_parser = served)]
     serve: Option<TapSocket>,
+    /// Permit an address that other machines reach: whoever reaches it reads everything, unencrypted
+    #[arg(long)]
+    pub(crate) remote: bool,
     /// File mode of the Unix socket, octal
     #[arg(long, value_name = "MODE", default_value = "600", requires = "socket", value_parser = mode)]
     pub(crate) mode: u32,

@@ -1,18 +1,14 @@
 //! Where lines come from: standard input, connections and datagrams, a thread each.
 
 use std::io::{self, BufRead, BufReader, Read, Write};
-use std::net::{Shutdown, SocketAddr, TcpListener};
-use std::os::unix::fs::{FileTypeExt as _, PermissionsExt as _};
-use std::os::unix::net::{UnixListener, UnixStream};
-use std::path::Path;
-use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering::Relaxed};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::net::SocketAddr;
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Duration;
 
 use koseki_client::Error;
 use koseki_client::observation::fault;
 use messages::admission::Fault;
-use net::{AllowedSenders, ReceiverCounters, ReceiverSettings, UdpReceiver};
+use net::{AllowedSenders, Door, DoorLimits, DoorRefusal, ReceiverCounters, ReceiverSettings, UdpReceiver};
 use runtime::Now;
 use serde_json::json;
 
@@ -20,29 +16,48 @@ use super::inlet::{Inlets, Reasons};
 
 /// Longest line, bytes.
 const LINE_MAX: usize = 1 << 16;
-/// Most simultaneous connections.
-const CONNECTIONS_MAX: usize = 16;
-/// Longest time for which a client may take no refusals, and longest silence of a client.
-const WRITE_MAX: Duration = Duration::from_secs(5);
-const SILENCE_MAX: Duration = Duration::from_secs(3600);
 /// Pause after a connection that could not be accepted.
-const PAUSE: Duration = Duration::from_millis(100);
+pub(super) const PAUSE: Duration = Duration::from_millis(100);
 /// Longest wait for a datagram.
 const PATIENCE: Duration = Duration::from_millis(100);
-/// Period of reports of refused datagrams, nanoseconds.
-const REPORT_NS: i64 = 500_000_000;
-/// Longest wait for the end of what a refused client sends, and reads of it.
-const LINGER: Duration = Duration::from_millis(100);
-const LINGERING_READS: usize = 8;
+/// Shortest time between two reports of refusals to the deployment, nanoseconds.
+pub(super) const REPORT_NS: i64 = 500_000_000;
+
+/// What ends a connection from outside of its thread.
+pub(super) struct Ending {
+    stop: Box<dyn Fn() + Send + Sync>,
+    reason: OnceLock<DoorRefusal>,
+}
+
+impl Ending {
+    /// `stop` makes the thread of the connection look at the reason.
+    pub(super) fn new(stop: impl Fn() + Send + Sync + 'static) -> Self {
+        Self {
+            stop: Box::new(stop),
+            reason: OnceLock::new(),
+        }
+    }
+
+    /// Ends the connection; its thread answers the reason.
+    pub(super) fn end(&self, reason: DoorRefusal) {
+        let _ = self.reason.set(reason);
+        (self.stop)();
+    }
+
+    /// Returns why the connection ends.
+    pub(super) fn reason(&self) -> Option<DoorRefusal> {
+        self.reason.get().copied()
+    }
+}
 
 /// State that all threads share.
 pub(super) struct Shared {
     inlets: Mutex<Inlets>,
     /// Why nothing more can be fed.
     failure: Mutex<Option<Error>>,
-    connections: AtomicUsize,
-    pub(super) accepted: AtomicU64,
-    pub(super) refused_senders: AtomicU64,
+    /// The connections, and their limits.
+    door: Mutex<Door<Arc<Ending>>>,
+    pub(super) limits: DoorLimits,
     /// Counts of the datagrams.
     pub(super) datagrams: Mutex<ReceiverCounters>,
 }
@@ -56,15 +71,18 @@ impl Shared {
         Self {
             inlets: Mutex::new(inlets),
             failure: Mutex::new(None),
-            connections: AtomicUsize::new(0),
-            accepted: AtomicU64::new(0),
-            refused_senders: AtomicU64::new(0),
+            door: Mutex::new(Door::new(DoorLimits::OF_SENDERS)),
+            limits: DoorLimits::OF_SENDERS,
             datagrams: Mutex::default(),
         }
     }
 
     pub(super) fn inlets(&self) -> MutexGuard<'_, Inlets> {
         lock(&self.inlets)
+    }
+
+    pub(super) fn door(&self) -> MutexGuard<'_, Door<Arc<Ending>>> {
+        lock(&self.door)
     }
 
     /// Returns why nothing more can be fed, once.
@@ -87,11 +105,17 @@ impl Shared {
         }
     }
 
-    /// Feeds the lines of `reader` until its end; `answers` gets a line for each refused line.
+    /// Feeds the lines of `reader` until its end; `answers` gets a line for each refused line. `goes_on` is asked
+    /// after each line with content.
     ///
     /// # Errors
     /// If the reader or the writer fails.
-    pub(super) fn feed(&self, reader: impl Read, answers: &mut impl Write) -> io::Result<()> {
+    pub(super) fn feed(
+        &self,
+        reader: impl Read,
+        answers: &mut impl Write,
+        mut goes_on: impl FnMut() -> bool,
+    ) -> io::Result<()> {
         let mut reader = BufReader::new(reader);
         let (mut line, mut number) = (Vec::new(), 0_u64);
         loop {
@@ -113,6 +137,9 @@ impl Shared {
                 break;
             }
             if !line.trim_ascii().is_empty() {
+                if !goes_on() {
+                    break;
+                }
                 match self.take(&line, Now::read().utc_ns) {
                     None => return Ok(()),
                     Some(Some(fault)) => refuse(answers, number, &fault)?,
@@ -161,43 +188,10 @@ impl Shared {
             }
         }
     }
-
-    /// Takes a place for a connection; `false` if all are taken.
-    fn enter(&self) -> bool {
-        let entered = self
-            .connections
-            .fetch_update(Relaxed, Relaxed, |count| (count < CONNECTIONS_MAX).then_some(count + 1));
-        entered.is_ok()
-    }
-
-    fn leave(&self) {
-        self.connections.fetch_sub(1, Relaxed);
-    }
-}
-
-/// Answers a connection for which there is no place. What the client has sent is read, for some time: a connection
-/// closed before would lose the answer.
-fn refuse_connection(mut stream: impl Read + Write, end: impl FnOnce() -> io::Result<()>) -> io::Result<()> {
-    let limit = format!("must be at most {CONNECTIONS_MAX} connections at a time");
-    let too_many = fault(
-        "connection",
-        CONNECTIONS_MAX + 1,
-        &limit,
-        "end another connection, send the lines of several sources by one, or start a further `koseki feed`",
-    );
-    refuse(&mut stream, 0, &too_many)?;
-    end()?;
-    let mut octets = [0; 4096];
-    for _ in 0..LINGERING_READS {
-        if stream.read(&mut octets)? == 0 {
-            break;
-        }
-    }
-    Ok(())
 }
 
 /// Writes the answer to a refused line; 0: to the whole connection.
-fn refuse(answers: &mut impl Write, line: u64, fault: &Fault) -> io::Result<()> {
+pub(super) fn refuse(answers: &mut impl Write, line: u64, fault: &Fault) -> io::Result<()> {
     let Fault {
         field,
         value,
@@ -209,98 +203,12 @@ fn refuse(answers: &mut impl Write, line: u64, fault: &Fault) -> io::Result<()> 
     answers.flush()
 }
 
-/// Serves a connection in a thread of its own.
-fn serve<S: Read + Write + Send + 'static>(shared: &Arc<Shared>, stream: S, writer: S) {
-    shared.accepted.fetch_add(1, Relaxed);
-    let of_thread = Arc::clone(shared);
-    let mut writer = writer;
-    let serve = move || {
-        // A connection that breaks off has ended.
-        let _ = of_thread.feed(stream, &mut writer);
-        of_thread.leave();
-    };
-    if std::thread::Builder::new()
-        .name("connection".to_owned())
-        .spawn(serve)
-        .is_err()
-    {
-        shared.leave();
-    }
-}
-
-fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> io::Result<()> {
+/// Starts a thread.
+pub(super) fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> io::Result<()> {
     std::thread::Builder::new()
         .name(name.to_owned())
         .spawn(work)
         .map(|_| ())
-}
-
-/// Accepts connections at an address; returns the address.
-pub(super) fn open_tcp(shared: &Arc<Shared>, address: SocketAddr, senders: AllowedSenders) -> io::Result<SocketAddr> {
-    let listener = TcpListener::bind(address)?;
-    let local = listener.local_addr()?;
-    let shared = Arc::clone(shared);
-    spawn("listener", move || {
-        loop {
-            let Ok((stream, peer)) = listener.accept() else {
-                std::thread::sleep(PAUSE);
-                continue;
-            };
-            if !senders.allow(peer.ip()) {
-                shared.refused_senders.fetch_add(1, Relaxed);
-                continue;
-            }
-            if !shared.enter() {
-                // A client that does not read its answer loses it.
-                let _ = stream
-                    .set_write_timeout(Some(LINGER))
-                    .and_then(|()| stream.set_read_timeout(Some(LINGER)))
-                    .and_then(|()| refuse_connection(&stream, || stream.shutdown(Shutdown::Write)));
-                continue;
-            }
-            let limited = stream
-                .set_write_timeout(Some(WRITE_MAX))
-                .and_then(|()| stream.set_read_timeout(Some(SILENCE_MAX)));
-            match (limited, stream.try_clone()) {
-                (Ok(()), Ok(writer)) => serve(&shared, stream, writer),
-                _ => shared.leave(),
-            }
-        }
-    })?;
-    Ok(local)
-}
-
-/// Accepts connections at a Unix socket.
-pub(super) fn open_unix(shared: &Arc<Shared>, path: &Path, mode: u32, group: Option<u32>) -> io::Result<()> {
-    let is_socket = std::fs::symlink_metadata(path).is_ok_and(|found| found.file_type().is_socket());
-    if is_socket && UnixStream::connect(path).is_err() {
-        std::fs::remove_file(path)?;
-    }
-    let listener = UnixListener::bind(path)?;
-    // In this order: until the last step only users permitted by the process's mask may connect.
-    std::os::unix::fs::chown(path, None, group)?;
-    std::fs::set_permissions(path, std::fs::Permissions::from_mode(mode))?;
-    let shared = Arc::clone(shared);
-    spawn("listener", move || {
-        loop {
-            let Ok((stream, _)) = listener.accept() else {
-                std::thread::sleep(PAUSE);
-                continue;
-            };
-            if !shared.enter() {
-                let _ = stream
-                    .set_write_timeout(Some(LINGER))
-                    .and_then(|()| stream.set_read_timeout(Some(LINGER)))
-                    .and_then(|()| refuse_connection(&stream, || stream.shutdown(Shutdown::Write)));
-                continue;
-            }
-            let limited = stream.set_write_timeout(Some(WRITE_MAX));
-            match (limited, stream.try_clone()) {
-                (Ok(()), Ok(writer)) => serve(&shared, stream, writer),
-                _ => shared.leave(),
-            }
-        }
-    })
 }
 
 /// Receives datagrams at an address; returns the address.

@@ -153,7 +153,8 @@ impl Inlets {
         Ok(self.open(place)?)
     }
 
-    /// Reports lines of datagrams that were refused to the deployment, whose monitor raises an alarm.
+    /// Reports what was refused without an answer that a person reads, lines of datagrams and connections, to the
+    /// deployment, whose monitor raises an alarm.
     pub(super) fn report(&self, refused: &Reasons) {
         let name = self.usual.map_or("", |place| &self.inlets[place].name);
         let refusal = |(reason, count): (&str, u64)| refusals::Refusal {

@@ -4,6 +4,7 @@
 //! the kind of its source, and passes the checks of every external publisher ([`messages::admission`]) before it is
 //! published. The publisher is that of the client library, so that one program feeds a source at a time.
 
+mod connections;
 mod doors;
 mod fields;
 mod inlet;
@@ -14,15 +15,15 @@ mod unknown_tests;
 
 use std::fmt::Write as _;
 use std::net::SocketAddr;
-use std::sync::atomic::Ordering::Relaxed;
 use std::sync::{Arc, mpsc};
 use std::time::Duration;
 
 use anyhow::Context as _;
 use bus::{Bus, SharedMemory};
 use koseki_client::ErrorKind;
-use net::AllowedSenders;
+use net::{AllowedSenders, DoorCounters, DoorRefusal, Reach};
 use offline::Usage;
+use runtime::Now;
 use runtime::signals::Stop;
 use serde_json::json;
 use telemetry::table::count;
@@ -30,6 +31,7 @@ use telemetry::table::count;
 use crate::args::Feed;
 use crate::config::Config;
 use crate::instances;
+use connections::Doorkeeper;
 use doors::{Shared, lock};
 use inlet::Inlets;
 
@@ -45,7 +47,9 @@ pub(crate) fn run(feed: &Feed) -> anyhow::Result<()> {
     let senders = AllowedSenders::parse(feed.senders.iter().map(String::as_str));
     let senders = senders.map_err(|error| Usage(format!("--senders: {error}")))?;
     for (option, address) in [("--tcp", feed.tcp), ("--udp", feed.udp)] {
-        check_reach(option, address, feed.remote)?;
+        let reach = Reach::permitted(feed.remote, "--remote, with --senders to restrict it");
+        let refused = address.map_or(Ok(()), |address| reach.check(address));
+        refused.map_err(|reason| Usage(format!("{option}: {reason}")))?;
     }
     let root = instances::running_or_only(feed.instance.as_deref())?;
     let stop = Stop::on_signals()?;
@@ -55,8 +59,10 @@ pub(crate) fn run(feed: &Feed) -> anyhow::Result<()> {
     let shared = Arc::new(Shared::new(inlets));
     let (ended, at_end) = mpsc::channel();
     open(feed, &shared, senders, ended)?;
+    let mut doorkeeper = Doorkeeper::default();
     loop {
         let finished = at_end.recv_timeout(LOOK);
+        doorkeeper.look(&shared, Now::read().mono_ns);
         if let Some(error) = shared.failure() {
             match error.kind() {
                 ErrorKind::Ended => break,
@@ -87,17 +93,6 @@ pub(crate) fn run(feed: &Feed) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Refuses an address that other machines reach, unless the command permits it.
-fn check_reach(option: &str, address: Option<SocketAddr>, is_remote: bool) -> Result<(), Usage> {
-    match address {
-        Some(address) if !address.ip().is_loopback() && !is_remote => Err(Usage(format!(
-            "{option} {address}: other machines reach this address; add --remote to permit it, and --senders to restrict \
-             it, or give the port alone"
-        ))),
-        _ => Ok(()),
-    }
-}
-
 /// Opens where the lines come from. `ended` gets the result at the end of standard input.
 fn open(
     feed: &Feed,
@@ -107,18 +102,18 @@ fn open(
 ) -> anyhow::Result<()> {
     let at = |address: SocketAddr| runtime::notice(format_args!("koseki feed: listening at {address}"));
     if let Some(address) = feed.tcp {
-        let opened = doors::open_tcp(shared, address, senders);
+        let opened = connections::open_tcp(shared, address, senders);
         at(opened.map_err(|error| Usage(format!("--tcp {address}: {error}; choose another")))?);
     } else if let Some(address) = feed.udp {
         let opened = doors::open_udp(shared, address, senders);
         at(opened.map_err(|error| Usage(format!("--udp {address}: {error}")))?);
     } else if let Some(path) = &feed.unix {
-        let opened = doors::open_unix(shared, path, feed.mode, feed.group);
+        let opened = connections::open_unix(shared, path, feed.mode, feed.group);
         opened.map_err(|error| Usage(format!("--unix {}: {error}; choose another", path.display())))?;
     } else {
         let shared = Arc::clone(shared);
         std::thread::Builder::new().name("input".to_owned()).spawn(move || {
-            let read = shared.feed(std::io::stdin().lock(), &mut std::io::stdout().lock());
+            let read = shared.feed(std::io::stdin().lock(), &mut std::io::stdout().lock(), || true);
             // The command may have ended before.
             let _ = ended.send(read);
         })?;
@@ -130,7 +125,7 @@ fn open(
 struct FeedSummary {
     published: u64,
     refused: Vec<(String, u64)>,
-    connections: u64,
+    connections: DoorCounters,
     refused_senders: u64,
     lost_datagrams: u64,
 }
@@ -139,6 +134,7 @@ impl FeedSummary {
     fn of(shared: &Shared) -> Self {
         let inlets = shared.inlets();
         let datagrams = *lock(&shared.datagrams);
+        let connections = shared.door().counters();
         Self {
             published: inlets.published,
             refused: inlets
@@ -146,8 +142,8 @@ impl FeedSummary {
                 .iter()
                 .map(|(field, lines)| (field.to_owned(), lines))
                 .collect(),
-            connections: shared.accepted.load(Relaxed),
-            refused_senders: shared.refused_senders.load(Relaxed) + datagrams.refused_senders,
+            connections,
+            refused_senders: connections.refused(DoorRefusal::Sender) + datagrams.refused_senders,
             lost_datagrams: datagrams.kernel_drops,
         }
     }
@@ -162,11 +158,20 @@ impl FeedSummary {
             .iter()
             .map(|(field, lines)| (field.clone(), json!(lines)))
             .collect();
+        let connections = self
+            .connections
+            .reasons()
+            .map(|(reason, count)| (reason.word().to_owned(), json!(count)));
+        let connections: serde_json::Map<_, _> = connections.collect();
+        let last = self.connections.last;
+        let last = last.map(|(peer, reason)| json!({"peer": peer.to_string(), "reason": reason.word()}));
         json!({
             "published": self.published,
             "refused": self.refused(),
             "refused_by_field": reasons,
-            "connections": self.connections,
+            "connections": self.connections.admitted,
+            "refused_connections": connections,
+            "last_refused_connection": last,
             "refused_senders": self.refused_senders,
             "lost_datagrams": self.lost_datagrams,
         })
@@ -191,6 +196,9 @@ impl FeedSummary {
         if self.refused_senders > 0 {
             let _ = write!(text, "; {} of senders that are not listed", count(self.refused_senders));
         }
+        if self.connections.all_refused() > 0 {
+            let _ = write!(text, "; connections refused or ended: {}", self.connections);
+        }
         if self.lost_datagrams > 0 {
             let _ = write!(
                 text,
@@ -199,22 +207,5 @@ impl FeedSummary {
             );
         }
         text + "\n"
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_address_of_other_machines_needs_permission() {
-        let reach = |address: &str, is_remote| check_reach("--tcp", Some(address.parse().unwrap()), is_remote);
-        for address in ["127.0.0.1:9", "[::1]:9"] {
-            assert!(reach(address, false).is_ok(), "{address}");
-        }
-        for address in ["0.0.0.0:9", "192.0.2.1:9", "[::]:9"] {
-            assert!(reach(address, false).unwrap_err().0.contains("--remote"), "{address}");
-            assert!(reach(address, true).is_ok(), "{address}");
-        }
     }
 }

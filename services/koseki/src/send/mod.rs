@@ -18,6 +18,7 @@ use std::time::Duration;
 use anyhow::Context as _;
 use asterix::Edition;
 use formats::recording::RecordingBytes;
+use net::Reach;
 use offline::{InputError, Usage};
 use runtime::clock::mono_ns;
 use runtime::signals::Stop;
@@ -74,7 +75,12 @@ pub(crate) fn run(send: &Send) -> anyhow::Result<()> {
                 "{file} has no address: give it one, {file}=ADDRESS:PORT, or all of them one with --to"
             ))
         })?;
-        let way_out = WayOut::open(to, send.interface.as_ref(), pieces.kind());
+        let way_out = WayOut::open(
+            to,
+            send.interface.as_ref(),
+            pieces.kind(),
+            Reach::permitted(send.remote, "--remote"),
+        );
         feeds.push(RecordingFeed {
             pieces,
             timed,

@@ -3,7 +3,7 @@
 use std::net::SocketAddr;
 use std::time::Duration;
 
-use net::{Interface, LineServer, NetError, SenderSettings, UdpSender};
+use net::{DoorRefusal, Interface, LineServer, NetError, Reach, SenderSettings, UdpSender};
 use runtime::signals::Stop;
 
 use super::pieces::PieceKind;
@@ -17,7 +17,7 @@ pub(super) enum WayOut {
     /// Datagrams to an address or group.
     Datagrams(UdpSender),
     /// Lines to all connected clients.
-    Lines(LineServer),
+    Lines(Box<LineServer>),
 }
 
 impl WayOut {
@@ -25,14 +25,19 @@ impl WayOut {
     ///
     /// # Errors
     /// If the address cannot be meant, or the operating system refuses.
-    pub(super) fn open(to: SocketAddr, interface: Option<&Interface>, kind: PieceKind) -> Result<Self, NetError> {
+    pub(super) fn open(
+        to: SocketAddr,
+        interface: Option<&Interface>,
+        kind: PieceKind,
+        reach: Reach,
+    ) -> Result<Self, NetError> {
         Ok(match kind {
             PieceKind::Datagrams => {
                 let mut settings = SenderSettings::new(to);
                 settings.interface = interface.filter(|_| to.ip().is_multicast()).cloned();
                 Self::Datagrams(UdpSender::open(&settings)?)
             }
-            PieceKind::Lines => Self::Lines(LineServer::open(to)?),
+            PieceKind::Lines => Self::Lines(Box::new(LineServer::open(to, reach)?)),
         })
     }
 
@@ -69,7 +74,7 @@ impl WayOut {
     pub(super) fn failed(&self) -> u64 {
         match self {
             Self::Datagrams(sender) => sender.counters().failed,
-            Self::Lines(server) => server.counters().slow,
+            Self::Lines(server) => server.counters().refused(DoorRefusal::Slow),
         }
     }
 }

@@ -10,7 +10,7 @@ use std::time::Duration;
 use anyhow::bail;
 use bus::{Bus, Payload, ReceiveOutcome, Root, SharedMemory, WaitMode, Woken};
 use messages::{Topic, Visitor};
-use net::LineServer;
+use net::{LineServer, Reach};
 use offline::Usage;
 use runtime::clock::{instant, mono_ns};
 use runtime::signals::Stop;
@@ -67,14 +67,14 @@ impl SampleForm {
 /// Where they go.
 enum LineDestination {
     Out(io::StdoutLock<'static>),
-    Server(LineServer),
+    Server(Box<LineServer>),
 }
 
 impl LineDestination {
     fn open(tap: &Tap) -> anyhow::Result<Self> {
         Ok(match tap.socket() {
-            Some(TapSocket::Unix(path)) => Self::Server(LineServer::open_unix(&path, tap.mode, tap.group)?),
-            Some(TapSocket::Tcp(address)) => Self::Server(LineServer::open(address)?),
+            Some(TapSocket::Unix(path)) => Self::Server(Box::new(LineServer::open_unix(&path, tap.mode, tap.group)?)),
+            Some(TapSocket::Tcp(address)) => Self::Server(Box::new(LineServer::open(address, reach_of(tap))?)),
             None => Self::Out(io::stdout().lock()),
         })
     }
@@ -87,10 +87,19 @@ impl LineDestination {
                 if !octets.is_empty() {
                     server.send(octets);
                 }
-                server.accept_with(head).map(|_| ())
+                server.accept_with(head)?;
+                if let Some(counters) = server.news(mono_ns()) {
+                    eprintln!("koseki tap: readers refused or disconnected: {counters}");
+                }
+                Ok(())
             }
         }
     }
+}
+
+/// Returns who may read at an address.
+fn reach_of(tap: &Tap) -> Reach {
+    Reach::permitted(tap.remote, "--remote")
 }
 
 /// Returns the names of a running instance.
@@ -115,6 +124,9 @@ impl Visitor for TapReader<'_> {
             let schema = sample_text::json_schema(&T::LAYOUT, !self.tap.raw);
             println!("{schema:#}");
             return Ok(());
+        }
+        if let Some(TapSocket::Tcp(address)) = self.tap.socket() {
+            reach_of(self.tap).check(address).map_err(Usage)?;
         }
         let root = instances::running_or_only(self.tap.instance.as_deref())?;
         let stop = Stop::on_signals()?;

@@ -89,6 +89,9 @@ pub(crate) fn draw(buffer: &mut Buffer, instance: &str, overview: Option<&Overvi
     tab_line(view, looks).render(tabs, buffer);
     let text = overview.map_or_else(|| format!("Koseki {instance}   listening …"), pages::title);
     Line::from(text).style(looks.title()).render(title, buffer);
+    // Below the tabs.
+    let [_, address] = Layout::vertical([Constraint::Length(1), Constraint::Length(1)]).areas(tabs);
+    draw_page(buffer, address, overview);
     if view.help {
         for (place, line) in body.rows().zip(HELP) {
             Line::from(*line).render(place, buffer);
@@ -123,12 +126,20 @@ pub(crate) fn draw(buffer: &mut Buffer, instance: &str, overview: Option<&Overvi
 
 /// Draws the screen of a monitor, which nobody can press keys at.
 pub(crate) fn draw_unattended(buffer: &mut Buffer, overview: &Overview, looks: ScreenStyle) {
-    let [title, _, body] =
+    let [title, address, body] =
         Layout::vertical([Constraint::Length(1), Constraint::Length(1), Constraint::Fill(1)]).areas(buffer.area);
     Line::from(pages::title(overview))
         .style(looks.title())
         .render(title, buffer);
+    draw_page(buffer, address, Some(overview));
     draw_sources(buffer, body, overview, &View::default(), None, looks);
+}
+
+/// Draws the address of the picture, which the redrawn screen would hide otherwise.
+fn draw_page(buffer: &mut Buffer, place: Rect, overview: Option<&Overview>) {
+    if let Some(page) = overview.and_then(pages::page) {
+        Line::from(page).render(place, buffer);
+    }
 }
 
 fn tab_line(view: &View, looks: ScreenStyle) -> Line<'static> {

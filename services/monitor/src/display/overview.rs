@@ -11,6 +11,8 @@ use super::tracks::TrackRow;
 #[derive(Clone, Debug, Default, Serialize)]
 pub(crate) struct Overview {
     pub(crate) instance: String,
+    /// Address of the picture for a browser; `None` without a display.
+    pub(crate) page: Option<String>,
     /// Now, UTC, nanoseconds.
     pub(crate) utc_ns: i64,
     /// How long it has been looked at, nanoseconds.

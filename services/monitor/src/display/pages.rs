@@ -15,7 +15,11 @@ const KNOTS: f64 = 3600.0 / 1852.0;
 
 /// Everything, as `--once` prints it.
 pub(crate) fn everything(overview: &Overview) -> String {
-    let mut text = format!("{}\n{}\n", title(overview), picture(overview).join("\n"));
+    let mut text = format!("{}\n", title(overview));
+    if let Some(page) = page(overview) {
+        text.push_str(&format!("{page}\n"));
+    }
+    text.push_str(&format!("{}\n", picture(overview).join("\n")));
     for page in Page::ALL {
         let lines = page_lines(overview, page, Span::Total, usize::MAX);
         text.push_str(&format!("\n{}\n", lines.heading));
@@ -72,6 +76,12 @@ pub(crate) fn title(overview: &Overview) -> String {
     ];
     parts.extend(recording(overview));
     parts.join("   ")
+}
+
+/// Line with the address of the picture, if there is a display.
+pub(crate) fn page(overview: &Overview) -> Option<String> {
+    let page = overview.page.as_ref()?;
+    Some(format!("the picture is at {page}"))
 }
 
 fn recording(overview: &Overview) -> Option<String> {

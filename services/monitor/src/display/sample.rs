@@ -52,6 +52,7 @@ pub(crate) fn overview() -> Overview {
     let running = ProcessState::Life(LifeState::Running);
     Overview {
         instance: "demo".to_owned(),
+        page: Some("http://127.0.0.1:8900/".to_owned()),
         utc_ns: 1_700_000_000_000_000_000,
         elapsed_ns: 12_000_000_000,
         interval_ns: 1_000_200_000,

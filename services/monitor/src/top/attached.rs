@@ -131,7 +131,8 @@ impl<S: Transport> Attached<S> {
             return Ok(Look::Nothing);
         }
         self.begun = now;
-        let overview = self.watch.close_interval(now, length_ns, self.states.counts());
+        let mut overview = self.watch.close_interval(now, length_ns, self.states.counts());
+        overview.page = deployment::page_of(self.root.path());
         Ok(Look::Interval(Box::new(overview)))
     }
 }
