@@ -27,6 +27,7 @@ use formats::sbs::{AircraftMerger, SbsLine, SbsSettings};
 use formats::scan_rows_csv::ScanRowReader;
 use formats::sensor_tracks_csv::SensorTrackReader;
 use formats::wide_area_csv::WideAreaReader;
+use frames::time::{NS_PER_DAY, seconds};
 use reception::observation::{Reading, read};
 use sources::{Pipeline, Processing, Samples, TrackerSettings};
 use tracking::turn_time::TurnEstimate;
@@ -442,6 +443,16 @@ fn read_rows(bytes: &[u8], key: &RecordingOwner) -> Result<RecordingFindings, St
     let rows = SensorTrackReader::new(bytes, 0, |_| Some(0)).map_err(table)?;
     for track in rows.with_accuracies_of(None) {
         let time_ns = track.map_err(table)?.time_of_measurement_ns;
+        if let Some(last_ns) = found.last_time_ns.filter(|last_ns| *last_ns - time_ns > NS_PER_DAY / 2) {
+            return Err(format!(
+                "row {}, column time_s: {} is before {}, the time of the row above; it is the recording of {}: times count \
+                 on across midnight, so add 86400 to the times of the next day",
+                found.records + 1,
+                seconds(time_ns),
+                seconds(last_ns),
+                key.whose
+            ));
+        }
         found.records += 1;
         found.first_time_ns = found.first_time_ns.or(Some(time_ns));
         found.last_time_ns = Some(time_ns);
@@ -563,6 +574,27 @@ mod tests {
         assert!(line.contains("truncated = \"accept\""), "{line}");
         let found = outcome(&bytes, &["source[0].recorded.truncated=\"accept\""]).unwrap();
         assert_eq!((found.blocks, found.records), (1, 1));
+    }
+
+    #[test]
+    fn a_table_that_begins_again_at_midnight_is_refused() {
+        let table = |times: &[f64]| -> String {
+            let row = |time_s: &f64| format!("{time_s},1,1,0,0,0,0,0,0,9\n");
+            let rows: String = times.iter().map(row).collect();
+            format!("time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,trace\n{rows}")
+        };
+        let format = ["source[0].recorded.format=\"sensor-tracks\""];
+        assert_eq!(
+            outcome(table(&[86_399.9, 86_400.1]).as_bytes(), &format)
+                .unwrap()
+                .records,
+            2
+        );
+        let line = outcome(table(&[86_399.9, 0.1]).as_bytes(), &format).unwrap_err();
+        assert!(
+            line.starts_with("row 2, column time_s: 0.1 is before 86399.9"),
+            "{line}"
+        );
     }
 
     #[test]
