@@ -99,11 +99,18 @@ fn everything_is_printed_once_with_the_names_of_sources_and_processes() {
     assert!(!text.contains("source 1") && !text.contains("\x1b"), "{text}");
     // The display chooses its port, and its address is known everywhere.
     let said = demo.said();
-    let address = said.lines().find_map(|line| line.split_once("the picture is at ")).unwrap().1;
+    let address = said
+        .lines()
+        .find_map(|line| line.split_once("the picture is at "))
+        .unwrap()
+        .1;
     assert!(address.starts_with("http://"), "{said}");
     assert!(text.contains(&format!("\nthe picture is at {address}\n")), "{text}");
     let status = home.status();
-    assert!(status.contains(&format!("\n  the picture is at {address}\n")), "{status}");
+    assert!(
+        status.contains(&format!("\n  the picture is at {address}\n")),
+        "{status}"
+    );
     demo.stop();
     home.assert_nothing_is_left("demo");
 }
