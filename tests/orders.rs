@@ -437,13 +437,10 @@ fn the_display_takes_orders_of_operators_alone() {
     let home = Home::new();
     let port = crate::common::free_address();
     let listen = format!("display.listen=\"{port}\"");
-    let token = format!("display.operator_token=\"{TOKEN}\"");
     let format = "recorder.format=[\"csv\", \"mcap\"]";
     let set = [
         "--set",
         &listen,
-        "--set",
-        &token,
         "--set",
         "recorder.enabled=true",
         "--set",
@@ -451,7 +448,22 @@ fn the_display_takes_orders_of_operators_alone() {
         "--out",
         "out",
     ];
-    let demo = home.demo_with(&set);
+    // A command line is readable for every user of the machine.
+    let token = format!("display.operator_token=\"{TOKEN}\"");
+    let refused = home.run(&["demo", "--set", &token]);
+    let said = String::from_utf8(refused.stderr).unwrap();
+    assert_eq!(refused.status.code(), Some(2), "{said}");
+    assert!(
+        said.contains("KOSEKI_DISPLAY_OPERATOR_TOKEN") && !said.contains(TOKEN),
+        "{said}"
+    );
+    let mut command = home.command(&[&["demo"][..], &set].concat());
+    let demo = home.start_command(command.env("KOSEKI_DISPLAY_OPERATOR_TOKEN", TOKEN));
+    demo.until_said("instance demo runs");
+    for process in std::fs::read_dir("/proc").unwrap().flatten() {
+        let line = std::fs::read(process.path().join("cmdline")).unwrap_or_default();
+        assert!(!String::from_utf8_lossy(&line).contains(TOKEN), "{process:?}");
+    }
     let address = port.to_string();
     let order = |headers: &[(&str, &str)], body: &str| {
         let json = ("Content-Type", "application/json");

@@ -101,6 +101,29 @@ fn a_new_world_gets_no_number_of_the_last_one() {
 }
 
 #[test]
+fn copies_that_cannot_be_written_are_an_alarm_until_they_can() {
+    let home = Home::new();
+    let disk = home.path("disk");
+    let folder = format!("checkpoint.folder=\"{}\"", disk.display());
+    let every = "checkpoint.copy_every_s=0.2";
+    let demo = home.demo_with(&["--set", &folder, "--set", "checkpoint.durable=true", "--set", every]);
+    // Nobody, root included, can write into a file as a folder.
+    until("the folder is a file", || {
+        let _ = fs::remove_dir_all(&disk);
+        fs::write(&disk, "").is_ok()
+    });
+    let stands = || {
+        home.status()
+            .contains("  alarm, major: The memory for a start after a loss of power is not written")
+    };
+    until("the alarm is raised", stands);
+    fs::remove_file(&disk).unwrap();
+    fs::create_dir(&disk).unwrap();
+    until("the alarm is cleared", || !stands());
+    stop(&home, demo, Signal::TERM);
+}
+
+#[test]
 fn the_same_targets_keep_their_numbers_over_a_planned_stop() {
     let home = Home::new();
     let begin = Now::read().utc_ns.to_string();

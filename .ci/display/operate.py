@@ -435,10 +435,10 @@ def main():
     file = (given.folder / "views.json").resolve()
     file.unlink(missing_ok=True)
     sets = {
-        "display.operator_token": f'"{TOKEN}"',
         "display.views.file": f'"{file}"',
         "display.views.start": '"vector=120"',
     }
+    os.environ["KOSEKI_DISPLAY_OPERATOR_TOKEN"] = TOKEN
     command = ["demo", "--instance", "ci-operate", "--out", given.folder / "operated"]
     for key, value in sets.items():
         command += ["--set", f"{key}={value}"]

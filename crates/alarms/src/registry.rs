@@ -231,6 +231,10 @@ alarms! {
          the kernel dropped. Over TCP each refused line is answered. `connection` with a word counts connections that were \
          refused or ended: `silent` ones sent no line in time, `gave-way` ones sent none before others needed the place. \
          The last line of `koseki feed` on standard error names the latest peer; `--senders` keeps others out.";
+    CheckpointUnkept = 47, "checkpoint-unkept", Major, raise 0 s, clear 10 s,
+        "The memory for a start after a loss of power is not written to disk: {note}.",
+        "Make the folder `checkpoint.folder` writable, or free space on its disk. A loss of power until then costs the \
+         numbers of the tracks and what has been learned of the sources.";
 }
 
 #[cfg(test)]

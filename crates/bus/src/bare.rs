@@ -18,7 +18,7 @@ use crate::bus::Bus;
 use crate::error::BusError;
 use crate::ports::{DropGuard, Ports as _};
 use crate::quality::{Header, Octets};
-use crate::service::{PublisherPort, SubscriberPort};
+use crate::service::{PublisherPort, SubscriberPort, with_open_files};
 use crate::transport::{Payload, SharedMemory};
 use crate::waiter::BACKSTOP;
 
@@ -204,7 +204,7 @@ fn failed(service: &str, action: &'static str, reason: String) -> BusError {
     BusError::Topic {
         topic: service.into(),
         action,
-        reason,
+        reason: with_open_files(reason),
     }
 }
 

@@ -389,7 +389,27 @@ fn topic_error(topic: &TopicName, action: &'static str, error: impl ToString) ->
     BusError::Topic {
         topic: topic.as_str().into(),
         action,
-        reason: error.to_string(),
+        reason: with_open_files(error.to_string()),
+    }
+}
+
+/// Descriptors of which a process needs some more for any port.
+const SPARE_FILES: u64 = 32;
+
+/// Adds to `reason` that the process has hardly a descriptor left, if that is so: iceoryx2 calls it an internal
+/// failure.
+pub(crate) fn with_open_files(reason: String) -> String {
+    let Some(limit) = rustix::process::getrlimit(rustix::process::Resource::Nofile).current else {
+        return reason;
+    };
+    // Without any descriptor left, the folder cannot be read.
+    let open = std::fs::read_dir("/proc/self/fd").map_or(limit, |open| open.count() as u64);
+    match open + SPARE_FILES > limit {
+        true => format!(
+            "{reason} (this process may have {limit} files open, and has {open}: raise `ulimit -n`, or LimitNOFILE of a \
+             unit)"
+        ),
+        false => reason,
     }
 }
 

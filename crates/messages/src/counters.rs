@@ -437,6 +437,8 @@ counters! {
         "Bearings not used because their standard deviation exceeds 1 rad.";
     WavesUnresolved = "waves_unresolved", AdapterRemark by [Adapter],
         "Waves received by an antenna array that have no bearing of their own.";
+    CopiesFailing = "copies_failing", Level by [],
+        "Level: 1 while the memory for successors cannot be copied to disk.";
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -14,11 +15,15 @@ use bus::Root;
 
 use crate::say;
 
+/// Why the latest copy failed; `None` if it did not.
+type Failure = Arc<Mutex<Option<String>>>;
+
 /// Copying, as long as this lives.
 #[derive(Debug)]
 pub(crate) struct CheckpointCopier {
     /// The thread ends when this is gone.
     end: Option<Sender<()>>,
+    failure: Failure,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -29,24 +34,31 @@ impl CheckpointCopier {
     /// If there is no thread for it.
     pub(crate) fn start(root: Root, folder: PathBuf, every: Duration) -> anyhow::Result<Self> {
         let (end, ended) = channel();
+        let failure = Failure::default();
+        let of_thread = Arc::clone(&failure);
         let work = move || {
-            let mut fails = false;
             while ended.recv_timeout(every) == Err(RecvTimeoutError::Timeout) {
-                match root.copy_outlasting(&folder) {
-                    Ok(()) => fails = false,
-                    Err(error) if !fails => {
-                        fails = true;
-                        say(&format!("memory for a successor is not copied to disk: {error}"));
-                    }
-                    Err(_) => {}
+                let failed = root.copy_outlasting(&folder).err().map(|error| error.to_string());
+                let before = std::mem::replace(
+                    &mut *of_thread.lock().unwrap_or_else(PoisonError::into_inner),
+                    failed.clone(),
+                );
+                if let (None, Some(error)) = (before, failed) {
+                    say(&format!("memory for a successor is not copied to disk: {error}"));
                 }
             }
         };
         let thread = std::thread::Builder::new().name("copies".to_owned()).spawn(work)?;
         Ok(Self {
             end: Some(end),
+            failure,
             thread: Some(thread),
         })
+    }
+
+    /// Returns why the latest copy failed; `None` if it did not.
+    pub(crate) fn failure(&self) -> Option<String> {
+        self.failure.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 }
 

@@ -46,11 +46,12 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
     written.with_context(|| format!("writing the configuration into {}", folder.display()))?;
     let copies = process.config.checkpoint.copies();
     let copying = copies.map(|(folder, every)| CheckpointCopier::start(process.bus.root().clone(), folder, every));
-    let _copying = copying.transpose()?;
+    let copier = copying.transpose()?;
     let topic = messages::health();
     let mut keeper = Keeper {
         bus: &process.bus,
         link,
+        copier,
         launcher: process.options.launcher.unwrap_or_default(),
         subscriber: process.bus.subscriber(&topic, || process.incarnation)?,
         // An epoch other than that of the process's own health messages on the same topic: readers on other hosts
@@ -68,6 +69,8 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
 struct Keeper<'a> {
     bus: &'a Bus<SharedMemory>,
     link: KeeperLink,
+    /// Copies to disk, if they are made.
+    copier: Option<CheckpointCopier>,
     /// Process number of the launcher.
     launcher: u32,
     subscriber: Subscriber<SharedMemory, Health>,
@@ -101,7 +104,11 @@ impl Agent for Keeper<'_> {
     }
 
     fn health(&self, entries: &mut Vec<HealthEntry>) {
-        entries.push(HealthEntry::default());
+        let failure = self.copier.as_ref().and_then(CheckpointCopier::failure);
+        let mut entry = HealthEntry::default();
+        entry.set(Counter::CopiesFailing, u64::from(failure.is_some()));
+        entry.note = failure.unwrap_or_default();
+        entries.push(entry);
     }
 
     fn close(&mut self, now: Now) -> anyhow::Result<()> {

@@ -96,6 +96,7 @@ impl Conditions {
         self.processes(sight, awake_ns, round);
         self.links(sight, round);
         self.platforms(sight, round);
+        Self::copies(sight, round);
         self.room(sight.room, round);
         self.feeding(sight, round);
     }
@@ -123,6 +124,26 @@ impl Conditions {
                 let [process, note] = values;
                 let offset = ("offset", format!("{off_ms:.0} ms"));
                 round.find(AlarmKind::HostClockOff, subject, finding, &[process, note, offset]);
+            }
+        }
+    }
+
+    /// Conditions of the copies on disk for a start after a loss of power.
+    fn copies(sight: RoundView<'_>, round: &mut Round<'_>) {
+        for keeper in sight
+            .processes
+            .iter()
+            .filter(|process| process.kind == Some(ProcessKind::Keeper))
+        {
+            let latest = sight.observed.book().whole(ProcessKind::Keeper, &keeper.name);
+            if latest.is_some_and(|latest| latest.counters()[Counter::CopiesFailing] > 0) {
+                let values = [("note", keeper.note.clone())];
+                round.find(
+                    AlarmKind::CheckpointUnkept,
+                    Subject::process(&keeper.name),
+                    Finding::Bad,
+                    &values,
+                );
             }
         }
     }

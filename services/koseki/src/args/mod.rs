@@ -7,6 +7,7 @@ mod feed;
 mod order;
 mod recording;
 mod replay;
+mod secrets;
 mod send;
 mod tap;
 mod values;
@@ -544,7 +545,9 @@ pub(crate) fn deployment(path: &std::path::Path, shared: DeploymentArgs) -> anyh
     if let Some(instance) = &shared.instance {
         instances::named(instance)?;
     }
-    let config = Config::read(path, &shared.set)?;
+    // Children get the options of the command line; the environment is theirs already.
+    let replaced = secrets::replaced(&shared.set, |variable| std::env::var(variable).ok())?;
+    let config = Config::read(path, &replaced)?;
     let instance = shared.instance.unwrap_or_else(|| config.name.clone());
     let options = Options {
         overrides: shared.set,
