@@ -1,8 +1,8 @@
 //! Server of bytes for all connected clients.
 //!
 //! Receivers of transponder signals serve their lines to all clients, and wait for no client: a slow client is
-//! disconnected, and may connect again. A client receives only bytes sent after its connection. The number of clients is
-//! limited, in all and of an address ([`DoorLimits::OF_READERS`]).
+//! disconnected, and may connect again. A client receives only bytes sent after its connection. The number of clients
+//! is limited, in all and of an address ([`DoorLimits::OF_READERS`]).
 
 use std::fmt::Debug;
 use std::fs::{self, Permissions};

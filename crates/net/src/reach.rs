@@ -1,8 +1,8 @@
 //! Whether other machines may reach what this one serves.
 //!
-//! A socket on a loopback address serves this machine alone. At any other address, 0.0.0.0 among them, it serves all who
-//! reach the machine: the track picture leaves it, or reports come in. Nobody wants that by mistake, and an address does
-//! not show it at a glance. Each listening socket is therefore opened with a permission beside the address.
+//! A socket on a loopback address serves this machine alone. At any other address, 0.0.0.0 among them, it serves all
+//! who reach the machine: the track picture leaves it, or reports come in. Nobody wants that by mistake, and an address
+//! does not show it at a glance. Each listening socket is therefore opened with a permission beside the address.
 
 use std::net::SocketAddr;
 
