@@ -34,8 +34,8 @@ settings::settings! {
         /// reach. `KOSEKI_DISPLAY_TOKEN` in the environment replaces it, and `--set` does not.
         token: Option<String> = None;
         /// Token of the operators, who give orders. The display must listen on a loopback address; other machines
-        /// connect through a proxy with TLS. `KOSEKI_DISPLAY_OPERATOR_TOKEN` in the environment replaces it, and `--set`
-        /// does not.
+        /// connect through a proxy with TLS. `KOSEKI_DISPLAY_OPERATOR_TOKEN` in the environment replaces it, and
+        /// `--set` does not.
         operator_token: Option<String> = None, usually "none: no orders";
         /// Further names of this machine in requests, besides its address and localhost.
         hosts: Vec<HostName> = Vec::new(), usually "none";

@@ -8,8 +8,8 @@ use super::fault;
 /// Returns an identity with a number of this kind as well: an aircraft's address, a ship's MMSI or a Mode 3/A code.
 ///
 /// # Errors
-/// The fault of a number that is too large, of a number that is no MMSI, or of an MMSI beside an address: a target is an
-/// aircraft or a ship.
+/// The fault of a number that is too large, of a number that is no MMSI, or of an MMSI beside an address: a target is
+/// an aircraft or a ship.
 pub fn numbered(identity: Identity, kind: IdentityText, number: u32) -> Result<Identity, Fault> {
     let is_no_ship = kind == IdentityText::MMSI && !is_mmsi(number);
     if kind.write(number).is_none() || is_no_ship {
