@@ -139,7 +139,7 @@ impl<R: Read> Table<R> {
             .ok_or_else(|| self.header_error(name, self.why_missing()))
     }
 
-    /// What the first line shows about a column that it lacks.
+    /// Reason why the first line lacks a column, as far as the line shows it.
     fn why_missing(&self) -> &'static str {
         let first = self.header.iter().next().unwrap_or_default();
         match first {

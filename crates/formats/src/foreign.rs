@@ -162,7 +162,7 @@ fn text(bytes: &[u8]) -> Option<Cow<'_, str>> {
     text.trim_start_matches(MARK).chars().all(is_text).then_some(text)
 }
 
-/// Whether most units of two bytes behind the byte order mark are letters of the first 256.
+/// Returns whether most units of two bytes behind the byte order mark are letters of the first 256.
 fn is_utf16(bytes: &[u8]) -> bool {
     let high = usize::from(bytes[0] == 0xff);
     let units = bytes[2..bytes.len().min(TEXT_BYTES)].chunks_exact(2);

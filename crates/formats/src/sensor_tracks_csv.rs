@@ -38,7 +38,7 @@ pub type SensorTrackWriter<W> = RowWriter<SensorTrack, W>;
 /// Reads sensor tracks.
 pub type SensorTrackReader<R, F> = RowReader<R, SensorTrackColumns<F>>;
 
-/// Whether a time since a midnight, nanoseconds, is beyond all that tables count from there: it counts from 1970.
+/// Returns whether a time, nanoseconds, is beyond all times since a midnight: such a time counts from 1970.
 pub fn is_since_1970(time_ns: i64) -> bool {
     /// As many days as seconds in 64 bits give exactly to the nanosecond.
     const DAYS_MAX: i64 = 50;
@@ -102,7 +102,7 @@ pub struct SensorTrackColumns<F> {
     accurate: Option<Vec<u32>>,
     /// Time of arrival of the row read last, nanoseconds.
     arrival_ns: i64,
-    /// Whether times count from 1970, and not from the first day; `None` before the first row.
+    /// Base of the times: `true` if they count from 1970, and not from the first day; `None` before the first row.
     since_1970: Option<bool>,
 }
 

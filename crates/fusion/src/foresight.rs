@@ -1,4 +1,4 @@
-//! Whether the only source of a target foresees its own measurements better than the system filter does.
+//! Comparison of the only source of a target with the system filter: which foresees the measurements better?
 //!
 //! The tracker of a source may follow its targets more closely than the system filter: its models of motion may be
 //! those of the targets, and what is recovered of its measurements may be wrong. Nobody else shows that, but the next
@@ -42,7 +42,7 @@ mod tests {
     #[test]
     fn a_source_is_better_once_chance_is_excluded() {
         let mut foresight = Foresight::default();
-        // Nine variances off is chance once, and no longer chance the second time.
+        // A distance of two standard deviations is chance once, and no longer chance the second time.
         let mut take = |filter_m: f64, source_m: f64| foresight.source_is_better([filter_m, 0.0], [0.0, source_m], 1.0);
         assert!(!take(2.1, 0.5));
         assert!(take(2.1, 0.5));

@@ -140,7 +140,7 @@ impl SourceModel {
         self.process_noise
     }
 
-    /// Whether the filter behind reports whose covariances show one cannot be undone.
+    /// Returns whether the filter behind reports whose covariances show one cannot be undone.
     pub(crate) fn cannot_be_undone(&self) -> bool {
         self.process_noise.is_none() && self.looked_at >= REPEATED_FIRST
     }

@@ -64,7 +64,7 @@ pub(crate) struct SystemEntry {
     pub(crate) nis: f32,
     /// Reports in a row that lie far off the filter's estimate, by all that is known of both.
     pub(crate) astray: u32,
-    /// Whether its only source foresees better than the filter.
+    /// Comparison of its only source with the filter.
     pub(crate) foresight: Foresight,
     /// When a sensor track that joined began, earliest.
     pub(crate) first_seen_ns: i64,

@@ -229,7 +229,7 @@ impl RecordingSurvey {
         self.given().map(|category| category.records).sum()
     }
 
-    /// Whether most of the surveyed bytes are in blocks whose records are given.
+    /// Returns whether most of the surveyed bytes are in blocks whose records are given.
     pub fn is_mostly_read(&self, bytes: &[u8]) -> bool {
         let octets: u64 = self.given().map(|category| category.octets).sum();
         2 * octets > bytes.len() as u64
