@@ -227,7 +227,7 @@ fn datagrams_and_standard_input_feed_too_and_refusals_are_counted_by_field() {
         socket.send_to(wrong.as_bytes(), &address).unwrap();
     }
     socket.send_to(lines(&scan(0)).as_bytes(), &address).unwrap();
-    running.until_said("refuses lines of datagrams");
+    running.until_said("refuses lines or connections for tracks: line ");
     let (status, said) = feed.stop();
     assert_eq!(status.code(), Some(0), "{said}");
     running.stop();

@@ -50,6 +50,7 @@ mod live_feed;
 mod live_finder_on_board;
 mod live_on_board;
 mod live_plots;
+mod live_refusals;
 mod live_simulated_array;
 mod live_snapshots;
 mod orders;

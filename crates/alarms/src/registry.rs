@@ -225,8 +225,9 @@ alarms! {
         "End one of the processes, or declare an external source for each: two publishers of a source double its \
          information.";
     LinesRefused = 46, "lines-refused", Major, raise 0 s, clear 10 s,
-        "`koseki feed` refuses lines of datagrams or connections{of}: {reasons}.",
-        "Correct the sender: the words are the names of wrong fields, and `koseki feed --help` lists the permitted ones. \
+        "`koseki feed` refuses lines or connections{of}: {reasons}.",
+        "Correct the sender: the words are the names of wrong fields, the last sentence is about the latest line, and \
+         `koseki feed --help` lists the permitted fields. \
          `sender` counts datagrams of senders that are not listed, `length` empty and too long ones, `buffer` those that \
          the kernel dropped. Over TCP each refused line is answered. `connection` with a word counts connections that were \
          refused or ended: `silent` ones sent no line in time, `gave-way` ones sent none before others needed the place. \
@@ -235,6 +236,10 @@ alarms! {
         "The memory for a start after a loss of power is not written to disk: {note}.",
         "Make the folder `checkpoint.folder` writable, or free space on its disk. A loss of power until then costs the \
          numbers of the tracks and what has been learned of the sources.";
+    SourceRefused = 48, "source-refused", Major, raise 0 s, clear 10 s,
+        "{source}: {refused} of {all} of the last 10 s were refused. {reason}",
+        "Correct the sender, or the settings of the source: the text names line, column, field or item, its value, and \
+         what is permitted. `koseki status` and the report show the latest refusal of each reason.";
 }
 
 #[cfg(test)]

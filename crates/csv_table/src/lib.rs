@@ -85,6 +85,18 @@ pub enum CsvError {
     },
 }
 
+impl CsvError {
+    /// Returns this error with lines that count on from `lines`: for a table that is a part of another.
+    #[must_use]
+    pub fn after_lines(mut self, lines: u64) -> Self {
+        match &mut self {
+            Self::Length { line, .. } | Self::Value { line, .. } | Self::Input { line, .. } => *line += lines,
+            Self::Header { .. } => {}
+        }
+        self
+    }
+}
+
 /// A table that is read row by row.
 #[derive(Debug)]
 pub struct Table<R> {

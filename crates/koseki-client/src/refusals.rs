@@ -1,5 +1,5 @@
 //! What processes outside of a deployment refused, for the deployment's monitor: second publishers of a source, and
-//! lines of datagrams, whose sender gets no answer.
+//! lines that `koseki feed` did not take.
 //!
 //! A refused process may end at once, and is no part of the deployment. It therefore adds a line to a file in the
 //! folder of the instance, which the monitor reads. Each line is appended by one write, so that processes do not
@@ -10,6 +10,7 @@ use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::PathBuf;
 
 use bus::Root;
+use messages::printable;
 
 use crate::clock::mono_ns;
 
@@ -18,8 +19,9 @@ pub(crate) const FOLDER: &str = "publishers";
 const FILE: &str = "refused";
 /// Length at which the file begins anew, octets.
 const FILE_MAX: u64 = 1 << 16;
-/// Most characters of a word in the file: fields of lines are named by whoever sends them.
+/// Most characters of a word in the file, and of the latest refused line in words.
 const WORD_MAX: usize = 48;
+const LATEST_MAX: usize = 160;
 
 /// Something that was refused.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -46,17 +48,20 @@ pub enum Refused {
         count: u64,
         /// Why: the name of a field, for example.
         reason: String,
+        /// The latest of them in words; empty for whole datagrams and connections.
+        latest: String,
     },
 }
 
 impl Refusal {
     fn line(&self) -> String {
-        let (kind, number, text) = match &self.refused {
-            Refused::Publisher { process, holder } => ("publisher", u64::from(*process), holder),
-            Refused::Lines { count, reason } => ("lines", *count, reason),
+        let (kind, number, text, latest) = match &self.refused {
+            Refused::Publisher { process, holder } => ("publisher", u64::from(*process), holder, ""),
+            Refused::Lines { count, reason, latest } => ("lines", *count, reason, latest.as_str()),
         };
-        let (name, text) = (word(&self.name), word(text));
-        format!("{}\t{kind}\t{name}\t{number}\t{text}\n", mono_ns())
+        let [name, text] = [&self.name, text].map(|text| printable(text, WORD_MAX));
+        let latest = printable(latest, LATEST_MAX);
+        format!("{}\t{kind}\t{name}\t{number}\t{text}\t{latest}\n", mono_ns())
     }
 
     /// The refusal of a line, with its monotonic time, nanoseconds; `None` of a torn line.
@@ -66,7 +71,7 @@ impl Refusal {
         let kind = words.next()?;
         let name = words.next()?.to_owned();
         let number: u64 = words.next()?.parse().ok()?;
-        let text = words.next()?.to_owned();
+        let [text, latest] = [words.next()?, words.next()?].map(str::to_owned);
         let refused = match kind {
             "publisher" => Refused::Publisher {
                 process: u32::try_from(number).ok()?,
@@ -75,19 +80,12 @@ impl Refusal {
             "lines" => Refused::Lines {
                 count: number,
                 reason: text,
+                latest,
             },
             _ => return None,
         };
         Some((time_ns, Self { name, refused }))
     }
-}
-
-/// `text` without control characters, and not longer than a word may be.
-fn word(text: &str) -> String {
-    let printable = text
-        .chars()
-        .map(|letter| if letter.is_control() { ' ' } else { letter });
-    printable.take(WORD_MAX).collect()
 }
 
 fn path(root: &Root) -> PathBuf {
@@ -169,6 +167,7 @@ mod tests {
             refused: Refused::Lines {
                 count,
                 reason: reason.to_owned(),
+                latest: format!("{reason} is wrong"),
             },
         }
     }
@@ -208,18 +207,22 @@ mod tests {
         let read = reader.take(0);
         let [
             Refusal {
-                refused: Refused::Lines { reason, .. },
+                refused: Refused::Lines { reason, latest, .. },
                 ..
             },
         ] = &read[..]
         else {
             panic!("{read:?}")
         };
-        assert!(reason.starts_with("a b cxx") && reason.len() == WORD_MAX, "{reason}");
+        assert!(reason.starts_with("a\\tb\\ncxx"), "{reason}");
+        assert!(
+            reason.len() == WORD_MAX + 2 && latest.len() == LATEST_MAX + 2,
+            "{reason}"
+        );
         for _ in 0..2000 {
             note(&root, &[lines(&hostile, 1)]).unwrap();
         }
-        assert!(fs::metadata(path(&root)).unwrap().len() <= FILE_MAX + 200);
+        assert!(fs::metadata(path(&root)).unwrap().len() <= FILE_MAX + 400);
         reader.take(0);
         note(&root, &[publisher()]).unwrap();
         assert_eq!(reader.take(0), [publisher()], "read on in the file that began anew");

@@ -16,9 +16,9 @@
 #define KOSEKI_WIDE_AREA_SCHEMA UINT64_C(0x3b99c7106b96bc51) /* BatchHeader.schema of its slices. */
 #define KOSEKI_CUE_SCHEMA UINT64_C(0x628bf8748d0293cc) /* BatchHeader.schema of its slices. */
 #define KOSEKI_SYSTEM_TRACK_SCHEMA UINT64_C(0x69c11c4f06cb2382) /* BatchHeader.schema of its slices. */
-#define KOSEKI_ALARM_SCHEMA UINT64_C(0x63c086661489479) /* BatchHeader.schema of its slices. */
+#define KOSEKI_ALARM_SCHEMA UINT64_C(0x2f65dffd42e7c22b) /* BatchHeader.schema of its slices. */
 #define KOSEKI_DECISION_SCHEMA UINT64_C(0x9f26827141266f51) /* BatchHeader.schema of its slices. */
-#define KOSEKI_HEALTH_SCHEMA UINT64_C(0xe920fd2f602e146d) /* BatchHeader.schema of its slices. */
+#define KOSEKI_HEALTH_SCHEMA UINT64_C(0xdafeced042738418) /* BatchHeader.schema of its slices. */
 #define KOSEKI_PROGRESS_SCHEMA UINT64_C(0x724a090fd5e41882) /* BatchHeader.schema of its slices. */
 #define KOSEKI_ORDER_STATE_SCHEMA UINT64_C(0x75a8ec42ae46cfc0) /* BatchHeader.schema of its slices. */
 #define KOSEKI_FRAME_ORIGIN_SCHEMA UINT64_C(0x7a0c5d4e9d39fa05) /* BatchHeader.schema of its slices. */
@@ -789,9 +789,9 @@ typedef struct KosekiAlarm {
     uint8_t event; /* An `AlarmEvent` code. */
     uint32_t reserved; /* Reserved, 0. */
     uint8_t process[32]; /* Name of the process concerned, UTF-8, padded with zeros; empty for none. */
-    uint8_t text[184]; /* One sentence, UTF-8, padded with zeros. */
+    uint8_t text[312]; /* One sentence, UTF-8, padded with zeros. */
 } KosekiAlarm;
-static_assert(sizeof(KosekiAlarm) == 256, "size");
+static_assert(sizeof(KosekiAlarm) == 384, "size");
 static_assert(offsetof(KosekiAlarm, time_ns) == 0, "offset");
 static_assert(offsetof(KosekiAlarm, raised_ns) == 8, "offset");
 static_assert(offsetof(KosekiAlarm, sequence) == 16, "offset");
@@ -905,10 +905,11 @@ typedef struct KosekiHealth {
     uint8_t misfit[4]; /* Input outside an adapter's configuration. Of the process: SAC and SIC of the unknown sender with the most */
     uint8_t name[32]; /* Name of the process, UTF-8, padded with zeros. */
     uint8_t note[56]; /* Fault in a few words, empty if there is none; of an adapter's source its name. UTF-8, padded with zeros. */
+    uint8_t refusal[256]; /* Input that was refused last, one text for each reason, the latest first: time of day (UTC), line or item, */
     KosekiCounters counters; /* Values of the counters. */
     KosekiRegistration registration; /* Biases of the source, if estimated by fusion. */
 } KosekiHealth;
-static_assert(sizeof(KosekiHealth) == 1616, "size");
+static_assert(sizeof(KosekiHealth) == 1872, "size");
 static_assert(offsetof(KosekiHealth, said_ns) == 0, "offset");
 static_assert(offsetof(KosekiHealth, incarnation) == 8, "offset");
 static_assert(offsetof(KosekiHealth, progress_ns) == 16, "offset");
@@ -920,8 +921,9 @@ static_assert(offsetof(KosekiHealth, restarts) == 32, "offset");
 static_assert(offsetof(KosekiHealth, misfit) == 36, "offset");
 static_assert(offsetof(KosekiHealth, name) == 40, "offset");
 static_assert(offsetof(KosekiHealth, note) == 72, "offset");
-static_assert(offsetof(KosekiHealth, counters) == 128, "offset");
-static_assert(offsetof(KosekiHealth, registration) == 1408, "offset");
+static_assert(offsetof(KosekiHealth, refusal) == 128, "offset");
+static_assert(offsetof(KosekiHealth, counters) == 384, "offset");
+static_assert(offsetof(KosekiHealth, registration) == 1664, "offset");
 
 typedef struct KosekiProgress {
     uint64_t consumer_incarnation; /* Monotonic start time of the consumer, nanoseconds: a restart shows as a new value. */

@@ -18,9 +18,9 @@ PLATFORM_STATE_SCHEMA = 0x8d494f0b5412852b  # BatchHeader.schema of its slices.
 WIDE_AREA_SCHEMA = 0x3b99c7106b96bc51  # BatchHeader.schema of its slices.
 CUE_SCHEMA = 0x628bf8748d0293cc  # BatchHeader.schema of its slices.
 SYSTEM_TRACK_SCHEMA = 0x69c11c4f06cb2382  # BatchHeader.schema of its slices.
-ALARM_SCHEMA = 0x63c086661489479  # BatchHeader.schema of its slices.
+ALARM_SCHEMA = 0x2f65dffd42e7c22b  # BatchHeader.schema of its slices.
 DECISION_SCHEMA = 0x9f26827141266f51  # BatchHeader.schema of its slices.
-HEALTH_SCHEMA = 0xe920fd2f602e146d  # BatchHeader.schema of its slices.
+HEALTH_SCHEMA = 0xdafeced042738418  # BatchHeader.schema of its slices.
 PROGRESS_SCHEMA = 0x724a090fd5e41882  # BatchHeader.schema of its slices.
 ORDER_STATE_SCHEMA = 0x75a8ec42ae46cfc0  # BatchHeader.schema of its slices.
 FRAME_ORIGIN_SCHEMA = 0x7a0c5d4e9d39fa05  # BatchHeader.schema of its slices.
@@ -945,7 +945,7 @@ class Alarm(ctypes.Structure):
         ("event", ctypes.c_uint8),  # An `AlarmEvent` code.
         ("reserved", ctypes.c_uint32),  # Reserved, 0.
         ("process", ctypes.c_uint8 * 32),  # Name of the process concerned, UTF-8, padded with zeros; empty for none.
-        ("text", ctypes.c_uint8 * 184),  # One sentence, UTF-8, padded with zeros.
+        ("text", ctypes.c_uint8 * 312),  # One sentence, UTF-8, padded with zeros.
     ]
 
     @staticmethod
@@ -953,7 +953,7 @@ class Alarm(ctypes.Structure):
         return "Alarm"
 
 
-assert ctypes.sizeof(Alarm) == 256
+assert ctypes.sizeof(Alarm) == 384
 assert Alarm.time_ns.offset == 0
 assert Alarm.raised_ns.offset == 8
 assert Alarm.sequence.offset == 16
@@ -1093,6 +1093,7 @@ class Health(ctypes.Structure):
         ("misfit", ctypes.c_uint8 * 4),  # Input outside an adapter's configuration. Of the process: SAC and SIC of the unknown sender with the most
         ("name", ctypes.c_uint8 * 32),  # Name of the process, UTF-8, padded with zeros.
         ("note", ctypes.c_uint8 * 56),  # Fault in a few words, empty if there is none; of an adapter's source its name. UTF-8, padded with zeros.
+        ("refusal", ctypes.c_uint8 * 256),  # Input that was refused last, one text for each reason, the latest first: time of day (UTC), line or item,
         ("counters", Counters),  # Values of the counters.
         ("registration", Registration),  # Biases of the source, if estimated by fusion.
     ]
@@ -1102,7 +1103,7 @@ class Health(ctypes.Structure):
         return "Health"
 
 
-assert ctypes.sizeof(Health) == 1616
+assert ctypes.sizeof(Health) == 1872
 assert Health.said_ns.offset == 0
 assert Health.incarnation.offset == 8
 assert Health.progress_ns.offset == 16
@@ -1114,8 +1115,9 @@ assert Health.restarts.offset == 32
 assert Health.misfit.offset == 36
 assert Health.name.offset == 40
 assert Health.note.offset == 72
-assert Health.counters.offset == 128
-assert Health.registration.offset == 1408
+assert Health.refusal.offset == 128
+assert Health.counters.offset == 384
+assert Health.registration.offset == 1664
 
 
 class Progress(ctypes.Structure):

@@ -29,11 +29,11 @@ codes! {
 }
 
 /// Size of [`Alarm::text`], bytes.
-pub const ALARM_TEXT_MAX: usize = 184;
+pub const ALARM_TEXT_MAX: usize = 312;
 
 sample! {
     /// One alarm. Every slice holds all standing alarms and all newly cleared alarms.
-    Alarm, size 256 {
+    Alarm, size 384 {
         /// Time of this statement, UTC, nanoseconds since 1970.
         time_ns: i64,
         /// When the alarm was raised, UTC, nanoseconds since 1970.
@@ -57,7 +57,7 @@ sample! {
         /// Name of the process concerned, UTF-8, padded with zeros; empty for none.
         process: [u8; 32],
         /// One sentence, UTF-8, padded with zeros.
-        text: [u8; 184] = [0; ALARM_TEXT_MAX],
+        text: [u8; 312] = [0; ALARM_TEXT_MAX],
     }
 }
 

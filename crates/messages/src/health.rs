@@ -7,12 +7,15 @@ use crate::{Counters, ProcessKind, Registration};
 /// [`Health::source`] of a message about the whole process.
 pub const NO_SOURCE: u16 = u16::MAX;
 
+/// Size of [`Health::refusal`], bytes.
+pub const REFUSAL_MAX: usize = 256;
+
 /// A name in a [`Health`] message: UTF-8, padded with zeros.
 pub type HealthName = [u8; 32];
 
 sample! {
     /// State and counters of one process, or of one source within it.
-    Health, size 1616 {
+    Health, size 1872 {
         /// Time of this message, monotonic, nanoseconds.
         said_ns: i64,
         /// Monotonic start time of the process, nanoseconds.
@@ -36,6 +39,9 @@ sample! {
         name: [u8; 32],
         /// Fault in a few words, empty if there is none; of an adapter's source its name. UTF-8, padded with zeros.
         note: [u8; 56] = [0; 56],
+        /// Input that was refused last, one text for each reason, the latest first: time of day (UTC), line or item,
+        /// value, limit, remedy. Characters of control and of writing direction are escaped. UTF-8, padded with zeros.
+        refusal: [u8; 256] = [0; REFUSAL_MAX],
         /// Values of the counters.
         counters: Counters,
         /// Biases of the source, if estimated by fusion.
@@ -59,6 +65,18 @@ impl Health {
     #[must_use]
     pub fn with_note(mut self, note: &str) -> Self {
         fill(&mut self.note, note);
+        self
+    }
+
+    /// Returns the input that was refused last, with the reasons; empty if none was.
+    pub fn refusal(&self) -> &str {
+        text(&self.refusal)
+    }
+
+    /// Returns this message with another text of refused input, cut to the available size.
+    #[must_use]
+    pub fn with_refusal(mut self, refusal: &str) -> Self {
+        fill(&mut self.refusal, refusal);
         self
     }
 
@@ -94,6 +112,19 @@ pub(crate) fn fill(bytes: &mut [u8], text: &str) {
     bytes[..end].copy_from_slice(&text.as_bytes()[..end]);
 }
 
+/// Returns `text` without characters that control a terminal or change the direction of writing, which are escaped as
+/// in `\u{202e}`: for texts that whoever sends data chooses. At most `characters_max` of `text` are shown.
+pub fn printable(text: &str, characters_max: usize) -> String {
+    let mut shown = String::with_capacity(text.len().min(characters_max));
+    for letter in text.chars().take(characters_max) {
+        match letter {
+            '"' | '\'' | '\\' => shown.push(letter),
+            _ => shown.extend(letter.escape_debug()),
+        }
+    }
+    shown
+}
+
 codes! {
     /// State in the life of a process.
     pub enum LifeState: u8 {
@@ -105,5 +136,24 @@ codes! {
         Finished = 2, "finished";
         /// Unable to continue; the note states the reason.
         Failed = 3, "failed";
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_of_strangers_are_short_and_cannot_control_a_terminal() {
+        let hostile = "\u{1b}[2J\u{202e}\"É\"\\\n".to_owned() + &"x".repeat(10_000);
+        let shown = printable(&hostile, 12);
+        assert_eq!(shown, "\\u{1b}[2J\\u{202e}\"É\"\\\\nxx");
+    }
+
+    #[test]
+    fn refusals_are_cut_between_characters() {
+        let health = Health::default().with_refusal(&"é".repeat(200));
+        assert_eq!(health.refusal(), "é".repeat(128));
+        assert_eq!(Health::default().refusal(), "");
     }
 }

@@ -68,7 +68,7 @@ pub use decision::{Decision, DecisionKind};
 pub use designated_place::{DesignatedCourse, DesignatedPlace};
 pub use extent::Extent;
 pub use frame_origin::FrameOrigin;
-pub use health::{Health, HealthName, LifeState, NO_SOURCE};
+pub use health::{Health, HealthName, LifeState, NO_SOURCE, REFUSAL_MAX, printable};
 pub use identity::{
     CONSPICUITY_CODES, Callsign, Identity, IdentityAges, IdentityKind, NAME_MAX, UniqueNumber, identity_bits,
 };

@@ -462,6 +462,11 @@ impl<'a> LatestHealth<'a> {
         self.entry.latest.life()
     }
 
+    /// Returns the input that was refused last, with the reasons; empty if none was.
+    pub fn refusal(&self) -> &'a str {
+        self.entry.latest.refusal()
+    }
+
     /// Returns the input outside the configuration, as in [`Health::misfit`].
     pub fn misfit(&self) -> [u8; 4] {
         self.entry.latest.misfit

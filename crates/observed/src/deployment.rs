@@ -9,9 +9,10 @@ use messages::{
 };
 use telemetry::{DataOffset, Journey, JourneyEnd, Stages};
 
-use crate::book::HealthBook;
+use crate::book::{HealthBook, LatestHealth};
 use crate::present::PresentAlarms;
-use crate::source::{self, Delivery, SourceFacts, SourceState};
+use crate::process::process_title;
+use crate::source::{self, Delivery, RefusedInput, SourceFacts, SourceState};
 use crate::track_counts::TrackCounts;
 
 /// Silence after which a process counts as absent, nanoseconds: ten health messages are missing then.
@@ -270,6 +271,20 @@ impl Deployment {
             None => self.book.adapter_of(number),
         };
         SourceState::new(&self.book, number, self.source_name(number), adapter)
+    }
+
+    /// Returns the input that adapters have refused last.
+    pub fn refused_input(&self) -> Vec<RefusedInput> {
+        let stated = self.book.all().filter(|(.., latest)| !latest.refusal().is_empty());
+        let of = |kind, source, latest: LatestHealth<'_>| match source {
+            NO_SOURCE => process_title(kind, latest.name()),
+            source => self.source_name(source),
+        };
+        let refused = stated.map(|(kind, source, latest)| RefusedInput {
+            of: of(kind, source, latest),
+            text: latest.refusal().to_owned(),
+        });
+        refused.collect()
     }
 
     /// Returns the name of a source; "others" for [`NO_SOURCE`], and the number as in files for an unknown source.

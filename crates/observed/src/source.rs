@@ -1,5 +1,7 @@
 //! Sources of a deployment, and their states.
 
+use serde::Serialize;
+
 use messages::{Bias, BiasKind, Counter, CounterClass, Counters, NO_SOURCE, ProcessKind, Registration};
 
 use crate::book::HealthBook;
@@ -95,6 +97,15 @@ impl SourceState {
     pub fn not_used(&self) -> u64 {
         self.fusion.sum_of(CounterClass::FusionRejection)
     }
+}
+
+/// Input of an adapter that was refused last.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct RefusedInput {
+    /// Name of the source, or of the process where the input is of no source.
+    pub of: String,
+    /// The refusals, one for each reason, the latest first; see [`Health::refusal`](messages::Health::refusal).
+    pub text: String,
 }
 
 /// Samples delivered by a source.

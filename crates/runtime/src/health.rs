@@ -18,6 +18,8 @@ pub struct HealthEntry {
     pub misfit: [u8; 4],
     /// Fault in words; empty without a fault.
     pub note: String,
+    /// Input that was refused last, with the reasons, as in [`Health::refusal`].
+    pub refusal: String,
     /// Systematic errors of the source, in messages of fusion.
     pub registration: Registration,
 }
@@ -30,6 +32,7 @@ impl Default for HealthEntry {
             counters: messages::Counters::default(),
             misfit: [0; 4],
             note: String::new(),
+            refusal: String::new(),
             registration: Registration::default(),
         }
     }
@@ -91,6 +94,10 @@ impl Reporter {
                 counters: entry.counters,
                 registration: entry.registration,
                 ..blank
+            };
+            let health = match entry.refusal.is_empty() {
+                true => health,
+                false => health.with_refusal(&entry.refusal),
             };
             match entry.note.is_empty() {
                 true => health,

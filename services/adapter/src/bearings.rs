@@ -32,7 +32,7 @@ impl Bearings {
 impl DatagramReader for Bearings {
     fn take(&mut self, bytes: &[u8], received: ReceiptTime) -> anyhow::Result<()> {
         self.channel.received(received)?;
-        for measured in self.tables.rows(bytes, EmitterRowReader::new) {
+        for measured in self.tables.rows(bytes, received, EmitterRowReader::new) {
             let measured = measured.at_ns(utc_ns(received.utc_ns, measured.time_ns()));
             self.channel.emitter(&measured, received.mono_ns)?;
         }
@@ -48,8 +48,8 @@ impl DatagramReader for Bearings {
     }
 
     fn health(&self, _whole: &mut HealthEntry, sources: &mut Vec<HealthEntry>) {
-        let mut read = Counters::default();
-        self.tables.count(&mut read);
-        sources.push(self.channel.health(&read));
+        let mut of_source = self.channel.health(&Counters::default());
+        self.tables.count(&mut of_source);
+        sources.push(of_source);
     }
 }

@@ -19,6 +19,7 @@ use crate::channel::SourceChannel;
 use crate::counted::decoded;
 use crate::misfits::{Misfits, Strangers};
 use crate::receiver::{DatagramReader, ReceiptTime};
+use crate::refusals::LatestRefusals;
 
 /// Sources behind the socket, and counts of data without a source.
 #[derive(Debug)]
@@ -30,6 +31,10 @@ pub(crate) struct BlockSources {
     decoders: Vec<Decoder>,
     channels: Vec<SourceChannel>,
     misfits: Vec<Misfits>,
+    /// Latest refusals of each source.
+    refusals: Vec<LatestRefusals>,
+    /// Latest refusals of what belongs to no source.
+    unread: LatestRefusals,
     strangers: Strangers,
     blocks_rejected: u64,
     bytes_rejected: u64,
@@ -43,6 +48,8 @@ impl BlockSources {
             decoders: Vec::new(),
             channels: Vec::new(),
             misfits: Vec::new(),
+            refusals: vec![LatestRefusals::default(); sources.len()],
+            unread: LatestRefusals::default(),
             strangers: Strangers::default(),
             blocks_rejected: 0,
             bytes_rejected: 0,
@@ -71,6 +78,10 @@ fn of_sender(senders: &[Option<(u8, u8)>], first: usize) -> impl Iterator<Item =
     (first..senders.len()).filter(move |place| senders[*place] == senders[first])
 }
 
+fn refuse(refusals: &mut LatestRefusals, error: &asterix::Error, received: ReceiptTime) {
+    refusals.note((error.label(), error.item().unwrap_or_default()), received, error);
+}
+
 fn asterix(source: &Source) -> Option<&Asterix> {
     match &source.input {
         Input::Live(live) => Some(&live.asterix),
@@ -84,6 +95,7 @@ impl DatagramReader for BlockSources {
         for block in blocks(bytes) {
             let Ok(block) = block.inspect_err(|error| {
                 self.blocks_rejected += 1;
+                refuse(&mut self.unread, error, received);
                 self.bytes_rejected += (bytes.len() - error.offset()) as u64;
             }) else {
                 break;
@@ -95,10 +107,14 @@ impl DatagramReader for BlockSources {
             };
             self.channels[index].received(received)?;
             for record in self.decoders[index].block_records(block) {
-                let Ok(record) = record else {
-                    // The rest of the block is skipped as well.
-                    self.misfits[index].try_others(&block);
-                    continue;
+                let record = match record {
+                    Ok(record) => record,
+                    Err(error) => {
+                        // The rest of the block is skipped as well.
+                        self.misfits[index].try_others(&block);
+                        refuse(&mut self.refusals[index], &error, received);
+                        continue;
+                    }
                 };
                 match observation::read(&record) {
                     Reading::Target(observed) => {
@@ -145,13 +161,20 @@ impl DatagramReader for BlockSources {
 
     fn health(&self, whole: &mut HealthEntry, sources: &mut Vec<HealthEntry>) {
         let decoders = self.decoders.iter().map(|decoder| decoded(decoder.counts()));
-        let health = self.channels.iter().zip(decoders).zip(&self.misfits);
-        sources.extend(health.map(|((channel, decoded), misfits)| {
+        let health = self
+            .channels
+            .iter()
+            .zip(decoders)
+            .zip(&self.misfits)
+            .zip(&self.refusals);
+        sources.extend(health.map(|(((channel, decoded), misfits), refusals)| {
             let mut entry = channel.health(&decoded);
             misfits.report(&mut entry);
+            refusals.state(&mut entry);
             entry
         }));
         self.strangers.report(whole);
+        self.unread.state(whole);
         whole.set(Counter::BlocksRejected, self.blocks_rejected);
         whole.set(Counter::BytesRejected, self.bytes_rejected);
     }

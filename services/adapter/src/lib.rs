@@ -26,6 +26,7 @@ mod platform;
 mod plot_rows;
 mod receiver;
 pub mod recorded_source;
+mod refusals;
 mod replay;
 mod row_lines;
 mod snapshots;

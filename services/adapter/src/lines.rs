@@ -19,6 +19,7 @@ use crate::capture::Capture;
 use crate::channel::SourceChannel;
 use crate::counted::merged;
 use crate::receiver::ReceiptTime;
+use crate::refusals::LatestRefusals;
 
 /// Longest wait for a line in one turn, bounded by health messages and stop requests.
 const PATIENCE: Duration = Duration::from_millis(50);
@@ -32,6 +33,9 @@ pub(crate) struct LineAgent {
     channel: SourceChannel,
     server: SocketAddr,
     steady: SteadyClock,
+    refusals: LatestRefusals,
+    /// Lines that were too long at the last turn.
+    oversized: u64,
 }
 
 impl LineAgent {
@@ -59,13 +63,15 @@ impl LineAgent {
             channel: SourceChannel::open(process, source)?,
             server,
             steady: SteadyClock::of(Now::read()),
+            refusals: LatestRefusals::default(),
+            oversized: 0,
         })
     }
 }
 
 impl Agent for LineAgent {
     fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
-        let (merger, channel) = (&mut self.merger, &mut self.channel);
+        let (merger, channel, refusals) = (&mut self.merger, &mut self.channel, &mut self.refusals);
         let (capture, server, steady) = (&mut self.capture, self.server, self.steady);
         let mut failed = Ok(());
         self.client.poll(now.mono_ns, PATIENCE, |line| {
@@ -74,17 +80,29 @@ impl Agent for LineAgent {
             if let Some(capture) = capture {
                 capture.take(server, read.utc_ns, line);
             }
-            // A rejected line is counted by reason.
-            if let Ok(Some(observed)) = merger.take(line, read.utc_ns) {
-                let taken = channel
-                    .received(received)
-                    .and_then(|()| channel.take(&observed, read.mono_ns));
-                if failed.is_ok() {
-                    failed = taken;
+            let observed = match merger.take(line, read.utc_ns) {
+                Ok(Some(observed)) => observed,
+                Ok(None) => return,
+                // A rejected line is counted by reason.
+                Err(error) => {
+                    refusals.note((error.rejection.sentence(), ""), received, error);
+                    return;
                 }
+            };
+            let taken = channel
+                .received(received)
+                .and_then(|()| channel.take(&observed, read.mono_ns));
+            if failed.is_ok() {
+                failed = taken;
             }
         });
         failed?;
+        let oversized = self.client.counters().oversized;
+        if oversized > self.oversized {
+            self.oversized = oversized;
+            let read = Now::read();
+            self.refusals.too_long(ReceiptTime::of(read.utc_ns, read, steady));
+        }
         self.channel.publish()?;
         if let Some(capture) = &mut self.capture {
             capture.hand_over();
@@ -95,7 +113,8 @@ impl Agent for LineAgent {
     fn health(&self, entries: &mut Vec<HealthEntry>) {
         let (mut decoded, lines) = (merged(&self.merger), self.client.counters());
         decoded[Counter::BlocksRejected] += lines.oversized;
-        let of_source = self.channel.health(&decoded);
+        let mut of_source = self.channel.health(&decoded);
+        self.refusals.state(&mut of_source);
         let mut whole = HealthEntry {
             progress_ns: of_source.progress_ns,
             ..HealthEntry::default()

@@ -121,16 +121,21 @@ impl PlatformStates {
 
     /// Takes sentences; `is_whole` if none may go on in the next bytes.
     fn sentences(&mut self, bytes: &[u8], is_whole: bool, received: ReceiptTime) {
+        let before = self.sentences.counts().refused();
         let (navigator, states) = (&mut self.navigator, &mut self.states);
         let mut each = |navigation| states.push((navigator.state(&navigation), received.mono_ns));
         self.sentences.take(bytes, Some(received.utc_ns), &mut each);
         if is_whole {
             self.sentences.end(Some(received.utc_ns), &mut each);
         }
+        let refused = self.sentences.refused();
+        if let Some(refused) = refused.filter(|_| self.sentences.counts().refused() > before) {
+            self.tables.note((refused.fault.sentence(), ""), received, refused);
+        }
     }
 
     fn rows(&mut self, bytes: &[u8], received: ReceiptTime) {
-        for row in self.tables.rows(bytes, PlatformStateReader::new) {
+        for row in self.tables.rows(bytes, received, PlatformStateReader::new) {
             let state = State::of_sample(&PlatformState {
                 time_ns: utc_ns(received.utc_ns, row.time_ns),
                 ..row
@@ -187,7 +192,7 @@ impl PlatformStates {
 
     fn count(&self, whole: &mut HealthEntry) {
         let counts = self.sentences.counts();
-        self.tables.count(&mut whole.counters);
+        self.tables.count(whole);
         whole.counters[Counter::Records] += counts.used + counts.other + counts.refused();
         whole.counters[Counter::BlocksRejected] += counts.no_sentence + counts.field;
         whole.counters[Counter::RejectedTime] += counts.no_date;

@@ -1,7 +1,8 @@
 //! Rows of detections in datagrams (FM-6), and the sensors of tracker processes behind the socket.
 //!
 //! Each datagram is a table by itself. Rows name their sensor, so several sensors may send to one socket; a row of a
-//! sensor that no configuration names is counted. A row of the kind `none` states a scan without detections.
+//! sensor that no configuration names is counted. A row that cannot be read names no sensor: it is the only one's, or
+//! belongs to the socket. A row of the kind `none` states a scan without detections.
 
 use anyhow::Context as _;
 use deployment::{Process, SampleDelivery};
@@ -39,6 +40,11 @@ impl PlotRows {
             strangers: 0,
         })
     }
+
+    /// Counts the lines of the next table from `lines`: it goes on with a table that began before.
+    pub(crate) fn after_lines(&mut self, lines: u64) {
+        self.tables.after_lines(lines);
+    }
 }
 
 /// Event that a row states at a time of the day, with the number of its sensor.
@@ -63,13 +69,21 @@ impl DatagramReader for PlotRows {
         for (_, channel) in &mut self.channels {
             channel.received(received)?;
         }
-        for row in self.tables.rows(bytes, ScanRowReader::new) {
+        let mut stranger = None;
+        for row in self.tables.rows(bytes, received, ScanRowReader::new) {
             let (sensor_id, event) = event_of(row, |time_ns| utc_ns(received.utc_ns, time_ns));
             let of_sensor = |(id, _): &&mut (Option<u32>, SourceChannel)| id.is_none_or(|id| id == sensor_id);
             match self.channels.iter_mut().find(of_sensor) {
                 Some((_, channel)) => channel.row(&event, received.mono_ns)?,
-                None => self.strangers += 1,
+                None => {
+                    self.strangers += 1;
+                    stranger = Some(sensor_id);
+                }
             }
+        }
+        if let Some(sensor_id) = stranger {
+            let words = format!("sensor_id {sensor_id} is that of no source; write it into `sensor_id` of its source");
+            self.tables.note(("sensor_id", ""), received, words);
         }
         Ok(())
     }
@@ -84,7 +98,10 @@ impl DatagramReader for PlotRows {
                 .iter()
                 .map(|(_, channel)| channel.health(&Counters::default())),
         );
-        self.tables.count(&mut whole.counters);
+        match &mut sources[..] {
+            [only] => self.tables.count(only),
+            _ => self.tables.count(whole),
+        }
         whole.set(Counter::RejectedSource, self.strangers);
     }
 }

@@ -1,7 +1,7 @@
 //! Rows of a table from a server on the network, over one connection.
 //!
 //! The server sends the header line first, then rows as they come. A line that begins with a small letter is a header;
-//! a later header replaces it. The rows of one read are put under the header, as in a datagram, so the readers of
+//! a later header replaces it, and lines count from it. The rows of one read are put under the header, as in a datagram, so the readers of
 //! datagrams read them. The time of receipt is that of the read, since TCP has no time stamps of its own.
 
 use std::net::SocketAddr;
@@ -12,23 +12,30 @@ use net::{LinesSettings, TcpLines};
 use runtime::clock::SteadyClock;
 use runtime::{Agent, HealthEntry, Now, Turn};
 
-use crate::receiver::{DatagramReader, ReceiptTime};
+use crate::plot_rows::PlotRows;
+use crate::receiver::{DatagramReader as _, ReceiptTime};
+use crate::refusals::LatestRefusals;
 
 /// Longest wait for a line in one turn, bounded by health messages and stop requests.
 const PATIENCE: Duration = Duration::from_millis(50);
 /// Longest row that is accepted, bytes.
 const ROW_OCTETS_MAX: usize = 4096;
+/// Characters of a row that a refusal shows.
+const SHOWN_MAX: usize = 40;
 
 /// Agent of a receiver of rows.
 #[derive(Debug)]
-pub(crate) struct RowLineAgent<D> {
+pub(crate) struct RowLineAgent {
     client: TcpLines,
     server: SocketAddr,
-    reader: D,
+    reader: PlotRows,
     rows: TableOfLines,
     steady: SteadyClock,
     /// Rows that came before any header.
     headless: u64,
+    refusals: LatestRefusals,
+    /// Lines that were too long at the last turn.
+    oversized: u64,
 }
 
 /// Rows under their header.
@@ -37,6 +44,9 @@ struct TableOfLines {
     /// The header with its line end, and the rows behind it.
     table: Vec<u8>,
     header_octets: usize,
+    /// Rows under the header, and those of them that were handed over before.
+    count: u64,
+    before: u64,
 }
 
 impl TableOfLines {
@@ -50,6 +60,7 @@ impl TableOfLines {
         self.table.extend_from_slice(header);
         self.table.push(b'\n');
         self.header_octets = self.table.len();
+        (self.count, self.before) = (0, 0);
     }
 
     /// Takes a row; `false` if there is no header.
@@ -59,6 +70,7 @@ impl TableOfLines {
         }
         self.table.extend_from_slice(row);
         self.table.push(b'\n');
+        self.count += 1;
         true
     }
 
@@ -69,11 +81,12 @@ impl TableOfLines {
 
     fn clear_rows(&mut self) {
         self.table.truncate(self.header_octets);
+        self.before = self.count;
     }
 }
 
-impl<D: DatagramReader> RowLineAgent<D> {
-    pub(crate) fn new(server: SocketAddr, reader: D) -> anyhow::Result<Self> {
+impl RowLineAgent {
+    pub(crate) fn new(server: SocketAddr, reader: PlotRows) -> anyhow::Result<Self> {
         let settings = LinesSettings {
             line_octets_max: ROW_OCTETS_MAX,
             ..LinesSettings::new(server)
@@ -85,22 +98,26 @@ impl<D: DatagramReader> RowLineAgent<D> {
             rows: TableOfLines::default(),
             steady: SteadyClock::of(Now::read()),
             headless: 0,
+            refusals: LatestRefusals::default(),
+            oversized: 0,
         })
     }
 
     /// Hands the rows so far to the reader.
-    fn hand_over(rows: &mut TableOfLines, reader: &mut D, steady: SteadyClock) -> anyhow::Result<()> {
+    fn hand_over(rows: &mut TableOfLines, reader: &mut PlotRows, steady: SteadyClock) -> anyhow::Result<()> {
         let Some(table) = rows.whole() else { return Ok(()) };
         let read = Now::read();
+        reader.after_lines(rows.before);
         reader.take(table, ReceiptTime::of(read.utc_ns, read, steady))?;
         rows.clear_rows();
         Ok(())
     }
 }
 
-impl<D: DatagramReader> Agent for RowLineAgent<D> {
+impl Agent for RowLineAgent {
     fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
-        let (rows, reader, headless, steady) = (&mut self.rows, &mut self.reader, &mut self.headless, self.steady);
+        let (rows, reader, steady) = (&mut self.rows, &mut self.reader, self.steady);
+        let (headless, refusals) = (&mut self.headless, &mut self.refusals);
         let mut failed = Ok(());
         self.client.poll(now.mono_ns, PATIENCE, |line| {
             if TableOfLines::is_header(line) {
@@ -109,11 +126,21 @@ impl<D: DatagramReader> Agent for RowLineAgent<D> {
                     failed = taken;
                 }
                 rows.begin(line);
-            } else {
-                *headless += u64::from(!rows.push(line));
+            } else if !rows.push(line) {
+                *headless += 1;
+                let begin: String = String::from_utf8_lossy(line).chars().take(SHOWN_MAX).collect();
+                let words = format!("row {begin:?} came before the names of the columns; send them as the first line");
+                let read = Now::read();
+                refusals.note(("header", ""), ReceiptTime::of(read.utc_ns, read, steady), words);
             }
         });
         failed?;
+        let oversized = self.client.counters().oversized;
+        if oversized > self.oversized {
+            self.oversized = oversized;
+            let read = Now::read();
+            refusals.too_long(ReceiptTime::of(read.utc_ns, read, steady));
+        }
         let count = usize::from(rows.whole().is_some());
         Self::hand_over(rows, reader, steady)?;
         reader.publish(count, now)?;
@@ -125,6 +152,7 @@ impl<D: DatagramReader> Agent for RowLineAgent<D> {
         let lines = self.client.counters();
         whole.counters[Counter::BlocksRejected] += lines.oversized + self.headless;
         whole.set(Counter::Connections, lines.connections);
+        self.refusals.state(&mut whole);
         if !self.client.is_connected() {
             whole.note = format!("not connected to {}", self.server);
         }

@@ -12,6 +12,7 @@ use runtime::{HealthEntry, Now};
 use crate::Processed;
 use crate::channel::SourceChannel;
 use crate::receiver::{DatagramReader, ReceiptTime};
+use crate::refusals::LatestRefusals;
 
 /// Reader of datagrams of snapshots.
 #[derive(Debug)]
@@ -20,6 +21,7 @@ pub(crate) struct Snapshots {
     /// The datagram that is being read; its memory is used again.
     block: SnapshotBlock,
     refused: Counters,
+    refusals: LatestRefusals,
 }
 
 impl Snapshots {
@@ -29,6 +31,7 @@ impl Snapshots {
             channel: SourceChannel::open(process, source)?,
             block: SnapshotBlock::default(),
             refused: Counters::default(),
+            refusals: LatestRefusals::default(),
         })
     }
 }
@@ -44,6 +47,12 @@ impl DatagramReader for Snapshots {
                     SnapshotRefusal::Length => Counter::SnapshotsLength,
                     SnapshotRefusal::Value(_) => Counter::SnapshotsValue,
                 };
+                let name = match refusal {
+                    SnapshotRefusal::Value(name) => name,
+                    _ => "",
+                };
+                let words = format!("a datagram of {} octets {refusal}", bytes.len());
+                self.refusals.note((counter.label(), name), received, words);
                 self.refused.add(counter, 1);
                 self.refused.add(Counter::BytesRejected, bytes.len() as u64);
             }
@@ -56,6 +65,8 @@ impl DatagramReader for Snapshots {
     }
 
     fn health(&self, _whole: &mut HealthEntry, sources: &mut Vec<HealthEntry>) {
-        sources.push(self.channel.health(&self.refused));
+        let mut of_source = self.channel.health(&self.refused);
+        self.refusals.state(&mut of_source);
+        sources.push(of_source);
     }
 }

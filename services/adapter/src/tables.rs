@@ -4,44 +4,74 @@
 //! bytes; in return columns may have any order, columns may be added, and a lost datagram does not affect the next.
 //! Times are seconds since midnight (UTC); the day is chosen nearest to the time of receipt.
 //!
-//! A row that cannot be read is counted, and passed over.
+//! A row that cannot be read is counted, and passed over; the latest are named in health messages.
+
+use std::fmt::Display;
 
 use csv_table::CsvError;
 use formats::rows::{Columns, RowReader};
 use frames::time::{DayUnroller, NS_PER_DAY};
-use messages::{Counter, Counters};
+use messages::Counter;
+use runtime::HealthEntry;
+
+use crate::receiver::ReceiptTime;
+use crate::refusals::LatestRefusals;
 
 /// Counts of tables and their rows.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct TableCounts {
     rows: u64,
     rows_rejected: u64,
     bytes_rejected: u64,
+    /// Lines of a table that came before its present part.
+    lines_before: u64,
+    refusals: LatestRefusals,
 }
 
 impl TableCounts {
-    /// Rows of a datagram that can be read; none if `open` finds that it is no table.
+    /// Rows of a datagram received at `received` that can be read; none if `open` finds that it is no table.
     pub(crate) fn rows<'a, C: Columns + 'a>(
         &'a mut self,
         bytes: &'a [u8],
+        received: ReceiptTime,
         open: impl FnOnce(&'a [u8], i64) -> Result<RowReader<&'a [u8], C>, CsvError>,
     ) -> impl Iterator<Item = C::Value> + 'a {
-        let table = open(bytes, 0).ok();
-        if table.is_none() {
-            self.bytes_rejected += bytes.len() as u64;
-            self.rows_rejected += 1;
-        }
-        table.into_iter().flatten().filter_map(|row| {
+        let table = match open(bytes, 0) {
+            Ok(table) => Some(table),
+            Err(error) => {
+                self.bytes_rejected += bytes.len() as u64;
+                self.refuse(error, received);
+                None
+            }
+        };
+        table.into_iter().flatten().filter_map(move |row| {
             self.rows += 1;
-            row.inspect_err(|_| self.rows_rejected += 1).ok()
+            row.map_err(|error| self.refuse(error, received)).ok()
         })
     }
 
-    /// Adds the counts.
-    pub(crate) fn count(&self, counters: &mut Counters) {
+    /// Counts the lines of the next datagram from `lines`: it goes on with a table that began before.
+    pub(crate) fn after_lines(&mut self, lines: u64) {
+        self.lines_before = lines;
+    }
+
+    /// Takes the refusal of a row that could be read, in words.
+    pub(crate) fn note(&mut self, reason: (&'static str, &'static str), received: ReceiptTime, words: impl Display) {
+        self.refusals.note(reason, received, words);
+    }
+
+    fn refuse(&mut self, error: CsvError, received: ReceiptTime) {
+        self.rows_rejected += 1;
+        self.refusals.row(error, self.lines_before, received);
+    }
+
+    /// Adds the counts, and the latest refusals.
+    pub(crate) fn count(&self, health: &mut HealthEntry) {
+        let counters = &mut health.counters;
         counters[Counter::Records] += self.rows;
         counters[Counter::BlocksRejected] += self.rows_rejected;
         counters[Counter::BytesRejected] += self.bytes_rejected;
+        self.refusals.state(health);
     }
 }
 

@@ -19,6 +19,7 @@ import { contributorsTable, decisionsPart, rulesPart } from "./why.js";
  * @property {string} adapter Process that receives its reports; "": unknown.
  * @property {number} rate Reports a second. @property {number} lastHeard Seconds UTC; 0: never.
  * @property {number} lost @property {[string, number][]} rejected Count by reason, those that are not 0.
+ * @property {string} refused The latest refusals in words.
  * @property {[string, number][]} dependsOn Sources with errors that depend on its errors, with the correlation.
  * @property {string} errors Sentence on the learned errors. @property {number} clockOffset Seconds; NaN: unknown.
  * @property {number} east @property {number} north Its site, metres; NaN: unknown.
@@ -219,6 +220,7 @@ export function sourcesPanel(sources, now, hasOperators) {
       ...source.dependsOn.map(([name, correlation]) => `errors follow those of ${name} (${correlation.toFixed(1)})`),
       Number.isFinite(source.clockOffset) ? `clock ${(source.clockOffset * 1000).toFixed(0)} ms` : "",
       rejected ? `rejected: ${rejected}` : "",
+      source.refused ? `refused: ${source.refused}` : "",
     ].filter((text) => text !== "");
     return [
       h(

@@ -1,7 +1,7 @@
 //! Status of the deployment as JSON, with the figures of `koseki top`.
 //!
 //! - `sources`: `number`, `name`, `kind`, `adapter`, `rate_hz`, `heard_s`, `reports`, `lost`, `rejected` {reason:
-//!   count}, `registration` {`comparisons`, `offset_m` [2], `offset_sigma_m` [2], `time_offset_s`, `range_bias_m`,
+//!   count}, `refused` (the latest refusals in words), `registration` {`comparisons`, `offset_m` [2], `offset_sigma_m` [2], `time_offset_s`, `range_bias_m`,
 //!   `azimuth_bias_deg`, `removed`}, `depends_on` [[name, correlation]], `errors` (all that fusion has learned of the
 //!   source's errors, as a sentence), `inflation`, `clock_offset_s`
 //! - `alarms`: `id`, `code`, `name`, `severity`, `event`, `text`, `remedy`, `raised_s`, `changed_s`, `times`,
@@ -10,7 +10,7 @@
 //! - `orders`: see [`orders::list`]
 //! - `latency`: `stage`, `count`, `p50_us`, `p99_us`, `p999_us`, `max_us`, `buckets` [[upper bound in µs, count]]:
 //!   since the start of the display
-//! - `processes`: `kind`, `name`, `state`, `pid`, `restarts`, `heard_s`, `note`, `figures` [[name, value]]
+//! - `processes`: `kind`, `name`, `state`, `pid`, `restarts`, `heard_s`, `note`, `refused`, `figures` [[name, value]]
 
 use std::collections::BTreeMap;
 
@@ -114,6 +114,7 @@ fn source(world: &World, fact: &SourceFact) -> Value {
         "reports": state.taken(),
         "lost": state.lost(),
         "rejected": rejected,
+        "refused": refused_of(world, &state.name),
         "registration": registration,
         "errors": known.to_string(),
         "depends_on": reasons::dependent(known)
@@ -122,6 +123,15 @@ fn source(world: &World, fact: &SourceFact) -> Value {
         "inflation": known.covariance_inflation,
         "clock_offset_s": (known.clock_offset_sigma_s > 0.0).then_some(known.clock_offset_s),
     })
+}
+
+/// The latest refusals of a source or process, in words; empty if nothing was refused.
+fn refused_of(world: &World, name: &str) -> String {
+    let refused = world.observed.refused_input().into_iter();
+    refused
+        .filter(|refused| refused.of == name)
+        .map(|refused| refused.text)
+        .collect()
 }
 
 fn alarms(world: &World, now: Now) -> Vec<Value> {
@@ -224,6 +234,7 @@ fn processes(world: &World, now: Now) -> Vec<Value> {
             "restarts": process.restarts,
             "heard_s": latest.map(|latest| utc_s(latest.time_ns(), now)),
             "note": process.remark(),
+            "refused": refused_of(world, &process.title()),
             "figures": latest.as_ref().map(figures).unwrap_or_default(),
         })
     });

@@ -9,7 +9,9 @@ use std::time::Duration;
 
 use bus::{Bus, BusError, InstanceEntry, Root, SharedMemory};
 use messages::{Counter, OrderState, ProcessKind, Registration};
-use observed::{ChildState, Deployment, HealthBook, LatestHealth, NO_MESSAGE, ObservedProcess, StandingAlarm, remark};
+use observed::{
+    ChildState, Deployment, HealthBook, LatestHealth, NO_MESSAGE, ObservedProcess, RefusedInput, StandingAlarm, remark,
+};
 use runtime::clock::{instant, mono_ns};
 use serde::Serialize;
 use telemetry::table::{Align, TextTable};
@@ -74,6 +76,8 @@ struct InstanceStatus {
     goes_on_from: Option<PathBuf>,
     processes: Vec<StatusRow>,
     registrations: Vec<RegistrationStatus>,
+    /// Input that was refused last.
+    refused: Vec<RefusedInput>,
     alarms: Vec<AlarmStatus>,
     orders: Vec<OrderStatusLine>,
 }
@@ -133,6 +137,7 @@ impl InstanceStatus {
             goes_on_from: None,
             processes: Vec::new(),
             registrations: Vec::new(),
+            refused: Vec::new(),
             alarms: Vec::new(),
             orders: Vec::new(),
         };
@@ -153,6 +158,7 @@ impl InstanceStatus {
             Ok((observed, joined)) => {
                 let now_ns = mono_ns();
                 status.processes = rows(observed.book(), &joined, now_ns);
+                status.refused = observed.refused_input();
                 status.picture = deployment::page_of(instance.root.path());
                 let sources = observed.sources().into_iter();
                 let compared = sources.filter(|source| source.registration.comparisons > 0.0);
@@ -194,6 +200,7 @@ impl InstanceStatus {
             goes_on_from: Some(ended.file),
             processes: Vec::new(),
             registrations: Vec::new(),
+            refused: Vec::new(),
             alarms: Vec::new(),
             orders: Vec::new(),
         })
@@ -232,6 +239,9 @@ impl InstanceStatus {
                     "    to keep it, write into the source's table:\n      [source.correction]\n      {lines}\n"
                 ));
             }
+        }
+        for refused in &self.refused {
+            text.push_str(&format!("  refused of {}: {}\n", refused.of, refused.text));
         }
         for alarm in &self.alarms {
             let AlarmStatus {
@@ -544,6 +554,10 @@ mod tests {
                 text: "-1.5 m east".to_owned(),
                 correction: vec!["east_m = -1.5".to_owned(), "time_s = 0.250".to_owned()],
             }],
+            refused: vec![RefusedInput {
+                of: "sea".to_owned(),
+                text: "07:08:09: line 2, column px: \"\" is empty; write a number".to_owned(),
+            }],
             alarms: vec![AlarmStatus::from(StandingAlarm::from(
                 &alarm.with_text("12 MB are left."),
             ))],
@@ -561,10 +575,13 @@ mod tests {
         let lines = "  registration of radar-west: -1.5 m east\n    to keep it, write into the source's table:\n      \
                      [source.correction]\n      east_m = -1.5\n      time_s = 0.250\n";
         assert!(text.contains(lines), "{text}");
+        let refused = "\n  refused of sea: 07:08:09: line 2, column px: \"\" is empty; write a number\n";
+        assert!(text.contains(refused), "{text}");
         let remedy = AlarmKind::DiskLow.remedy();
         let expected = format!("  alarm, major: 12 MB are left.\n    {remedy}\n");
         assert!(text.ends_with(&expected), "{text}");
         let value = serde_json::to_value(&status).unwrap();
+        assert_eq!(value["refused"][0]["of"], "sea");
         assert_eq!(value["alarms"][0]["severity"], "major");
         assert_eq!((&value["state"], &value["pid"]), (&"runs".into(), &7.into()));
         assert_eq!(value["registrations"][0]["source"], 3);

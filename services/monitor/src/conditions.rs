@@ -3,11 +3,14 @@
 //! Each function evaluates one kind of condition (a source's silence, counters that should not grow, the processes,
 //! …) and reports its findings for the round. The board decides on raising and clearing. This module has the conditions
 //! of processes, links and the machine; `sources` has those of the sources, `counters` those of counters, `feeding`
-//! those of publishers from outside.
+//! those of publishers from outside, `refused` those of data that are refused.
 
 mod counters;
 mod feeding;
+mod refused;
 mod sources;
+
+use std::collections::{BTreeMap, BTreeSet};
 
 use alarms::{AlarmKind, Apart, Companions, Finding, Growth, Limits, Round, Silence, Subject, above, below};
 use messages::{BatchHeader, Counter, LifeState, ProcessKind, SystemTrack};
@@ -43,6 +46,9 @@ pub(crate) struct Conditions {
     sources: Vec<SourceWatch>,
     silence: Silence,
     shares: SourceShares,
+    refusals: refused::Refusals,
+    /// Sources of lines that `koseki feed` refused, and the monotonic time of the latest, nanoseconds.
+    refused_lines: BTreeMap<String, i64>,
     growth: Growth,
     companions: Companions,
     apart: Vec<Apart>,
@@ -66,6 +72,8 @@ impl Conditions {
             folder,
             silence: Silence::new(sources.len(), begun.mono_ns),
             shares: SourceShares::new(),
+            refusals: refused::memory(),
+            refused_lines: BTreeMap::new(),
             growth: Growth::default(),
             companions: Companions::default(),
             apart: Vec::new(),
@@ -85,7 +93,8 @@ impl Conditions {
     /// Evaluates all conditions.
     pub(crate) fn look(&mut self, sight: RoundView<'_>, round: &mut Round<'_>) {
         let awake_ns = self.silence.look(sight.now.mono_ns);
-        self.silent_sources(sight, round);
+        let arriving = self.refused(sight, round);
+        self.silent_sources(sight, &arriving, round);
         self.source_errors(sight, round);
         self.shares.look(sight.observed, sight.now.mono_ns, round);
         self.changed(sight, round);
@@ -95,7 +104,7 @@ impl Conditions {
         self.misfits(sight, round);
         self.processes(sight, awake_ns, round);
         self.links(sight, round);
-        self.platforms(sight, round);
+        self.platforms(sight, &arriving, round);
         Self::copies(sight, round);
         self.room(sight.room, round);
         self.feeding(sight, round);
@@ -149,7 +158,7 @@ impl Conditions {
     }
 
     /// Conditions of platforms that carry sensors.
-    fn platforms(&mut self, sight: RoundView<'_>, round: &mut Round<'_>) {
+    fn platforms(&mut self, sight: RoundView<'_>, arriving: &BTreeSet<Subject>, round: &mut Round<'_>) {
         for adapter in sight
             .processes
             .iter()
@@ -161,7 +170,7 @@ impl Conditions {
             let (subject, counters) = (Subject::process(&adapter.name), latest.counters());
             let process = ("process", adapter.title());
             let silent_ms = counters[Counter::PlatformSilentMs];
-            if silent_ms > 0 {
+            if silent_ms > 0 && !arriving.contains(&subject) {
                 let silence = ("silence", elapsed(silent_ms as i64 * 1_000_000));
                 round.find(
                     AlarmKind::PlatformSilent,

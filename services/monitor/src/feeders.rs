@@ -24,7 +24,7 @@ const LOOKS_MIN: u32 = 2;
 pub(crate) struct FeedFindings {
     /// Sources with a second publisher, and what is known of it.
     pub(crate) second: BTreeMap<String, String>,
-    /// Sources of refused lines (empty: of several), and all refused so far, by reason.
+    /// Sources of refused lines (empty: of several), with all refused so far, by reason, and the latest in words.
     pub(crate) refused: BTreeMap<String, String>,
 }
 
@@ -90,14 +90,22 @@ impl FeederWatch {
                 let which = format!("process {process} was refused, because {holder} publishes");
                 findings.second.insert(name.clone(), which);
             }
-            Refused::Lines { count: more, reason } => {
+            Refused::Lines {
+                count: more,
+                reason,
+                latest,
+            } => {
                 let reasons = self.refused.entry(refusal.name.clone()).or_default();
                 *reasons.entry(reason.clone()).or_default() += more;
                 let all = reasons
                     .iter()
                     .map(|(reason, lines)| format!("{reason} {}", count(*lines)));
-                let all: Vec<String> = all.collect();
-                findings.refused.insert(refusal.name.clone(), all.join(", "));
+                let mut all = all.collect::<Vec<_>>().join(", ");
+                if !latest.is_empty() {
+                    all.push_str("; ");
+                    all.push_str(latest);
+                }
+                findings.refused.insert(refusal.name.clone(), all);
             }
         }
     }

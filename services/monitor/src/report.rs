@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use alarms::AlarmHistory;
 use messages::{Counters, NO_SOURCE, Registration, registration_bits};
-use observed::{ObservedProcess, TrackCounts};
+use observed::{ObservedProcess, RefusedInput, TrackCounts};
 use scoring::AccuracyReport;
 use serde::{Serialize, Serializer};
 use telemetry::{Irregularities, Span, Stage, Stages, Summary};
@@ -58,6 +58,8 @@ pub struct Report {
     pub monitor: Counters,
     /// Counters of the processes with a socket.
     pub network: Vec<ProcessCounters>,
+    /// Input that adapters refused last.
+    pub refused: Vec<RefusedInput>,
     /// Health messages with an unknown code or source.
     pub health_rejected: u64,
 }

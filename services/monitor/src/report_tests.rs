@@ -4,7 +4,7 @@ use messages::{Counter, Counters, LifeState, ProcessKind, Registration, registra
 
 use super::*;
 use crate::golden;
-use observed::{ObservedProcess, ProcessState, TrackCounts};
+use observed::{ObservedProcess, ProcessState, RefusedInput, TrackCounts};
 use telemetry::Summary;
 
 use crate::report::{Hop, Losses, ProcessCounters, Restarts, SourceReport, SourceStageReport, StageReport, Verdict};
@@ -172,6 +172,7 @@ pub(crate) fn good() -> Report {
             process: "adapter ads-b".to_owned(),
             counters: Counters::default().with(Counter::Datagrams, 4_321),
         }],
+        refused: Vec::new(),
         health_rejected: 0,
     })
 }
@@ -215,6 +216,10 @@ fn bad() -> Report {
         .with(Counter::DatagramsRejected, 1_000)
         .with(Counter::SendFailures, 2);
     report.health_rejected = 4;
+    report.refused = vec![RefusedInput {
+        of: "radar-west".to_owned(),
+        text: "07:08:09: line 2, column px: \"\" is empty; write a number".to_owned(),
+    }];
     judged(report)
 }
 

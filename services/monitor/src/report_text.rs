@@ -167,8 +167,12 @@ impl Report {
                 }
             }
         }
+        let lines = self
+            .refused
+            .iter()
+            .map(|refused| format!("latest of {}: {}\n", refused.of, refused.text));
         if some {
-            format!("REJECTED OR NOT USED, and why\n{rows}")
+            format!("REJECTED OR NOT USED, and why\n{rows}{}", lines.collect::<String>())
         } else {
             "REJECTED OR NOT USED: nothing\n".to_owned()
         }

@@ -147,6 +147,7 @@ impl DeploymentSurvey {
             others: self.others(),
             monitor: self.own_counters(own),
             network: self.network(),
+            refused: self.observed.refused_input(),
             health_rejected: self.observed.book().rejected(),
         };
         report.verdict = verdict::on(&report);

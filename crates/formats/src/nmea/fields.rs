@@ -9,16 +9,24 @@ const NS_PER_S: f64 = 1e9;
 pub(super) const KNOT_MPS: f64 = 1852.0 / 3600.0;
 
 /// The fields of a sentence, one after the other.
-pub(super) struct Fields<'a>(Split<'a, char>);
+pub(super) struct Fields<'a> {
+    rest: Split<'a, char>,
+    /// Number, from 1, of the field read last; 0 before the first.
+    pub(super) place: usize,
+}
 
 impl<'a> Fields<'a> {
     pub(super) fn of(text: &'a str) -> Self {
-        Self(text.split(','))
+        Self {
+            rest: text.split(','),
+            place: 0,
+        }
     }
 
     /// The next field; empty beyond the last.
     pub(super) fn text(&mut self) -> &'a str {
-        self.0.next().unwrap_or_default().trim()
+        self.place += 1;
+        self.rest.next().unwrap_or_default().trim()
     }
 
     /// A number between two bounds; `None` of an empty field.
@@ -65,8 +73,9 @@ impl<'a> Fields<'a> {
 
     /// Latitude or longitude with its hemisphere, degrees; `whole` digits are degrees.
     pub(super) fn coordinate(&mut self, whole: usize, [plus, minus]: [&str; 2]) -> Result<Option<f64>, NmeaFault> {
-        let (text, side) = (self.text(), self.text());
+        let text = self.text();
         if text.is_empty() {
+            self.text();
             return Ok(None);
         }
         let digits = text.bytes().all(|octet| octet.is_ascii_digit() || octet == b'.');
@@ -80,9 +89,9 @@ impl<'a> Fields<'a> {
             return Err(NmeaFault::Field);
         }
         let value = degrees + minutes / 60.0;
-        match side {
-            _ if side == plus => Ok(Some(value)),
-            _ if side == minus => Ok(Some(-value)),
+        match self.text() {
+            side if side == plus => Ok(Some(value)),
+            side if side == minus => Ok(Some(-value)),
             _ => Err(NmeaFault::Field),
         }
     }

@@ -18,13 +18,15 @@
 //! # Faults
 //!
 //! A sentence without its checksum is refused, not only a wrong one: a cut sentence is otherwise a shorter number.
-//! Every refusal is counted by reason ([`NmeaCounts`]).
+//! Every refusal is counted by reason ([`NmeaCounts`]), and the latest is named ([`NmeaRefusal`]).
 
 mod fields;
 mod reader;
+mod refusal;
 mod sentence;
 mod writer;
 
 pub use reader::{NmeaReader, NmeaSettings};
+pub use refusal::NmeaRefusal;
 pub use sentence::{NmeaCounts, NmeaFault};
 pub use writer::write_sentences;

@@ -6,6 +6,7 @@ use frames::Geodetic;
 use platform::Navigation;
 
 use super::fields::{Fields, KNOT_MPS};
+use super::refusal::NmeaRefusal;
 use super::sentence::{NmeaCounts, NmeaFault, SENTENCE_OCTETS_MAX, SentenceKind, framed};
 
 const NS_PER_S: f64 = 1e9;
@@ -32,6 +33,7 @@ pub struct NmeaReader {
     /// The line is longer than any sentence; its rest is skipped.
     is_skipping: bool,
     counts: NmeaCounts,
+    refused: NmeaRefusal,
     /// Latest stated time, UTC, nanoseconds.
     stated_ns: Option<i64>,
     /// Time of the latest fix, and its time of receipt.
@@ -50,6 +52,7 @@ impl NmeaReader {
             line: Vec::with_capacity(SENTENCE_OCTETS_MAX),
             is_skipping: false,
             counts: NmeaCounts::default(),
+            refused: NmeaRefusal::default(),
             stated_ns: None,
             fix: None,
             height_m: 0.0,
@@ -62,6 +65,11 @@ impl NmeaReader {
         self.counts
     }
 
+    /// The sentence that was refused last; `None` if none was.
+    pub fn refused(&self) -> Option<&NmeaRefusal> {
+        (self.counts.refused() > 0).then_some(&self.refused)
+    }
+
     /// Takes bytes of a stream, received at `received_ns` (UTC, nanoseconds). Sentences may begin and end anywhere.
     pub fn take(&mut self, bytes: &[u8], received_ns: Option<i64>, mut each: impl FnMut(Navigation)) {
         for octet in bytes {
@@ -69,8 +77,7 @@ impl NmeaReader {
                 b'\n' | b'\r' => self.end_line(received_ns, &mut each),
                 b'$' if !self.line.is_empty() => {
                     // A sentence begins within another, which was cut.
-                    self.count(NmeaFault::Partial);
-                    self.line.clear();
+                    self.refuse_begun(NmeaFault::Partial);
                     self.line.push(*octet);
                 }
                 b'$' => {
@@ -79,8 +86,7 @@ impl NmeaReader {
                 }
                 _ if self.is_skipping => {}
                 _ if self.line.len() >= SENTENCE_OCTETS_MAX => {
-                    self.count(NmeaFault::TooLong);
-                    self.line.clear();
+                    self.refuse_begun(NmeaFault::TooLong);
                     self.is_skipping = true;
                 }
                 _ => self.line.push(*octet),
@@ -99,39 +105,54 @@ impl NmeaReader {
             return;
         }
         let line = std::mem::take(&mut self.line);
+        self.refused.place = 0;
         match self.sentence(&line, received_ns) {
             Ok(Some(state)) => {
                 self.counts.used += 1;
                 each(state);
             }
             Ok(None) => self.counts.other += 1,
-            Err(fault) => self.count(fault),
+            Err(fault) => self.refuse(fault, &line),
         }
         self.line = line;
         self.line.clear();
     }
 
-    fn count(&mut self, fault: NmeaFault) {
+    /// Refuses what has come of a line.
+    fn refuse_begun(&mut self, fault: NmeaFault) {
+        let line = std::mem::take(&mut self.line);
+        self.refused.place = 0;
+        self.refuse(fault, &line);
+        self.line = line;
+        self.line.clear();
+    }
+
+    fn refuse(&mut self, fault: NmeaFault, line: &[u8]) {
         self.counts.count(fault);
+        let refused = &mut self.refused;
+        refused.fault = fault;
+        refused.line.clear();
+        refused.line.extend_from_slice(line);
     }
 
     fn sentence(&mut self, line: &[u8], received_ns: Option<i64>) -> Result<Option<Navigation>, NmeaFault> {
         let Some((kind, text)) = framed(line)? else {
             return Ok(None);
         };
-        let fields = Fields::of(text);
-        match kind {
-            SentenceKind::Gga => self.gga(fields, received_ns),
-            SentenceKind::Rmc => self.rmc(fields, received_ns),
-            SentenceKind::Vtg => self.vtg(fields, received_ns),
-            SentenceKind::Hdt => self.hdt(fields, received_ns),
-            SentenceKind::Ths => self.ths(fields, received_ns),
-            SentenceKind::Pashr => self.pashr(fields, received_ns),
-        }
-        .map(Some)
+        let mut fields = Fields::of(text);
+        let read = match kind {
+            SentenceKind::Gga => self.gga(&mut fields, received_ns),
+            SentenceKind::Rmc => self.rmc(&mut fields, received_ns),
+            SentenceKind::Vtg => self.vtg(&mut fields, received_ns),
+            SentenceKind::Hdt => self.hdt(&mut fields, received_ns),
+            SentenceKind::Ths => self.ths(&mut fields, received_ns),
+            SentenceKind::Pashr => self.pashr(&mut fields, received_ns),
+        };
+        self.refused.place = fields.place;
+        read.map(Some)
     }
 
-    fn gga(&mut self, mut fields: Fields<'_>, received_ns: Option<i64>) -> Result<Navigation, NmeaFault> {
+    fn gga(&mut self, fields: &mut Fields<'_>, received_ns: Option<i64>) -> Result<Navigation, NmeaFault> {
         let time_of_day = fields.time_of_day_ns()?;
         let latitude = fields.coordinate(2, ["N", "S"])?;
         let longitude = fields.coordinate(3, ["E", "W"])?;
@@ -156,7 +177,7 @@ impl NmeaReader {
         })
     }
 
-    fn rmc(&mut self, mut fields: Fields<'_>, received_ns: Option<i64>) -> Result<Navigation, NmeaFault> {
+    fn rmc(&mut self, fields: &mut Fields<'_>, received_ns: Option<i64>) -> Result<Navigation, NmeaFault> {
         let time_of_day = fields.time_of_day_ns()?;
         if fields.text() != "A" {
             return Err(NmeaFault::NoFix);
@@ -191,7 +212,7 @@ impl NmeaReader {
         })
     }
 
-    fn vtg(&mut self, mut fields: Fields<'_>, received_ns: Option<i64>) -> Result<Navigation, NmeaFault> {
+    fn vtg(&mut self, fields: &mut Fields<'_>, received_ns: Option<i64>) -> Result<Navigation, NmeaFault> {
         let course = fields.angle(0.0, 360.0)?;
         let [_true, _magnetic, _unit] = [fields.text(), fields.text(), fields.text()];
         let knots = fields.number(0.0, 2000.0)?;
@@ -214,7 +235,7 @@ impl NmeaReader {
         })
     }
 
-    fn hdt(&mut self, mut fields: Fields<'_>, received_ns: Option<i64>) -> Result<Navigation, NmeaFault> {
+    fn hdt(&mut self, fields: &mut Fields<'_>, received_ns: Option<i64>) -> Result<Navigation, NmeaFault> {
         let heading = fields.angle(0.0, 360.0)?;
         // The name of the sentence implies true north; some devices leave the letter out.
         if !matches!(fields.text(), "T" | "") {
@@ -223,7 +244,7 @@ impl NmeaReader {
         self.heading(heading, received_ns)
     }
 
-    fn ths(&mut self, mut fields: Fields<'_>, received_ns: Option<i64>) -> Result<Navigation, NmeaFault> {
+    fn ths(&mut self, fields: &mut Fields<'_>, received_ns: Option<i64>) -> Result<Navigation, NmeaFault> {
         let heading = fields.angle(0.0, 360.0)?;
         match fields.text() {
             "A" | "E" | "M" | "S" => self.heading(heading, received_ns),
@@ -231,7 +252,7 @@ impl NmeaReader {
         }
     }
 
-    fn pashr(&mut self, mut fields: Fields<'_>, received_ns: Option<i64>) -> Result<Navigation, NmeaFault> {
+    fn pashr(&mut self, fields: &mut Fields<'_>, received_ns: Option<i64>) -> Result<Navigation, NmeaFault> {
         let time_of_day = fields.time_of_day_ns()?;
         let heading = fields.angle(0.0, 360.0)?;
         let _true = fields.text();

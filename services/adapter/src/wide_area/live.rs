@@ -54,7 +54,7 @@ impl LiveCounts {
 impl DatagramReader for LiveCounts {
     fn take(&mut self, bytes: &[u8], received: ReceiptTime) -> anyhow::Result<()> {
         match &mut self.reader {
-            CountReader::Rows(rows) => rows.take(bytes, received.utc_ns, &mut self.reports),
+            CountReader::Rows(rows) => rows.take(bytes, received, &mut self.reports),
             CountReader::Tracks(tracks) => {
                 tracks.take(blocks(bytes), bytes.len(), Some(received.utc_ns), &mut self.reports);
             }
@@ -97,7 +97,7 @@ impl DatagramReader for LiveCounts {
 
     fn health(&self, whole: &mut HealthEntry, _sources: &mut Vec<HealthEntry>) {
         match &self.reader {
-            CountReader::Rows(rows) => rows.count(&mut whole.counters),
+            CountReader::Rows(rows) => rows.count(whole),
             CountReader::Tracks(tracks) => tracks.count(&mut whole.counters),
         }
         whole.progress_ns = self.arrived_ns;

@@ -8,10 +8,11 @@
 //! arrival.
 
 use formats::wide_area_csv::WideAreaReader;
-use messages::Counters;
+use runtime::HealthEntry;
 use tracking::wide_area::WideAreaReport;
 
 use super::RejectedReports;
+use crate::receiver::ReceiptTime;
 use crate::tables::{TableCounts, utc_ns};
 
 /// Longest time after its receipt for the stated arrival of a report, nanoseconds.
@@ -25,9 +26,10 @@ pub(super) struct CountRows {
 }
 
 impl CountRows {
-    /// Takes the rows of a datagram that was received at `received_ns` (UTC, nanoseconds).
-    pub(super) fn take(&mut self, bytes: &[u8], received_ns: i64, reports: &mut Vec<WideAreaReport>) {
-        for row in self.tables.rows(bytes, WideAreaReader::new) {
+    /// Takes the rows of a datagram that was received at `received`.
+    pub(super) fn take(&mut self, bytes: &[u8], received: ReceiptTime, reports: &mut Vec<WideAreaReport>) {
+        let received_ns = received.utc_ns;
+        for row in self.tables.rows(bytes, received, WideAreaReader::new) {
             let stated = WideAreaReport {
                 time_ns: utc_ns(received_ns, row.time_ns),
                 arrival_ns: utc_ns(received_ns, row.arrival_ns),
@@ -47,9 +49,9 @@ impl CountRows {
         }
     }
 
-    pub(super) fn count(&self, counters: &mut Counters) {
-        self.tables.count(counters);
-        self.rejected.count(counters);
+    pub(super) fn count(&self, health: &mut HealthEntry) {
+        self.tables.count(health);
+        self.rejected.count(&mut health.counters);
     }
 }
 
@@ -58,7 +60,7 @@ mod tests {
     use proptest::prelude::*;
 
     use frames::time::NS_PER_DAY;
-    use messages::Counter;
+    use messages::{Counter, Counters};
 
     use super::*;
 
@@ -66,11 +68,19 @@ mod tests {
     /// Noon of a day, and five seconds.
     const NOON_NS: i64 = 20_000 * NS_PER_DAY + 43_205_000_000_000;
 
+    fn at_noon() -> ReceiptTime {
+        ReceiptTime {
+            utc_ns: NOON_NS,
+            mono_ns: 0,
+            steady_ns: NOON_NS,
+        }
+    }
+
     fn take(rows: &str) -> (Vec<WideAreaReport>, Counters) {
-        let (mut table, mut reports, mut counters) = (CountRows::default(), Vec::new(), Counters::default());
-        table.take(format!("{HEADER}{rows}").as_bytes(), NOON_NS, &mut reports);
-        table.count(&mut counters);
-        (reports, counters)
+        let (mut table, mut reports, mut health) = (CountRows::default(), Vec::new(), HealthEntry::default());
+        table.take(format!("{HEADER}{rows}").as_bytes(), at_noon(), &mut reports);
+        table.count(&mut health);
+        (reports, health.counters)
     }
 
     #[test]
@@ -114,10 +124,10 @@ mod tests {
             let place = place.min(datagram.len());
             datagram.splice(place..place, bytes.iter().copied().take(3));
             for bytes in [&bytes[..], &datagram] {
-                let (mut table, mut reports, mut counters) = (CountRows::default(), Vec::new(), Counters::default());
-                table.take(bytes, NOON_NS, &mut reports);
-                table.count(&mut counters);
-                let of = |counter: Counter| counters[counter];
+                let (mut table, mut reports, mut health) = (CountRows::default(), Vec::new(), HealthEntry::default());
+                table.take(bytes, at_noon(), &mut reports);
+                table.count(&mut health);
+                let of = |counter: Counter| health.counters[counter];
                 let refused = of(Counter::RejectedTargets) + of(Counter::RejectedPosition) + of(Counter::RejectedTime)
                     + of(Counter::BlocksRejected);
                 let unreadable = u64::from(of(Counter::BytesRejected) > 0 || bytes.is_empty());

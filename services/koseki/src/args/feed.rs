@@ -33,8 +33,8 @@ Lines of koseki tap are accepted as they are: of sensor tracks and detections wi
 reports of another centre. --source then names the fed source, if there are several.
 
 A refused line is not published. A connection and standard output get a JSON object for each refused line, with
-line, field, value, limit and remedy. Lines in datagrams are counted by field in the summary and in the alarm
-lines-refused.
+line, field, value, limit and remedy. All refused lines are counted by field in the summary and in the alarm
+lines-refused, which names the latest.
 
 At most 64 connections are served at a time, 32 of them from one address. A connection must send its first line within
 10 s, and one each 10 minutes. While places are short, a connection without a line gives way to a new one at once, and

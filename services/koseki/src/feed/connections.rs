@@ -14,8 +14,7 @@ use messages::admission::Fault;
 use net::{AllowedSenders, DoorCounters, DoorLimits, DoorNews, DoorRefusal, Peer};
 use runtime::Now;
 
-use super::doors::{Ending, PAUSE, REPORT_NS, Shared, refuse, spawn};
-use super::inlet::Reasons;
+use super::doors::{Ending, PAUSE, Shared, refuse, spawn};
 
 /// Longest time for which a client may take no refusals.
 const WRITE_MAX: Duration = Duration::from_secs(5);
@@ -184,13 +183,12 @@ fn accept_all<S: Connection>(
     })
 }
 
-/// Looks after the connections: ends silent ones, and reports those that were refused.
+/// Looks after the connections: ends silent ones, and reports refused ones and refused lines.
 #[derive(Debug, Default)]
 pub(super) struct Doorkeeper {
     news: DoorNews,
-    /// Counts that the deployment knows, and when they were reported.
-    reported: DoorCounters,
-    reported_ns: i64,
+    /// Counts that the inlets have.
+    noted: DoorCounters,
 }
 
 impl Doorkeeper {
@@ -204,19 +202,16 @@ impl Doorkeeper {
         if self.news.is_due(&counters, now_ns) {
             runtime::notice(format_args!("koseki feed: connections refused or ended: {counters}"));
         }
-        if counters.all_refused() == self.reported.all_refused() || now_ns - self.reported_ns < REPORT_NS {
-            return;
-        }
-        let mut refused = Reasons::default();
+        let mut inlets = shared.inlets();
         for (reason, count) in counters.reasons() {
             // A feeder that has nothing to send for long is no fault.
             if reason != DoorRefusal::Idle {
                 let name = format!("connection {}", reason.word());
-                refused.add(&name, count - self.reported.refused(reason));
+                inlets.note(&name, count - self.noted.refused(reason));
             }
         }
-        (self.reported, self.reported_ns) = (counters, now_ns);
-        shared.inlets().report(&refused);
+        self.noted = counters;
+        inlets.report(now_ns);
     }
 }
 

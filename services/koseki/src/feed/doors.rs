@@ -12,7 +12,7 @@ use net::{AllowedSenders, Door, DoorLimits, DoorRefusal, ReceiverCounters, Recei
 use runtime::Now;
 use serde_json::json;
 
-use super::inlet::{Inlets, Reasons};
+use super::inlet::Inlets;
 
 /// Longest line, bytes.
 const LINE_MAX: usize = 1 << 16;
@@ -20,8 +20,6 @@ const LINE_MAX: usize = 1 << 16;
 pub(super) const PAUSE: Duration = Duration::from_millis(100);
 /// Longest wait for a datagram.
 const PATIENCE: Duration = Duration::from_millis(100);
-/// Shortest time between two reports of refusals to the deployment, nanoseconds.
-pub(super) const REPORT_NS: i64 = 500_000_000;
 
 /// What ends a connection from outside of its thread.
 pub(super) struct Ending {
@@ -155,34 +153,28 @@ impl Shared {
         Ok(())
     }
 
-    /// Feeds the lines of the datagrams. Nobody is answered, so what is refused is reported to the deployment.
+    /// Feeds the lines of the datagrams. Nobody is answered.
     fn feed_datagrams(&self, mut receiver: UdpReceiver) {
-        let mut refused = Reasons::default();
-        let mut reported_ns = Now::read().mono_ns;
         loop {
             let received = receiver.receive(PATIENCE, |datagram| {
                 for line in datagram.bytes.split(|octet| *octet == b'\n') {
-                    if !line.trim_ascii().is_empty()
-                        && let Some(Some(fault)) = self.take(line, datagram.received_utc_ns)
-                    {
-                        refused.add(&fault.field, 1);
+                    if !line.trim_ascii().is_empty() {
+                        // A refused line is counted, and the deployment gets a report.
+                        self.take(line, datagram.received_utc_ns);
                     }
                 }
             });
             let _ = self.kept(Inlets::flush);
             let counters = receiver.counters();
             let before = std::mem::replace(&mut *lock(&self.datagrams), counters);
-            refused.add("sender", counters.refused_senders - before.refused_senders);
-            refused.add(
+            let mut inlets = self.inlets();
+            inlets.note("sender", counters.refused_senders - before.refused_senders);
+            inlets.note(
                 "length",
                 counters.oversized + counters.empty - before.oversized - before.empty,
             );
-            refused.add("buffer", counters.kernel_drops - before.kernel_drops);
-            let now_ns = Now::read().mono_ns;
-            if now_ns - reported_ns >= REPORT_NS {
-                reported_ns = now_ns;
-                lock(&self.inlets).report(&std::mem::take(&mut refused));
-            }
+            inlets.note("buffer", counters.kernel_drops - before.kernel_drops);
+            drop(inlets);
             if received.is_err() {
                 std::thread::sleep(PAUSE);
             }

@@ -20,26 +20,23 @@ use crate::config::Config;
 /// Most samples that are collected before they are published.
 const GATHERED_MAX: usize = 64;
 
-/// Most reasons that are counted apart: fields are named by whoever sends the lines.
-const REASONS_MAX: usize = 32;
+/// Shortest time between two reports of refusals to the deployment, nanoseconds.
+const REPORT_NS: i64 = 500_000_000;
 
-/// Refused lines by reason, which mostly is the name of a field.
+/// Refused lines, by the place of their source (`None`: not known) and the reason, which mostly is the name of a field.
 #[derive(Debug, Default)]
-pub(super) struct Reasons(BTreeMap<String, u64>);
+struct Refusals {
+    by_reason: BTreeMap<(Option<usize>, String), RefusedLines>,
+    /// Monotonic time of the latest report, nanoseconds.
+    reported_ns: i64,
+}
 
-impl Reasons {
-    pub(super) fn add(&mut self, reason: &str, count: u64) {
-        if count == 0 {
-            return;
-        }
-        let is_known = self.0.contains_key(reason) || self.0.len() < REASONS_MAX;
-        let reason = if is_known { reason } else { "others" };
-        *self.0.entry(reason.to_owned()).or_default() += count;
-    }
-
-    pub(super) fn iter(&self) -> impl Iterator<Item = (&str, u64)> {
-        self.0.iter().map(|(reason, count)| (reason.as_str(), *count))
-    }
+#[derive(Debug, Default)]
+struct RefusedLines {
+    count: u64,
+    reported: u64,
+    /// The latest in words.
+    latest: Option<Fault>,
 }
 
 /// A source that is fed from outside.
@@ -77,8 +74,9 @@ pub(super) struct Inlets {
     usual: Option<usize>,
     clock_limit: Option<Duration>,
     pub(super) published: u64,
-    /// Refused lines by field.
-    pub(super) refused: Reasons,
+    refused: Refusals,
+    /// Source of the line that is being taken, as soon as it is known.
+    source_of_line: Option<usize>,
 }
 
 impl Inlets {
@@ -118,7 +116,8 @@ impl Inlets {
             usual: None,
             clock_limit,
             published: 0,
-            refused: Reasons::default(),
+            refused: Refusals::default(),
+            source_of_line: None,
         }
     }
 
@@ -153,22 +152,50 @@ impl Inlets {
         Ok(self.open(place)?)
     }
 
-    /// Reports what was refused without an answer that a person reads, lines of datagrams and connections, to the
-    /// deployment, whose monitor raises an alarm.
-    pub(super) fn report(&self, refused: &Reasons) {
-        let name = self.usual.map_or("", |place| &self.inlets[place].name);
-        let refusal = |(reason, count): (&str, u64)| refusals::Refusal {
-            name: name.to_owned(),
-            refused: Refused::Lines {
-                count,
-                reason: reason.to_owned(),
-            },
-        };
-        let refusals: Vec<refusals::Refusal> = refused.iter().map(refusal).collect();
+    /// Counts refused datagrams and connections, of which no line was read.
+    pub(super) fn note(&mut self, reason: &str, count: u64) {
+        if count > 0 {
+            let of = (self.usual, reason.to_owned());
+            self.refused.by_reason.entry(of).or_default().count += count;
+        }
+    }
+
+    /// Reports what was refused to the deployment, whose monitor raises an alarm; `now_ns` is monotonic.
+    pub(super) fn report(&mut self, now_ns: i64) {
+        if now_ns - self.refused.reported_ns < REPORT_NS {
+            return;
+        }
+        self.refused.reported_ns = now_ns;
+        let mut refusals = Vec::new();
+        for ((place, reason), lines) in &mut self.refused.by_reason {
+            let count = lines.count - lines.reported;
+            lines.reported = lines.count;
+            if count > 0 {
+                refusals.push(refusals::Refusal {
+                    name: place.map_or_else(String::new, |place| self.inlets[place].name.clone()),
+                    refused: Refused::Lines {
+                        count,
+                        reason: reason.clone(),
+                        latest: lines.latest.as_ref().map_or_else(String::new, ToString::to_string),
+                    },
+                });
+            }
+        }
         if !refusals.is_empty() {
             // Without the alarm, the summary has the counts.
             let _ = refusals::note(&self.root, &refusals);
         }
+    }
+
+    /// Refused lines by reason, apart from datagrams and connections of which none was read.
+    pub(super) fn refused_lines(&self) -> BTreeMap<&str, u64> {
+        let mut all = BTreeMap::new();
+        for ((_, reason), lines) in &self.refused.by_reason {
+            if lines.latest.is_some() {
+                *all.entry(reason.as_str()).or_default() += lines.count;
+            }
+        }
+        all
     }
 
     fn place(&self, name: &str) -> Result<usize, Fault> {
@@ -213,12 +240,21 @@ impl Inlets {
             Err(Refusal::Ended(error)) => return Err(error),
             Err(Refusal::Fault(fault)) => fault,
         };
-        self.refused.add(&refused.field, 1);
+        // Whoever sends the lines names their fields.
+        let reason = match samples::is_known(&refused.field) {
+            true => refused.field.as_str(),
+            false => "unknown field",
+        };
+        let of = (self.source_of_line, reason.to_owned());
+        let lines = self.refused.by_reason.entry(of).or_default();
+        lines.count += 1;
+        lines.latest = Some(Fault::clone(&refused));
         Ok(Some(*refused))
     }
 
     /// Returns whether samples are to be flushed.
     fn try_take(&mut self, line: &[u8], received_ns: i64) -> Result<bool, Refusal> {
+        self.source_of_line = self.usual;
         let mut fields = Fields::of_line(line)?;
         let is_tapped = fields.is_tapped();
         let place = match self.usual {
@@ -230,6 +266,7 @@ impl Inlets {
                 (None, None) => return Err(missing("source", &format!("name one of {}", self.names())).into()),
             },
         };
+        self.source_of_line = Some(place);
         self.open(place).map_err(|error| match error.kind() {
             ErrorKind::Ended | ErrorKind::NotRunning => Refusal::Ended(error),
             _ => fault(

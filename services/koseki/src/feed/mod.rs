@@ -138,8 +138,8 @@ impl FeedSummary {
         Self {
             published: inlets.published,
             refused: inlets
-                .refused
-                .iter()
+                .refused_lines()
+                .into_iter()
                 .map(|(field, lines)| (field.to_owned(), lines))
                 .collect(),
             connections,

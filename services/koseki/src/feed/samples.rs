@@ -3,7 +3,8 @@
 use koseki_client::observation::{Fields as _, callsign_of, fault, name_of, numbered};
 use koseki_client::{Detection, TrackReport};
 use messages::admission::Fault;
-use messages::{Identity, IdentityText, TrackState};
+use messages::layout::Sample as _;
+use messages::{Identity, IdentityText, SensorDetection, SensorTrack, SystemTrack, TrackState};
 
 use super::fields::Fields;
 
@@ -24,6 +25,27 @@ const COMMON: [&str; 10] = [
 const OF_DETECTIONS: [&str; 2] = ["scan", "sensor_m"];
 /// Further fields of tracks.
 const OF_TRACKS: [&str; 4] = ["track", "velocity_mps", "course_rad", "state"];
+
+/// Fields of faults that are none of a source's fields.
+const OF_LINES: [&str; 1] = ["line"];
+
+/// Whether a fault's field is one that this command knows: an element of one counts as the field.
+pub(super) fn is_known(field: &str) -> bool {
+    let name = field.split(['[', '.', ',']).next().unwrap_or_default();
+    let degrees = name.replace("_rad", "_deg");
+    let all = [
+        &COMMON[..],
+        &OF_DETECTIONS,
+        &OF_TRACKS,
+        &OF_LINES,
+        Detection::NUMBERS,
+        TrackReport::NUMBERS,
+    ];
+    let named = |known: &&str| *known == name || *known == degrees;
+    let mut of_samples = [SensorDetection::LAYOUT, SensorTrack::LAYOUT, SystemTrack::LAYOUT].into_iter();
+    all.into_iter().flatten().any(named)
+        || of_samples.any(|layout| layout.fields.iter().any(|field| field.name == name))
+}
 
 /// Returns the detection of a line. With `has_sigmas` the configuration has standard deviations for lines without
 /// their own.

@@ -1,5 +1,7 @@
 //! Conditions of the sources: silence, clocks, systematic errors, detection, sources that never join.
 
+use std::collections::BTreeSet;
+
 use alarms::{AlarmKind, Finding, Round, Subject, Usual, above};
 use messages::{Bias, BiasKind, Counter, LifeState, ProcessKind, Registration};
 use observed::{ObservedProcess, ProcessState, SourceFacts};
@@ -73,8 +75,9 @@ const ERRORS: [SourceError; 5] = [
 ];
 
 impl Conditions {
-    /// Sources without records for longer than their configuration allows.
-    pub(super) fn silent_sources(&mut self, sight: RoundView<'_>, round: &mut Round<'_>) {
+    /// Sources without records for longer than their configuration allows; not those of `arriving`, whose data are
+    /// refused.
+    pub(super) fn silent_sources(&mut self, sight: RoundView<'_>, arriving: &BTreeSet<Subject>, round: &mut Round<'_>) {
         for (index, source) in self.sources.iter().enumerate() {
             let is_adapter = |process: &&ObservedProcess| {
                 process.kind == Some(ProcessKind::Adapter) && process.name == source.facts.adapter
@@ -83,7 +86,8 @@ impl Conditions {
             let runs = |process: &ObservedProcess| process.state == ProcessState::Life(LifeState::Running);
             let is_expected = source.facts.is_external || adapter.is_some_and(runs);
             let delivered = sight.observed.delivered(source.facts.number);
-            let may_be_silent = !is_expected || source.facts.silent_after_ns.is_none();
+            let is_arriving = arriving.contains(&Subject::source(source.facts.number));
+            let may_be_silent = !is_expected || is_arriving || source.facts.silent_after_ns.is_none();
             let silent_ns = self.silence.of(index, delivered, may_be_silent);
             if source
                 .facts

@@ -326,6 +326,32 @@ fn a_source_is_silent_after_some_of_its_own_periods() {
 }
 
 #[test]
+fn a_source_whose_data_are_refused_is_not_silent() {
+    let mut site = Site::new(&[]);
+    let refuse = |site: &mut Site, count| {
+        let health = site.say(ProcessKind::Adapter, "radar-west", 0);
+        health.counters[Counter::BlocksRejected] = count;
+        *health = health.with_refusal("07:08:09: line 2, column px: \"\" is empty; write a number");
+    };
+    for count in 1..=30 {
+        refuse(&mut site, count);
+        site.pass(1);
+    }
+    assert_eq!(
+        site.standing(),
+        [
+            "radar-west: 10 of 10 items of the last 10 s were refused. 07:08:09: line 2, column px: \"\" is empty; write a number"
+        ]
+    );
+    // Then nothing comes any more.
+    site.pass(32);
+    assert_eq!(
+        site.standing(),
+        ["radar-west has sent nothing for 23 s, 5 of its periods."]
+    );
+}
+
+#[test]
 fn a_source_may_be_allowed_to_be_silent() {
     let mut site = Site::new(&["source[0].silent_periods=0"]);
     site.say(ProcessKind::Adapter, "radar-west", 0);
