@@ -227,7 +227,7 @@ fn datagrams_and_standard_input_feed_too_and_refusals_are_counted_by_field() {
         socket.send_to(wrong.as_bytes(), &address).unwrap();
     }
     socket.send_to(lines(&scan(0)).as_bytes(), &address).unwrap();
-    running.until_said("refuses lines or connections for tracks: line ");
+    running.until_said("refuses lines or connections for own: latitude 1; latitude is missing");
     let (status, said) = feed.stop();
     assert_eq!(status.code(), Some(0), "{said}");
     running.stop();
