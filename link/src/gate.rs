@@ -2,16 +2,17 @@
 //!
 //! Zenoh's listener processes failed handshakes in sequence, so that some thousand silent connections block all
 //! others. The gate accepts at the configured endpoint, waits for the first byte, and only then forwards the
-//! connection to Zenoh on loopback. Silent connections are limited in time and, for each address, in number; the
-//! oldest is closed first. Active connections are limited for each address during their handshakes.
+//! connection to Zenoh on loopback. Silent connections are limited in time and number by a [`Door`]: the oldest is
+//! closed first. A second door limits the connections that are in their handshakes.
 
-use std::collections::{HashMap, VecDeque};
-use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener as StdListener, ToSocketAddrs as _};
+use std::net::{Ipv4Addr, SocketAddr, TcpListener as StdListener, ToSocketAddrs as _};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
 use anyhow::{Context as _, anyhow};
+use net::{Door, DoorLimits, Peer};
+use runtime::clock::mono_ns;
 use tokio::io::copy_bidirectional;
 use tokio::net::{TcpListener, TcpSocket, TcpStream};
 use tokio::sync::{Notify, oneshot};
@@ -21,10 +22,21 @@ use crate::refused;
 
 /// Time for the first byte, and for each handshake after it.
 const PATIENCE: Duration = Duration::from_millis(1500);
-/// Silent connections of one address at a time.
-const SILENT_MAX: usize = 256;
-/// Largest number of simultaneous handshakes of an address.
-const BEGUN_MAX: usize = 128;
+/// Limits of silent connections.
+const SILENT: DoorLimits = DoorLimits {
+    connections_max: 4096,
+    address_max: 256,
+    first: Some(PATIENCE),
+    yields: PATIENCE,
+    idle: PATIENCE,
+};
+/// Limits of connections in their handshakes: none gives way.
+const BEGUN: DoorLimits = DoorLimits {
+    connections_max: 1024,
+    address_max: 128,
+    first: None,
+    ..SILENT
+};
 /// Time after its first byte during which a connection counts as a handshake.
 const BEGINS: Duration = Duration::from_secs(3);
 /// Connections that wait to be accepted.
@@ -97,73 +109,28 @@ fn listen(place: &str) -> anyhow::Result<TcpListener> {
     Ok(socket.listen(BACKLOG)?)
 }
 
-/// Connections of each address that are not through with their handshakes.
-#[derive(Debug, Default)]
-struct Addresses(HashMap<IpAddr, SilentConnections>);
-
-#[derive(Debug, Default)]
-struct SilentConnections {
-    /// Silent connections, oldest first, each with the notification that closes it.
-    silent: VecDeque<Arc<Notify>>,
-    begun: usize,
+/// Connections that are not through with their handshakes.
+#[derive(Debug)]
+struct Doors {
+    /// Silent connections, each with the notification that closes it.
+    silent: Door<Arc<Notify>>,
+    begun: Door<()>,
 }
 
-type SharedAddresses = Arc<Mutex<Addresses>>;
-
-fn lock(addresses: &SharedAddresses) -> MutexGuard<'_, Addresses> {
-    addresses.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-impl Addresses {
-    /// Adds a connection. Returns the notification that closes it if later connections replace it.
-    fn come(&mut self, from: IpAddr) -> Arc<Notify> {
-        let pending = self.0.entry(from).or_default();
-        if pending.silent.len() >= SILENT_MAX
-            && let Some(oldest) = pending.silent.pop_front()
-        {
-            oldest.notify_one();
-        }
-        let end = Arc::new(Notify::new());
-        pending.silent.push_back(Arc::clone(&end));
-        end
-    }
-
-    /// A connection is silent no more: it has ended, or `speaks`. Returns whether the connection may begin.
-    fn leave(&mut self, from: IpAddr, end: &Arc<Notify>, speaks: bool) -> bool {
-        let pending = self.0.entry(from).or_default();
-        pending.silent.retain(|silent| !Arc::ptr_eq(silent, end));
-        let begins = speaks && pending.begun < BEGUN_MAX;
-        pending.begun += usize::from(begins);
-        self.forget(from);
-        begins
-    }
-
-    /// The handshakes of a connection have had their time.
-    fn begun(&mut self, from: IpAddr) {
-        if let Some(pending) = self.0.get_mut(&from) {
-            pending.begun = pending.begun.saturating_sub(1);
-        }
-        self.forget(from);
-    }
-
-    fn forget(&mut self, from: IpAddr) {
-        if self
-            .0
-            .get(&from)
-            .is_some_and(|pending| pending.silent.is_empty() && pending.begun == 0)
-        {
-            self.0.remove(&from);
-        }
-    }
+fn lock(doors: &Mutex<Doors>) -> MutexGuard<'_, Doors> {
+    doors.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Admits connections to Zenoh's listener at `inner`.
 async fn admit(listener: TcpListener, inner: SocketAddr) {
-    let addresses = SharedAddresses::default();
+    let doors = Arc::new(Mutex::new(Doors {
+        silent: Door::new(SILENT),
+        begun: Door::new(BEGUN),
+    }));
     loop {
         match listener.accept().await {
             Ok((connection, from)) => {
-                tokio::spawn(pass(connection, from.ip(), inner, Arc::clone(&addresses)));
+                tokio::spawn(pass(connection, Peer(Some(from)), inner, Arc::clone(&doors)));
             }
             // The process has too many files open: some close soon.
             Err(_) => tokio::time::sleep(PATIENCE / 100).await,
@@ -172,62 +139,37 @@ async fn admit(listener: TcpListener, inner: SocketAddr) {
 }
 
 /// Waits for the first byte of a connection, and passes the connection on.
-async fn pass(mut outer: TcpStream, from: IpAddr, inner: SocketAddr, addresses: SharedAddresses) {
-    let end = lock(&addresses).come(from);
+async fn pass(mut outer: TcpStream, from: Peer, inner: SocketAddr, doors: Arc<Mutex<Doors>>) {
+    let end = Arc::new(Notify::new());
+    let admitted = lock(&doors).silent.admit(from, mono_ns(), Arc::clone(&end));
+    let Ok(admitted) = admitted else {
+        refused::turn_away();
+        return;
+    };
+    if let Some((_, other)) = admitted.instead_of {
+        other.notify_one();
+    }
     let mut first = [0];
     let speaks = tokio::select! {
         read = timeout(PATIENCE, outer.peek(&mut first)) => matches!(read, Ok(Ok(1))),
         () = end.notified() => false,
     };
-    if !lock(&addresses).leave(from, &end, speaks) {
+    let begun = {
+        let mut doors = lock(&doors);
+        doors.silent.leave(admitted.ticket);
+        speaks.then(|| doors.begun.admit(from, mono_ns(), ()).ok()).flatten()
+    };
+    let Some(begun) = begun else {
         refused::turn_away();
         return;
-    }
-    let counted = Arc::clone(&addresses);
+    };
     tokio::spawn(async move {
         tokio::time::sleep(BEGINS).await;
-        lock(&counted).begun(from);
+        lock(&doors).begun.leave(begun.ticket);
     });
     if let Ok(mut to) = TcpStream::connect(inner).await {
         let _ = (outer.set_nodelay(true), to.set_nodelay(true));
         // Whichever side ends, both are at their end.
         let _ = copy_bidirectional(&mut outer, &mut to).await;
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const HERE: IpAddr = IpAddr::V4(Ipv4Addr::LOCALHOST);
-    const THERE: IpAddr = IpAddr::V4(Ipv4Addr::new(192, 0, 2, 1));
-
-    #[test]
-    fn silent_connections_of_an_address_are_bounded_and_the_oldest_gives_way() {
-        let mut addresses = Addresses::default();
-        let ends: Vec<_> = (0..SILENT_MAX + 3).map(|_| addresses.come(HERE)).collect();
-        let other = addresses.come(THERE);
-        assert_eq!(addresses.0[&HERE].silent.len(), SILENT_MAX);
-        assert!(Arc::ptr_eq(&addresses.0[&HERE].silent[0], &ends[3]));
-        assert!(addresses.leave(THERE, &other, true), "another address is not concerned");
-        for end in &ends {
-            assert!(!addresses.leave(HERE, end, false));
-        }
-        addresses.begun(THERE);
-        assert!(addresses.0.is_empty());
-    }
-
-    #[test]
-    fn connections_that_begin_are_bounded_for_each_address() {
-        let mut addresses = Addresses::default();
-        let begin = |addresses: &mut Addresses, from| {
-            let end = addresses.come(from);
-            addresses.leave(from, &end, true)
-        };
-        assert!((0..BEGUN_MAX).all(|_| begin(&mut addresses, HERE)));
-        assert!(!begin(&mut addresses, HERE));
-        assert!(begin(&mut addresses, THERE));
-        addresses.begun(HERE);
-        assert!(begin(&mut addresses, HERE));
     }
 }

@@ -267,8 +267,8 @@ counters! {
         "Empty datagrams, and datagrams longer than the receiver's buffer.";
     DatagramsDropped = "datagrams_dropped", NetworkTrouble by [Adapter],
         "Datagrams dropped by the kernel because the receiver's buffer was full.";
-    Connections = "connections", Network by [Adapter],
-        "Connections made to a feed.";
+    Connections = "connections", Network by [Adapter, Gateway],
+        "Connections made to a feed, or of clients.";
     RecordsSent = "records_sent", Network by [Gateway, Simulator, Link],
         "Records sent to other systems.";
     DatagramsSent = "datagrams_sent", Network by [Gateway, Simulator],
@@ -349,8 +349,8 @@ counters! {
         "Pictures sent to connected pages.";
     PicturesSkipped = "pictures_skipped", Process by [Display],
         "Pictures not made because their page had not yet received the previous picture.";
-    RequestsRejected = "requests_rejected", Process by [Display, Link],
-        "Requests and connections of browsers, scripts and other hosts that were rejected.";
+    RequestsRejected = "requests_rejected", Process by [Gateway, Display, Link],
+        "Requests and connections of browsers, clients, scripts and other hosts that were rejected.";
     Conflated = "conflated", Process by [Link],
         "States not sent to other hosts because a newer state of the same track replaced them.";
     MessagesRejected = "messages_rejected", Process by [Link],

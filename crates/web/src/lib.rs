@@ -13,10 +13,10 @@
 //!
 //! **Protection against blocking.** Each connection carries one request. It has [`PATIENCE`] from its acceptance to
 //! the last byte of the answer, however the client spends it, and a request has a maximum length. There are at most
-//! [`CONNECTIONS_MAX`] connections: a further connection replaces the oldest, so that silent clients cannot lock out
-//! active clients. These limits bound the memory that clients can use. A WebSocket leaves this count; the service
-//! that opens WebSockets limits their number. The same holds for a [`LongAnswer`]: its client must take a part of the
-//! answer in each [`PATIENCE`].
+//! [`CONNECTIONS_MAX`] connections, behind a [`net::Door`]: a further connection replaces the oldest that has sent no
+//! request, else the oldest, so that silent clients cannot lock out active clients. These limits bound the memory that
+//! clients can use. A WebSocket leaves this count; the service that opens WebSockets limits their number. The same
+//! holds for a [`LongAnswer`]: its client must take a part of the answer in each [`PATIENCE`].
 //!
 //! Refused requests are counted by reason ([`RequestCounts`]).
 

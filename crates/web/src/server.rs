@@ -1,11 +1,10 @@
 //! Accepts connections and hands their requests, if the guard lets them pass, to a router.
 
-use std::collections::VecDeque;
 use std::io;
 use std::net::{IpAddr, SocketAddr, TcpListener};
 use std::pin::{Pin, pin};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::task::{Context, Poll};
 use std::thread::JoinHandle;
 use std::time::Duration;
@@ -18,9 +17,9 @@ use hyper::server::conn::http1;
 use hyper::service::{Service as _, service_fn};
 use hyper_util::rt::TokioIo;
 use hyper_util::service::TowerToHyperService;
+use net::{Door, DoorLimits, DoorRefusal, Peer, Ticket};
 use tokio::net::TcpStream;
-use tokio::sync::oneshot;
-use tokio::task::AbortHandle;
+use tokio::sync::{Notify, oneshot};
 use tokio::time::timeout;
 
 use crate::guard::{Guard, RequestCounts, RequestRefusal, sealed};
@@ -29,6 +28,15 @@ use crate::guard::{Guard, RequestCounts, RequestRefusal, sealed};
 pub const PATIENCE: Duration = Duration::from_secs(10);
 /// Most connections at a time, beside WebSockets.
 pub const CONNECTIONS_MAX: usize = 64;
+/// Limits of the connections, beside WebSockets: a proxy has one address and many clients. While places are short, the
+/// oldest connection without a request gives way, else the oldest.
+const LIMITS: DoorLimits = DoorLimits {
+    connections_max: CONNECTIONS_MAX,
+    address_max: CONNECTIONS_MAX * 3 / 4,
+    first: Some(PATIENCE),
+    yields: Duration::ZERO,
+    idle: PATIENCE,
+};
 /// Longest head of a request, bytes.
 const HEAD_MAX: usize = 8192;
 /// Most header lines of a request.
@@ -125,7 +133,10 @@ impl Server {
             guard: Arc::new(guard),
             counts: Arc::clone(&counts),
             router,
-            open: VecDeque::new(),
+            places: Arc::new(Places {
+                door: Mutex::new(Door::new(LIMITS)),
+                events: AtomicI64::new(0),
+            }),
         };
         let (stop, stopped) = oneshot::channel();
         let thread = std::thread::Builder::new().name(name.to_owned()).spawn(move || {
@@ -179,23 +190,64 @@ pub fn listen(address: SocketAddr) -> io::Result<TcpListener> {
     })
 }
 
+/// Places of the connections, without those whose answer is long.
+struct Places {
+    /// The connections, each with what ends it.
+    door: Mutex<Door<Arc<Notify>>>,
+    /// Events so far, in the place of a time: only their order decides who gives way, and each connection ends itself
+    /// after [`PATIENCE`].
+    events: AtomicI64,
+}
+
+impl Places {
+    fn door(&self) -> MutexGuard<'_, Door<Arc<Notify>>> {
+        self.door.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn next_event(&self) -> i64 {
+        self.events.fetch_add(1, Ordering::Relaxed)
+    }
+
+    /// Gives a connection of `peer` a place, if there is one or another connection gives way. A connection that gives
+    /// way or has no place is counted.
+    fn take(&self, peer: SocketAddr, counts: &RequestCounts) -> Option<(Ticket, Arc<Notify>)> {
+        let end = Arc::new(Notify::new());
+        let refusal = |reason| match reason {
+            DoorRefusal::Silent | DoorRefusal::Slow => RequestRefusal::Slow,
+            _ => RequestRefusal::Full,
+        };
+        match self.door().admit(Peer(Some(peer)), self.next_event(), Arc::clone(&end)) {
+            Ok(admitted) => {
+                if let Some((reason, other)) = admitted.instead_of {
+                    counts.add(refusal(reason));
+                    other.notify_one();
+                }
+                Some((admitted.ticket, end))
+            }
+            Err((reason, _)) => {
+                counts.add(refusal(reason));
+                None
+            }
+        }
+    }
+}
+
 /// Desk at which connections arrive.
 struct ConnectionDesk {
     guard: Arc<Guard>,
     counts: Arc<RequestCounts>,
     router: Router,
-    /// Connections in the order of acceptance, without those whose answer is long.
-    open: VecDeque<(AbortHandle, Arc<Progress>)>,
+    places: Arc<Places>,
 }
 
 impl ConnectionDesk {
-    async fn serve(mut self, listener: tokio::net::TcpListener, mut stopped: oneshot::Receiver<()>) -> io::Result<()> {
+    async fn serve(self, listener: tokio::net::TcpListener, mut stopped: oneshot::Receiver<()>) -> io::Result<()> {
         loop {
             tokio::select! {
                 biased;
                 _ = &mut stopped => break,
                 accepted = listener.accept() => match accepted {
-                    Ok((stream, _)) => self.take(stream),
+                    Ok((stream, peer)) => self.take(stream, peer),
                     // The client closed the connection before its acceptance.
                     Err(error) if error.kind() == io::ErrorKind::ConnectionAborted => {}
                     Err(_) => tokio::time::sleep(REFUSAL_PAUSE).await,
@@ -203,93 +255,99 @@ impl ConnectionDesk {
             }
         }
         for _ in 0..LAST_LOOKS {
-            while let Ok(Ok((stream, _))) = timeout(END_PAUSE, listener.accept()).await {
-                self.take(stream);
+            while let Ok(Ok((stream, peer))) = timeout(END_PAUSE, listener.accept()).await {
+                self.take(stream, peer);
             }
-            self.forget();
-            if self.open.is_empty() {
+            if self.places.door().is_empty() {
                 break;
             }
         }
         Ok(())
     }
 
-    /// Forgets the connections that need no limit any more.
-    fn forget(&mut self) {
-        self.open
-            .retain(|(connection, progress)| !connection.is_finished() && !progress.is_long());
-    }
-
-    fn take(&mut self, stream: TcpStream) {
+    fn take(&self, stream: TcpStream, peer: SocketAddr) {
         let Ok(local) = stream.local_addr() else { return };
         // Small messages are not to wait for company.
         let _ = stream.set_nodelay(true);
-        self.forget();
-        if self.open.len() >= CONNECTIONS_MAX
-            && let Some((oldest, _)) = self.open.pop_front()
-        {
-            oldest.abort();
-            self.counts.add(RequestRefusal::Full);
-        }
+        let Some((ticket, end)) = self.places.take(peer, &self.counts) else {
+            return;
+        };
         let (guard, counts, router) = (Arc::clone(&self.guard), Arc::clone(&self.counts), self.router.clone());
         let local = local.ip().to_canonical();
-        let progress = Arc::new(Progress::default());
-        let own = Arc::clone(&progress);
-        let connection = tokio::spawn(async move {
-            let mut conversation = pin!(converse(stream, local, &guard, &counts, router, &progress));
-            let mut seen = 0;
-            loop {
-                match timeout(PATIENCE, &mut conversation).await {
-                    Ok(Err(error)) if error.is_parse() || error.is_parse_too_large() => {
-                        return counts.add(RequestRefusal::Malformed);
+        let place = (Arc::clone(&self.places), ticket);
+        tokio::spawn(async move {
+            let conversation = converse(stream, local, &guard, &counts, router, &place);
+            tokio::select! {
+                refusal = conversation => {
+                    if let Some(refusal) = refusal {
+                        counts.add(refusal);
                     }
-                    // A client that leaves early is no trouble.
-                    Ok(_) => return,
-                    Err(_) if progress.has_advanced(&mut seen) => {}
-                    Err(_) => return counts.add(RequestRefusal::Slow),
                 }
+                // Another connection has the place.
+                () = end.notified() => {}
             }
+            let (places, ticket) = place;
+            places.door().leave(ticket);
         });
-        self.open.push_back((connection.abort_handle(), own));
     }
 }
 
-/// Handles a request and its answer; for a WebSocket, only the handshake.
+/// Handles a request and its answer; for a WebSocket, only the handshake. Returns why the connection was refused after
+/// it had its `place`, if it was.
 async fn converse(
     stream: TcpStream,
     local: IpAddr,
     guard: &Guard,
     counts: &RequestCounts,
     router: Router,
-    progress: &Arc<Progress>,
-) -> Result<(), hyper::Error> {
+    place: &(Arc<Places>, Ticket),
+) -> Option<RequestRefusal> {
+    let progress = Arc::new(Progress::default());
     let service = service_fn(|request: Request<Incoming>| {
+        let (places, ticket) = (Arc::clone(&place.0), place.1);
+        places.door().heard(ticket, places.next_event());
         let stopped = guard.stop(&request, local, counts);
         let router = TowerToHyperService::new(router.clone());
-        let progress = Arc::clone(progress);
+        let progress = Arc::clone(&progress);
         async move {
             let answer = match stopped {
                 Some(answer) => Ok(answer),
                 None => router.call(request.map(Body::new)).await,
             };
-            answer.map(|answer| sealed(watched(answer, progress)))
+            answer.map(|answer| {
+                let is_long = answer.extensions().get::<LongAnswer>().is_some();
+                if is_long {
+                    places.door().leave(ticket);
+                }
+                sealed(if is_long { watched(answer, progress) } else { answer })
+            })
         }
     });
-    http1::Builder::new()
-        .max_buf_size(HEAD_MAX)
-        .max_headers(HEADERS_MAX)
-        .keep_alive(false)
-        .half_close(true)
-        .serve_connection(TokioIo::new(stream), service)
-        .with_upgrades()
-        .await
+    let mut conversation = pin!(
+        http1::Builder::new()
+            .max_buf_size(HEAD_MAX)
+            .max_headers(HEADERS_MAX)
+            .keep_alive(false)
+            .half_close(true)
+            .serve_connection(TokioIo::new(stream), service)
+            .with_upgrades()
+    );
+    let mut seen = 0;
+    loop {
+        match timeout(PATIENCE, &mut conversation).await {
+            Ok(Err(error)) if error.is_parse() || error.is_parse_too_large() => {
+                return Some(RequestRefusal::Malformed);
+            }
+            // A client that leaves early is no trouble.
+            Ok(_) => return None,
+            Err(_) if progress.has_advanced(&mut seen) => {}
+            Err(_) => return Some(RequestRefusal::Slow),
+        }
+    }
 }
 
 /// Watches the progress of a long answer.
 fn watched(answer: Response<Body>, progress: Arc<Progress>) -> Response<Body> {
-    if answer.extensions().get::<LongAnswer>().is_none() {
-        return answer;
-    }
     progress.is_long.store(true, Ordering::Relaxed);
     answer.map(|body| Body::new(LongBody { body, progress }))
 }

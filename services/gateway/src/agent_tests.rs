@@ -146,10 +146,14 @@ impl Bench {
         }
     }
 
-    fn counted(&self, counter: Counter) -> u64 {
-        let mut entries = Vec::<HealthEntry>::new();
+    fn health(&self) -> HealthEntry {
+        let mut entries = Vec::new();
         self.gateway.health(&mut entries);
-        entries[0].counters[counter]
+        entries.swap_remove(0)
+    }
+
+    fn counted(&self, counter: Counter) -> u64 {
+        self.health().counters[counter]
     }
 }
 
@@ -284,4 +288,22 @@ fn clients_of_cursor_on_target_that_connect_get_each_event_as_a_line() {
     let lines = std::io::BufRead::lines(std::io::BufReader::new(client));
     let got: Vec<_> = lines.take(2).map(|line| event(&line.unwrap())).collect();
     assert_eq!(got, [(4, 7), (9, 7)]);
+}
+
+#[test]
+fn clients_beyond_those_of_an_address_are_refused_counted_and_named() {
+    let listen = ["gateway[0].send_to=\"off\"", "gateway[0].listen=\"127.0.0.1:1\""];
+    let mut bench = Bench::with(&[&COT[..], &listen[..]].concat());
+    let address = bench.gateway.listening_at().unwrap();
+    let most = net::DoorLimits::OF_READERS.address_max;
+    let clients = (0..=most).map(|_| std::net::TcpStream::connect(address).unwrap());
+    let clients: Vec<_> = clients.collect();
+    bench.turn();
+    assert_eq!(bench.counted(Counter::Connections), most as u64);
+    assert_eq!(bench.counted(Counter::RequestsRejected), 1);
+    let last = clients.last().unwrap().local_addr().unwrap();
+    assert_eq!(
+        bench.health().refusal,
+        format!("clients: too-many-of-address 1; the last one: too-many-of-address, {last}")
+    );
 }

@@ -147,11 +147,21 @@ impl Outlet {
         }
     }
 
-    /// Adds the counts of datagrams.
+    /// Adds the counts of datagrams, or of clients and the last one that was refused or disconnected.
     pub(crate) fn count(&self, entry: &mut HealthEntry) {
-        if let Self::Datagrams(sender) = self {
-            entry.set(Counter::DatagramsSent, sender.counters().sent);
-            entry.set(Counter::SendFailures, sender.counters().failed);
+        match self {
+            Self::Datagrams(sender) => {
+                entry.set(Counter::DatagramsSent, sender.counters().sent);
+                entry.set(Counter::SendFailures, sender.counters().failed);
+            }
+            Self::Lines(server) => {
+                let counters = server.counters();
+                entry.set(Counter::Connections, counters.admitted);
+                entry.set(Counter::RequestsRejected, counters.all_refused());
+                if counters.last.is_some() {
+                    entry.refusal = format!("clients: {counters}");
+                }
+            }
         }
     }
 
