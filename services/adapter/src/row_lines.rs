@@ -1,8 +1,9 @@
 //! Rows of a table from a server on the network, over one connection.
 //!
 //! The server sends the header line first, then rows as they come. A line that begins with a small letter is a header;
-//! a later header replaces it, and lines count from it. The rows of one read are put under the header, as in a datagram, so the readers of
-//! datagrams read them. The time of receipt is that of the read, since TCP has no time stamps of its own.
+//! a later header replaces it, and lines count from it. The rows of one read are put under the header, as in a
+//! datagram, so the readers of datagrams read them. The time of receipt is that of the read, since TCP has no time
+//! stamps of its own.
 
 use std::net::SocketAddr;
 use std::time::Duration;

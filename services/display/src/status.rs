@@ -1,9 +1,10 @@
 //! Status of the deployment as JSON, with the figures of `koseki top`.
 //!
 //! - `sources`: `number`, `name`, `kind`, `adapter`, `rate_hz`, `heard_s`, `reports`, `lost`, `rejected` {reason:
-//!   count}, `refused` (the latest refusals in words), `registration` {`comparisons`, `offset_m` [2], `offset_sigma_m` [2], `time_offset_s`, `range_bias_m`,
-//!   `azimuth_bias_deg`, `removed`}, `depends_on` [[name, correlation]], `errors` (all that fusion has learned of the
-//!   source's errors, as a sentence), `inflation`, `clock_offset_s`
+//!   count}, `refused` (the latest refusals in words), `registration` {`comparisons`, `offset_m` [2],
+//!   `offset_sigma_m` [2], `time_offset_s`, `range_bias_m`, `azimuth_bias_deg`, `removed`}, `depends_on` [[name,
+//!   correlation]], `errors` (all that fusion has learned of the source's errors, as a sentence), `inflation`,
+//!   `clock_offset_s`
 //! - `alarms`: `id`, `code`, `name`, `severity`, `event`, `text`, `remedy`, `raised_s`, `changed_s`, `times`,
 //!   `process`, `source`, `acknowledged` {`operator`, `time_s`} or `null`, `shelved` {`operator`, `until_s`} or `null`
 //! - `alarm_events`: number of all events of alarms so far; `/api/alarms.json` lists the stored ones

@@ -1,7 +1,7 @@
 //! Conditions of alarms, evaluated on health messages and on the room left on the machine.
 //!
 //! Each function evaluates one kind of condition (a source's silence, counters that should not grow, the processes,
-//! …) and reports its findings for the round. The board decides on raising and clearing. This module has the conditions
+//! …) and reports its findings for the round. The board decides on raising and clearing. This module has conditions
 //! of processes, links and the machine; `sources` has those of the sources, `counters` those of counters, `feeding`
 //! those of publishers from outside, `refused` those of data that are refused.
 
