@@ -30,6 +30,7 @@ const sources = kinds.map((kind, number) => ({
   rate: count,
   lastHeard: 0,
   lost: number,
+  refused: number === 1 ? '07:08:09: line 2, column px: "" is empty; write a number' : "",
   dependsOn: /** @type {[string, number][]} */ ([]),
   rejected: /** @type {[string, number][]} */ (number === 0 ? [["position", 12]] : []),
   errors: `+${12 * number}.0 m east, -5.0 m north ± 0.4 (removed), covariances × ${1 + number / 2}`,
