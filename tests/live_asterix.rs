@@ -15,7 +15,7 @@ use rustix::process::Signal;
 use test_support::{Dice, mutated};
 
 use crate::common::home::PATIENCE;
-use crate::common::{Home, PLACE, Running, free_address, kill, system, utc_ns};
+use crate::common::{Home, PLACE, Running, counter, free_address, kill, system, utc_ns};
 
 /// Targets that the test's sensors see.
 const TARGETS: u32 = 5;
@@ -348,7 +348,7 @@ fn hostile_datagrams_are_counted_and_change_nothing() {
     let report = site.report();
     let network = report["network"].as_array().unwrap();
     let lan = network.iter().find(|entry| entry["process"] == "adapter lan").unwrap();
-    let count = |label: &str| lan["counters"][label].as_u64().unwrap();
+    let count = |label: &str| counter(&lan["counters"], label);
     assert_eq!(count("datagrams_rejected"), 500);
     assert_eq!(count("datagrams_rejected_length"), 1, "the empty one");
     assert_eq!(count("datagrams_dropped"), 0);
@@ -356,7 +356,7 @@ fn hostile_datagrams_are_counted_and_change_nothing() {
     assert_eq!(count("rejected_source"), 1);
     let radar = &report["sources"][0];
     assert_eq!(radar["name"], "radar");
-    let of_radar = |part: &str, label: &str| radar[part][label].as_u64().unwrap();
+    let of_radar = |part: &str, label: &str| counter(&radar[part], label);
     assert_eq!(
         of_radar("adapter", "blocks_rejected"),
         1,
@@ -406,7 +406,7 @@ fn an_overload_is_counted_at_every_stage() {
     let of = |list: &str, process: &str, label: &str| {
         let entries = report[list].as_array().unwrap();
         let entry = entries.iter().find(|entry| entry["process"] == process).unwrap();
-        entry["counters"][label].as_u64().unwrap()
+        counter(&entry["counters"], label)
     };
     // What was sent since the last look at the gateway may be on its way when the deployment ends.
     let nearly = |what: &str, sent: u64, counted: u64, on_the_way: u64| {
@@ -419,7 +419,7 @@ fn an_overload_is_counted_at_every_stage() {
     let dropped = of("network", "adapter lan", "datagrams_dropped");
     nearly("datagrams", sensors[0].sender.counters().sent, datagrams + dropped, 1);
     let radar = &report["sources"][0];
-    let of_radar = |part: &str, label: &str| radar[part][label].as_u64().unwrap();
+    let of_radar = |part: &str, label: &str| counter(&radar[part], label);
     assert_eq!(of_radar("adapter", "records"), datagrams * u64::from(TARGETS));
     let mut on_the_way = 0;
     for hop in report["losses"]["hops"].as_array().unwrap() {
@@ -497,10 +497,7 @@ fn mutated_datagrams_are_counted(count: u64) {
         "datagrams_rejected_length",
         "datagrams_dropped",
     ];
-    let counted: u64 = labels
-        .iter()
-        .map(|label| lan["counters"][label].as_u64().unwrap())
-        .sum();
+    let counted: u64 = labels.iter().map(|label| counter(&lan["counters"], label)).sum();
     let records = report["sources"][0]["adapter"]["records"].as_u64().unwrap();
     println!("{count} mutated datagrams, {scans} scans, {records} records read in the name of the radar");
     assert!(records > count / 20, "damage reaches what a source reads: {records}");

@@ -10,7 +10,7 @@ use std::time::Duration;
 use serde_json::Value;
 
 use crate::alarms::assert_no_alarm;
-use crate::common::{Home, PLACE, free_address, repository, since_first_day_ns, until, utc_ns};
+use crate::common::{Home, PLACE, counter, free_address, repository, since_first_day_ns, until, utc_ns};
 use crate::joint_tracker::{assert_equal, common_columns, free, tracked_again};
 
 /// Mounting and the tracker's settings, as those that the simulation writes for `koseki track`.
@@ -67,7 +67,7 @@ fn counted(home: &Home, label: &str) -> u64 {
     let report: Value = serde_json::from_str(&report).unwrap();
     let sources = report["sources"].as_array().unwrap();
     let tracker = sources.iter().find(|source| source["name"] == "sea").unwrap();
-    tracker["adapter"][label].as_u64().unwrap()
+    counter(&tracker["adapter"], label)
 }
 
 fn refused(summary: &Value) -> u64 {

@@ -15,7 +15,7 @@ use messages::{Counter, SensorTrack, TrackState};
 use rustix::process::Signal;
 use test_support::recordings;
 
-use crate::common::{Home, Running, S, kill, repository, until};
+use crate::common::{Home, Running, S, counter, kill, repository, until};
 use crate::golden::{COVARIANCE, golden, hash_of_columns};
 
 /// A report is fresh at a whole second if it is not older than this.
@@ -455,7 +455,7 @@ fn check_nothing_lost(inputs: &Inputs, files: &Files) {
     );
     for (index, source) in report["sources"].as_array().unwrap().iter().enumerate() {
         let fusion = &source["fusion"];
-        assert_eq!(fusion["lost"], 0, "{source}");
+        assert_eq!(counter(fusion, "lost"), 0, "{source}");
         assert_eq!(fusion["taken"], inputs.reports[index].len(), "{source}");
     }
 }

@@ -43,6 +43,11 @@ pub(crate) fn since_first_day_ns(begun_ns: i64, time_ns: i64) -> i64 {
     time_ns - begun_ns.div_euclid(NS_PER_DAY) * NS_PER_DAY
 }
 
+/// A counter in a report; an absent one is 0.
+pub(crate) fn counter(counters: &serde_json::Value, label: &str) -> u64 {
+    counters[label].as_u64().unwrap_or(0)
+}
+
 /// The origin of the tests' deployments, and the system frame there.
 pub(crate) fn system() -> (Geodetic, SystemFrame) {
     let place = Geodetic::from_degrees(PLACE[0], PLACE[1], 0.0).unwrap();

@@ -1,12 +1,13 @@
 //! Final report: processes, arrivals, latencies, and quality of the picture.
 //!
 //! The same structure is printed for people (`report_text`) and written as JSON. All members are always present: a
-//! run without data has zeros and empty lists, so that programs need no special cases.
+//! run without data has zeros and empty lists, so that programs need no special cases. Counters alone are left out
+//! where they are 0.
 
 use std::collections::BTreeMap;
 
 use alarms::AlarmHistory;
-use messages::{Counters, NO_SOURCE, Registration, registration_bits};
+use messages::{Counters, ErrorModel, NO_SOURCE, Registration, registration_bits};
 use observed::{ObservedProcess, RefusedInput, TrackCounts};
 use scoring::AccuracyReport;
 use serde::{Serialize, Serializer};
@@ -188,8 +189,14 @@ pub struct SourceReport {
     #[serde(serialize_with = "crate::counters::serialize")]
     pub recorder: Counters,
     /// Systematic errors, as fusion has estimated them.
-    #[serde(with = "RegistrationReport")]
+    #[serde(serialize_with = "as_learned")]
     pub registration: Registration,
+    /// Time between two scans, as the adapter has measured it, seconds; `None` if it has not.
+    pub scan_period_s: Option<f64>,
+    /// States of system tracks that a report of the source led to and the monitor saw.
+    pub states: u64,
+    /// Those of them to which another source contributes, too.
+    pub joint_states: u64,
     /// Latencies of its reports, by stage.
     #[serde(serialize_with = "by_key")]
     pub stages: Vec<(Stage, SourceStageReport)>,
@@ -205,10 +212,11 @@ pub struct SourceStageReport {
     pub deadline_misses: u64,
 }
 
-/// How [`Registration`] is written: its members, with words for the bits.
+/// [`Registration`] as it is written: words for the codes and bits, nothing for what is not known.
 #[derive(Serialize)]
-#[serde(remote = "Registration")]
-struct RegistrationReport {
+struct LearnedErrors {
+    /// All of it in one sentence.
+    text: String,
     comparisons: f64,
     offset_m: [f64; 3],
     offset_sigma_m: [f64; 3],
@@ -219,23 +227,80 @@ struct RegistrationReport {
     azimuth_bias_rad: f64,
     azimuth_bias_sigma_rad: f64,
     covariance_inflation: f64,
-    #[serde(serialize_with = "as_errors")]
-    removed: u32,
-    #[serde(skip)]
-    reserved: u32,
+    removed: Vec<&'static str>,
+    gross_error: Option<GrossErrorReport>,
+    clock_offset_s: Option<f64>,
+    clock_offset_sigma_s: Option<f64>,
+    error_model: &'static str,
+    /// Numbers of sources with dependent errors, and the correlations.
+    depends_on: Vec<(u16, f32)>,
+    target_share: Option<f32>,
+    detection_probability: Option<f32>,
+    lateness_s: f32,
+    /// Standard deviations of a smoothed source's measurements, along, across and in height, metres.
+    measured_sigma_m: Option<[f32; 3]>,
 }
 
-fn as_errors<S: Serializer>(removed: &u32, serializer: S) -> Result<S::Ok, S::Error> {
-    let words = [
-        (registration_bits::EAST, "east"),
-        (registration_bits::NORTH, "north"),
-        (registration_bits::UP, "up"),
-        (registration_bits::TIME, "time"),
-        (registration_bits::RANGE, "range"),
-        (registration_bits::AZIMUTH, "azimuth"),
-    ];
-    let removed = words.into_iter().filter(|(bit, _)| removed & bit != 0);
-    serializer.collect_seq(removed.map(|(_, word)| word))
+/// [`Bias`](messages::Bias) with a word for its kind.
+#[derive(Serialize)]
+struct GrossErrorReport {
+    kind: &'static str,
+    value: [f64; 2],
+    partner: u16,
+    is_certain: bool,
+    is_removed: bool,
+}
+
+impl LearnedErrors {
+    fn of(known: &Registration) -> Self {
+        let words = [
+            (registration_bits::EAST, "east"),
+            (registration_bits::NORTH, "north"),
+            (registration_bits::UP, "up"),
+            (registration_bits::TIME, "time"),
+            (registration_bits::RANGE, "range"),
+            (registration_bits::AZIMUTH, "azimuth"),
+        ];
+        let removed = words.into_iter().filter(|(bit, _)| known.removed & bit != 0);
+        let has_clock = known.clock_offset_sigma_s > 0.0;
+        let model = u8::try_from(known.error_model).ok().and_then(ErrorModel::from_code);
+        let dependent = known.dependent_sources.into_iter().zip(known.dependence);
+        let learned = |value: f32| Some(value).filter(|value| *value > 0.0);
+        Self {
+            text: known.to_string(),
+            comparisons: known.comparisons,
+            offset_m: known.offset_m,
+            offset_sigma_m: known.offset_sigma_m,
+            time_offset_s: known.time_offset_s,
+            time_offset_sigma_s: known.time_offset_sigma_s,
+            range_bias_m: known.range_bias_m,
+            range_bias_sigma_m: known.range_bias_sigma_m,
+            azimuth_bias_rad: known.azimuth_bias_rad,
+            azimuth_bias_sigma_rad: known.azimuth_bias_sigma_rad,
+            covariance_inflation: known.covariance_inflation,
+            removed: removed.map(|(_, word)| word).collect(),
+            gross_error: known.gross_error().map(|error| GrossErrorReport {
+                kind: error.kind.word(),
+                value: error.value,
+                partner: error.partner,
+                is_certain: error.is_certain,
+                is_removed: error.is_removed,
+            }),
+            clock_offset_s: has_clock.then_some(known.clock_offset_s),
+            clock_offset_sigma_s: has_clock.then_some(known.clock_offset_sigma_s),
+            error_model: model.unwrap_or(ErrorModel::Undecided).word(),
+            depends_on: dependent.filter(|(_, correlation)| *correlation > 0.0).collect(),
+            target_share: learned(known.target_share),
+            detection_probability: learned(known.detection_probability),
+            lateness_s: known.lateness_s,
+            measured_sigma_m: learned(known.long_sigma_m)
+                .map(|long_m| [long_m, known.short_sigma_m, known.height_sigma_m]),
+        }
+    }
+}
+
+fn as_learned<S: Serializer>(known: &Registration, serializer: S) -> Result<S::Ok, S::Error> {
+    LearnedErrors::of(known).serialize(serializer)
 }
 
 /// Latencies of one stage, and stamps that are no latencies.

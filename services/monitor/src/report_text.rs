@@ -387,7 +387,15 @@ impl Report {
     fn registration(&self) -> Option<String> {
         let width = self.sources.iter().map(|source| source.name.chars().count()).max()?;
         let compared = self.sources.iter().any(|source| source.registration.comparisons > 0.0);
-        let line = |source: &SourceReport| format!("{:<width$}  {}\n", source.name, source.registration);
+        let joint = |source: &SourceReport| match source.states {
+            0 => String::new(),
+            states => {
+                let share = source.joint_states as f64 / states as f64;
+                format!("; {} of its states jointly with others", percent(share))
+            }
+        };
+        let line =
+            |source: &SourceReport| format!("{:<width$}  {}{}\n", source.name, source.registration, joint(source));
         let lines: String = self.sources.iter().map(line).collect();
         compared
             .then(|| format!("REGISTRATION: how far the sources' reports lie off, as fusion has estimated it\n{lines}"))

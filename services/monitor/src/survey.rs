@@ -33,6 +33,8 @@ pub(crate) struct DeploymentSurvey {
     has_recorder: bool,
     begun: Now,
     truth: Option<TruthWatch>,
+    /// By the number of a source: states that its reports led to, and those of them to which others contribute.
+    states: BTreeMap<u16, [u64; 2]>,
 }
 
 impl DeploymentSurvey {
@@ -58,6 +60,7 @@ impl DeploymentSurvey {
             has_recorder: config.services.recorder,
             begun,
             truth: TruthWatch::new(config, options, begun.utc_ns)?,
+            states: BTreeMap::new(),
         })
     }
 
@@ -68,6 +71,11 @@ impl DeploymentSurvey {
             .take_tracks(header, tracks, received.mono_ns, received.utc_ns);
         if let Some(truth) = &mut self.truth {
             truth.take(is_another, tracks);
+        }
+        for track in tracks.iter().filter(|track| track.trigger_source != NO_SOURCE) {
+            let [all, joint] = self.states.entry(track.trigger_source).or_default();
+            *all += 1;
+            *joint += u64::from(track.source_count > 1);
         }
     }
 
@@ -221,9 +229,14 @@ impl DeploymentSurvey {
             };
             (stage, report)
         };
+        let [states, joint_states] = self.states.get(&number).copied().unwrap_or_default();
+        let scan_period_ms = state.adapter[Counter::ScanPeriodMs];
         SourceReport {
             number,
             name: state.name,
+            scan_period_s: (scan_period_ms > 0).then_some(scan_period_ms as f64 / 1e3),
+            states,
+            joint_states,
             adapter: state.adapter,
             fusion: state.fusion,
             recorder: self.observed.book().service(ProcessKind::Recorder, number),
