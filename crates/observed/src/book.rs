@@ -235,7 +235,8 @@ impl HealthBook {
     /// if the adapter has one source.
     pub fn adapter(&self, name: &str, source: u16) -> Counters {
         let of = |source| self.about(ProcessKind::Adapter, name, source);
-        let latest = of(source).or_else(|| of(NO_SOURCE));
+        let mut parts = self.entries.range(of_sources(ProcessKind::Adapter, padded(name)));
+        let latest = of(source).or_else(|| parts.next().is_none().then(|| of(NO_SOURCE)).flatten());
         latest.map_or_else(Counters::default, |latest| latest.counters())
     }
 

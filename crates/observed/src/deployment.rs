@@ -230,6 +230,26 @@ impl Deployment {
         self.data_offset.ns(now_ns)
     }
 
+    /// Returns the part of the offset of the data that is not by design, nanoseconds: the fastest source may take one
+    /// of its periods to send a measurement, and a tracker a second one, since it uses a scan when the next one begins.
+    pub fn unexplained_offset_ns(&self, now_ns: i64) -> Option<i64> {
+        let offset_ns = self.data_offset_ns(now_ns)?;
+        let sources = self.configured_sources().iter();
+        let has_sensors = |of: &SourceFacts| {
+            self.configured_sources()
+                .iter()
+                .any(|one| one.sensor_of == Some(of.number))
+        };
+        let usual_ns = sources
+            .filter(|source| source.sensor_of.is_none())
+            .map(|source| source.period_ns * if has_sensors(source) { 2 } else { 1 })
+            .min();
+        Some(match offset_ns < 0 {
+            true => (offset_ns + usual_ns.unwrap_or_default()).min(0),
+            false => offset_ns,
+        })
+    }
+
     /// Whether the leading fusion is absent at `now_ns` (monotonic, nanoseconds): neither health messages nor system
     /// tracks for two seconds.
     pub fn is_fusion_absent(&self, now_ns: i64) -> bool {
@@ -330,6 +350,12 @@ impl Deployment {
                     .collect()
             }
         }
+    }
+
+    /// Whether nothing is known of a sensor of a tracker: where recordings are joined, the tracker alone is counted.
+    pub fn is_counted_with_tracker(&self, source: &SourceFacts) -> bool {
+        let own = self.book.about(ProcessKind::Adapter, &source.adapter, source.number);
+        source.sensor_of.is_some() && own.is_none()
     }
 
     /// Returns the number of samples delivered by a configured source; 0 for another one.

@@ -25,6 +25,7 @@ fn source(number: u16, name: &str, is_external: bool) -> SourceFacts {
         number,
         name: name.to_owned(),
         adapter: name.to_owned(),
+        sensor_of: None,
         is_external,
         silent_after_ns: Some(20 * S),
         period_ns: 4 * S,
@@ -34,6 +35,62 @@ fn source(number: u16, name: &str, is_external: bool) -> SourceFacts {
 
 const FUSION: ProcessKind = ProcessKind::Fusion;
 const ADAPTER: ProcessKind = ProcessKind::Adapter;
+
+/// A tracker with two sensors, which its process publishes.
+fn joined() -> Deployment {
+    let sensor = |number, name| SourceFacts {
+        adapter: "sea".to_owned(),
+        sensor_of: Some(0),
+        ..source(number, name, false)
+    };
+    Deployment::new(vec![
+        source(0, "sea", false),
+        sensor(1, "sea.radar"),
+        sensor(2, "sea.camera"),
+    ])
+}
+
+#[test]
+fn counts_of_a_tracker_are_not_those_of_its_sensors() {
+    let mut observed = joined();
+    let counters = [(Counter::Detections, 700), (Counter::Published, 9)];
+    observed.take_health(&health(ADAPTER, "sea", NO_SOURCE, 1, &counters));
+    assert_eq!(
+        observed.source(0).adapter[Counter::Detections],
+        700,
+        "the only source so far"
+    );
+    observed.take_health(&health(ADAPTER, "sea", 0, 1, &counters));
+    let detections = |number| observed.source(number).adapter[Counter::Detections];
+    assert_eq!([0, 1, 2].map(detections), [700, 0, 0]);
+    let facts = observed.configured_sources();
+    assert_eq!(
+        [0, 1, 2].map(|place| observed.is_counted_with_tracker(&facts[place])),
+        [false, true, true]
+    );
+    observed.take_health(&health(ADAPTER, "sea", 2, 1, &[(Counter::Detections, 300)]));
+    assert_eq!(observed.source(2).adapter[Counter::Detections], 300);
+    assert!(!observed.is_counted_with_tracker(&observed.configured_sources()[2]));
+}
+
+#[test]
+fn data_are_behind_by_more_than_the_sources_rhythm() {
+    let unexplained = |mut observed: Deployment, offset_s: i64| {
+        let track = SystemTrack {
+            reference_time_ns: (1000 + offset_s) * S,
+            ..SystemTrack::default()
+        };
+        observed.take_tracks(&BatchHeader::default(), &[track], 10 * S, 1000 * S);
+        assert_eq!(observed.data_offset_ns(10 * S), Some(offset_s * S));
+        observed.unexplained_offset_ns(10 * S).map(|offset_ns| offset_ns / S)
+    };
+    let plain = || Deployment::new(vec![source(0, "radar", false)]);
+    for (offset_s, of_plain, of_tracker) in [(3, 3, 3), (0, 0, 0), (-4, 0, 0), (-7, -3, 0), (-9, -5, -1)] {
+        assert_eq!(unexplained(plain(), offset_s), Some(of_plain), "{offset_s}");
+        assert_eq!(unexplained(joined(), offset_s), Some(of_tracker), "{offset_s}");
+    }
+    assert_eq!(plain().unexplained_offset_ns(0), None);
+}
 
 #[test]
 fn a_source_is_silent_after_its_longest_usual_silence_and_absent_without_its_adapter() {

@@ -101,6 +101,8 @@ export class App {
     this.fusionSilent = false;
     /** Offset of the newest states from the clock, seconds, positive: they are ahead; NaN: unknown. */
     this.dataOffset = NaN;
+    /** The part of it that the sources' rhythm does not explain. */
+    this.unexplainedOffset = NaN;
     /** Whether the deployment replays recordings. */
     this.isReplay = false;
     /** Rises when another time is wanted. */

@@ -254,6 +254,7 @@ export class Connection {
     app.liveTime = Math.max(app.liveTime, status.history?.to_s ?? 0);
     app.fusion = status.fusion;
     app.dataOffset = status.data_offset_s ?? NaN;
+    app.unexplainedOffset = status.unexplained_offset_s ?? NaN;
     app.isReplay = status.replay ?? false;
     app.learn({
       time: status.time_s,

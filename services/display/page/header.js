@@ -6,7 +6,7 @@ import { byId, clock, day, dayAndClock, grouped, h, setText } from "./dom.js";
 /** @typedef {import("./app.js").App} App */
 /** @typedef {{word: string, severity: string, act?: string}} Pill */
 
-/** Offset of the data from the clock that is shown, seconds. */
+/** Offset of the data from the clock, apart from what the sources' rhythm explains, that is shown, seconds. */
 const DATA_OFF_S = 2;
 /** Seconds without a picture, or without news in it, after which the picture is called old. */
 const STALE_S = 4;
@@ -128,7 +128,7 @@ function pillsOf(app, isPast, isSilent) {
       severity: isSilent ? "bad" : "good",
     });
   }
-  if (!isPast && Math.abs(app.dataOffset) > DATA_OFF_S)
+  if (!isPast && Math.abs(app.unexplainedOffset) > DATA_OFF_S)
     pills.push({ word: offsetText(app.dataOffset), severity: "bad" });
   return pills;
 }

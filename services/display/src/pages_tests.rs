@@ -42,6 +42,7 @@ fn served_at(clock: fn() -> Now) -> (Arc<SharedState>, Server) {
             number: 0,
             name: "radar".to_owned(),
             adapter: "radar".to_owned(),
+            sensor_of: None,
             is_external: false,
             silent_after_ns: None,
             period_ns: 1_000_000_000,

@@ -362,6 +362,7 @@ mod tests {
                 number,
                 name: name.to_owned(),
                 adapter: name.to_owned(),
+                sensor_of: None,
                 is_external: false,
                 silent_after_ns: None,
                 period_ns: period_s * S,

@@ -47,11 +47,13 @@ pub(crate) fn status(world: &World, audience: Audience, now: Now) -> Value {
         .span_ns()
         .map(|[from_ns, to_ns]| json!({"from_s": seconds(from_ns), "to_s": seconds(to_ns)}));
     let sources: Vec<Value> = world.sources.iter().map(|fact| source(world, fact)).collect();
+    let offsets_ns = world.data_offsets_ns(now);
     json!({
         "type": "status",
         "time_s": seconds(world.time_ns(now)),
         "fusion": fusion,
-        "data_offset_s": world.data_offset_ns(now).map(seconds),
+        "data_offset_s": offsets_ns.map(|[offset_ns, _]| seconds(offset_ns)),
+        "unexplained_offset_s": offsets_ns.map(|[_, unexplained_ns]| seconds(unexplained_ns)),
         "replay": world.is_replay(),
         "history": history,
         "clients": audience.clients,

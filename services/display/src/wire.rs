@@ -25,8 +25,9 @@
 //! - `selected`: after each picture, while tracks are selected: `time_s`, `tracks`, see [`crate::details`]
 //! - `history`: once for each newly selected track: `number`, `rows`, see [`crate::details`]
 //! - `status`: every second: `time_s`, `fusion` (`running`, `silent`), `data_offset_s` (of the newest states from
-//!   the clock, positive: ahead), `replay` (whether the deployment replays recordings), `history` {`from_s`, `to_s`},
-//!   `clients`, `skipped`, `sources`, `alarms`, `latency`, `processes`, `system`, see [`crate::status`]
+//!   the clock, positive: ahead), `unexplained_offset_s` (the part that the sources' rhythm does not explain), `replay`
+//!   (whether the deployment replays recordings), `history` {`from_s`, `to_s`}, `clients`, `skipped`, `sources`,
+//!   `alarms`, `latency`, `processes`, `system`, see [`crate::status`]
 //! - `refused`: before the server closes: `error`
 //!
 //! # From the page, text: JSON, any of [`Wish`]'s fields, in at most [`MESSAGE_MAX`] bytes

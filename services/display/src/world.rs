@@ -58,6 +58,7 @@ impl SourceFact {
                 number,
                 name,
                 adapter: String::new(),
+                sensor_of: None,
                 is_external: false,
                 silent_after_ns: None,
                 period_ns: PERIOD_NS,
@@ -262,11 +263,15 @@ impl World {
         self.recording.is_none() && matches!(self.clock, PictureClock::Data(_))
     }
 
-    /// Returns the offset of the data from the picture's clock, nanoseconds, positive: data ahead. `None` if the
-    /// picture has data time, or without recent states.
-    pub(crate) fn data_offset_ns(&self, now: Now) -> Option<i64> {
+    /// Returns the offset of the data from the picture's clock, and the part of it that the sources' rhythm does not
+    /// explain, nanoseconds, positive: data ahead. `None` if the picture has data time, or without recent states.
+    pub(crate) fn data_offsets_ns(&self, now: Now) -> Option<[i64; 2]> {
         let is_machine = self.recording.is_none() && matches!(self.clock, PictureClock::Machine { .. });
-        is_machine.then(|| self.observed.data_offset_ns(now.mono_ns))?
+        let observed = Some(&self.observed).filter(|_| is_machine)?;
+        Some([
+            observed.data_offset_ns(now.mono_ns)?,
+            observed.unexplained_offset_ns(now.mono_ns)?,
+        ])
     }
 
     /// Returns the time of the picture, UTC, nanoseconds.

@@ -199,18 +199,13 @@ impl Conditions {
 
     /// Conditions of states whose time differs from the machine's.
     fn data_off(&self, sight: RoundView<'_>, round: &mut Round<'_>) {
-        let offset_ns = sight.observed.data_offset_ns(sight.now.mono_ns);
-        let Some(offset_ns) = offset_ns.filter(|_| !self.is_recorded) else {
+        let now_ns = sight.now.mono_ns;
+        let offset_ns = sight.observed.data_offset_ns(now_ns).filter(|_| !self.is_recorded);
+        let Some((offset_ns, excess_ns)) = offset_ns.zip(sight.observed.unexplained_offset_ns(now_ns)) else {
             return;
         };
-        // The fastest source may take one of its periods to send a measurement.
-        let period_ns = self.sources.iter().map(|source| source.facts.period_ns).min();
-        let excess_ns = match offset_ns < 0 {
-            true => -offset_ns - period_ns.unwrap_or_default(),
-            false => offset_ns,
-        };
         let seconds = |ns: i64| ns as f64 / messages::NS_PER_S;
-        if let Some(finding) = above(seconds(excess_ns), self.limits.data_off_s.s()) {
+        if let Some(finding) = above(seconds(excess_ns).abs(), self.limits.data_off_s.s()) {
             let values = [("offset", format!("{:+.1} s", seconds(offset_ns)))];
             round.find(AlarmKind::DataOff, Subject::process(&self.own_name), finding, &values);
         }

@@ -25,6 +25,7 @@ fn source(number: u16, name: &str, published: u64) -> SourceReport {
     SourceReport {
         number,
         name: name.to_owned(),
+        sensor_of: None,
         adapter: Counters::default()
             .with(Counter::Records, published + 5)
             .with(Counter::RejectedJump, 3)
@@ -341,6 +342,35 @@ fn poor_accuracy_and_missed_deadlines_are_worth_a_look() {
         verdict::on(&report).sentence,
         "Worth a look: 10.0 % of the states took longer through fusion than 1.00 ms; only 90.0 % of the targets in view \
          were held by exactly one system track; system tracks carried a wrong address twice."
+    );
+}
+
+#[test]
+fn a_sensor_of_a_tracker_is_no_source_of_fusion() {
+    let mut report = good();
+    report.sources.push(SourceReport {
+        sensor_of: Some(0),
+        fusion: Counters::default(),
+        states: 0,
+        ..source(2, "sea.radar", 178)
+    });
+    report.sources[2].adapter[Counter::Detections] = 178;
+    let report = judged(report);
+    let text = report.text(200);
+    let row = text.lines().find(|line| line.starts_with("sea.radar")).unwrap();
+    assert_eq!(
+        row.split_whitespace().collect::<Vec<_>>(),
+        ["sea.radar", "183", "5", "178", "-", "-"]
+    );
+    let latencies = text.split("LATENCY of").nth(1).unwrap();
+    assert!(!latencies.contains("sea.radar"), "{latencies}");
+    assert!(report.verdict.fine, "{}", report.verdict.sentence);
+    // One that sends nothing is named.
+    let mut silent = report;
+    silent.sources[2].adapter = Counters::default();
+    assert_eq!(
+        judged(silent).verdict.sentence,
+        "Worth a look: sea.radar delivered nothing."
     );
 }
 

@@ -127,16 +127,29 @@ impl Report {
             ("not used", Align::Right),
         ]);
         for source in &self.sources {
+            let unread = source.adapter[Counter::BlocksRejected];
+            let [taken, unused] = match source.sensor_of {
+                Some(_) => ["-", "-"].map(str::to_owned),
+                None => {
+                    let unused = source.fusion.sum_of(CounterClass::FusionRejection);
+                    [source.fusion[Counter::Taken], unused].map(count)
+                }
+            };
             rows.row([
                 source.name.clone(),
                 count(source.adapter[Counter::Records]),
-                count(source.adapter.sum_of(CounterClass::Rejection)),
+                count(source.adapter.sum_of(CounterClass::Rejection) + unread),
                 count(source.adapter[Counter::Published]),
-                count(source.fusion[Counter::Taken]),
-                count(source.fusion.sum_of(CounterClass::FusionRejection)),
+                taken,
+                unused,
             ]);
         }
-        format!("REPORTS from the sensors into fusion\n{rows}")
+        let has_sensors = self.sources.iter().any(|source| source.sensor_of.is_some());
+        let remark = match has_sensors {
+            true => "Detections of a tracker's sensor are taken by its tracker, and its tracks by fusion.\n",
+            false => "",
+        };
+        format!("REPORTS from the sensors into fusion\n{rows}{remark}")
     }
 
     fn not_used(&self) -> String {
@@ -286,11 +299,12 @@ impl Report {
             let found = source.stages.iter().find(|(stage, _)| *stage == Stage::EndToEnd);
             (source.name.clone(), found.map(|(_, figures)| figures.summary))
         };
+        let reporting = self.sources.iter().filter(|source| source.sensor_of.is_none());
         let mut text = format!(
             "LATENCY of every state that a report caused: half took no longer than p50, 99 % no longer than p99\n\
              {}\n{}",
             table::latencies("stage", stages),
-            table::latencies("end to end, by source", self.sources.iter().map(end_to_end)),
+            table::latencies("end to end, by source", reporting.map(end_to_end)),
         );
         text.push_str(
             "adapter: from a report's last byte to its hand-over to shared memory; transport in: until fusion took it; \
@@ -396,7 +410,8 @@ impl Report {
         };
         let line =
             |source: &SourceReport| format!("{:<width$}  {}{}\n", source.name, source.registration, joint(source));
-        let lines: String = self.sources.iter().map(line).collect();
+        let reporting = self.sources.iter().filter(|source| source.sensor_of.is_none());
+        let lines: String = reporting.map(line).collect();
         compared
             .then(|| format!("REGISTRATION: how far the sources' reports lie off, as fusion has estimated it\n{lines}"))
     }

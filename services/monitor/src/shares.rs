@@ -50,7 +50,11 @@ impl SourceShares {
     pub(crate) fn look(&mut self, observed: &Deployment, now_ns: i64, round: &mut Round<'_>) {
         let book = observed.book();
         for SourceFacts {
-            number, name, adapter, ..
+            number,
+            name,
+            adapter,
+            sensor_of,
+            ..
         } in observed.configured_sources()
         {
             let subject = Subject::source(*number);
@@ -96,6 +100,10 @@ impl SourceShares {
                 let values = [("source", name.clone()), ("count", several(stuck, "target"))];
                 round.find(kind, subject, Finding::Bad, &values);
             }
+            if sensor_of.is_some() {
+                // The tracker makes the tracks.
+                continue;
+            }
             let kind = AlarmKind::TrackerIdle;
             let worked = self.scans.grown(kind, subject, work(&adapter), now_ns);
             if is_idle(worked) {
@@ -118,7 +126,7 @@ impl SourceShares {
 
 /// Concerns that a source's counts of a whole run leave, for the final report: a recording may be over before a share
 /// of it has become an alarm.
-pub(crate) fn concerns(name: &str, adapter: &Counters) -> impl Iterator<Item = (AlarmKind, String)> {
+pub(crate) fn concerns(name: &str, adapter: &Counters, is_sensor: bool) -> impl Iterator<Item = (AlarmKind, String)> {
     let late = adapter[Counter::RejectedLate];
     let share = late as f64 / (adapter[Counter::Reports] + late).max(1) as f64;
     let are_late = (late >= BAD_MIN && share > LATE_SHARE_MAX).then(|| {
@@ -129,7 +137,7 @@ pub(crate) fn concerns(name: &str, adapter: &Counters) -> impl Iterator<Item = (
         )
     });
     let worked = work(adapter);
-    let idle = is_idle(worked).then(|| {
+    let idle = (is_idle(worked) && !is_sensor).then(|| {
         let detections = several(worked[0], "detection");
         (
             AlarmKind::TrackerIdle,

@@ -133,6 +133,7 @@ impl DeploymentSurvey {
     /// The final report.
     pub(crate) fn report(&self, now: Now, own: SubscriberCounts, alarms: Vec<AlarmReport>) -> Report {
         let sources = self.observed.configured_sources().iter();
+        let sources = sources.filter(|source| !self.observed.is_counted_with_tracker(source));
         let sources: Vec<SourceReport> = sources.map(|source| self.source_report(source)).collect();
         let processes = self.processes(now);
         let stage = |stage| (stage, StageReport::new(self.observed.stages(), stage));
@@ -234,6 +235,7 @@ impl DeploymentSurvey {
         SourceReport {
             number,
             name: state.name,
+            sensor_of: source.sensor_of,
             scan_period_s: (scan_period_ms > 0).then_some(scan_period_ms as f64 / 1e3),
             states,
             joint_states,
@@ -260,7 +262,9 @@ impl DeploymentSurvey {
         let published = |source: &SourceReport| source.adapter[Counter::Published];
         let to_fusion =
             |source: &SourceReport| hop(&source.name, ProcessKind::Fusion, published(source), &source.fusion);
-        let mut hops: Vec<Hop> = sources.iter().map(to_fusion).collect();
+        // The detections of a tracker's sensor go to its tracker.
+        let reporting = sources.iter().filter(|source| source.sensor_of.is_none());
+        let mut hops: Vec<Hop> = reporting.map(to_fusion).collect();
         let reports_lost = hops.iter().map(|hop| hop.lost).sum();
         let reports_unread = hops.iter().map(|hop| hop.unread).sum();
         let fusion = ProcessKind::Fusion.word();
@@ -268,7 +272,8 @@ impl DeploymentSurvey {
         if self.has_recorder {
             let to_recorder =
                 |source: &SourceReport| hop(&source.name, ProcessKind::Recorder, published(source), &source.recorder);
-            hops.extend(sources.iter().map(to_recorder));
+            let reporting = sources.iter().filter(|source| source.sensor_of.is_none());
+            hops.extend(reporting.map(to_recorder));
             let read = self.observed.book().service(ProcessKind::Recorder, NO_SOURCE);
             hops.push(hop(fusion, ProcessKind::Recorder, fused, &read));
         }

@@ -78,7 +78,11 @@ fn about_reports(report: &Report, concerns: &mut Vec<String>) {
         return;
     }
     for source in &report.sources {
-        if source.fusion[Counter::Taken] == 0 {
+        let delivered = match source.sensor_of {
+            Some(_) => source.adapter[Counter::Published] + source.adapter[Counter::Detections],
+            None => source.fusion[Counter::Taken],
+        };
+        if delivered == 0 {
             concerns.push(format!("{} delivered nothing", source.name));
         }
     }
@@ -209,7 +213,7 @@ fn about_accuracy(report: &Report, concerns: &mut Vec<String>) {
 /// Shares of the sources' reports without an alarm.
 fn about_shares(report: &Report, concerns: &mut Vec<String>) {
     for source in &report.sources {
-        let untold = shares::concerns(&source.name, &source.adapter)
+        let untold = shares::concerns(&source.name, &source.adapter, source.sensor_of.is_some())
             .filter(|(kind, _)| report.alarms.iter().all(|alarm| alarm.alarm != kind.word()));
         concerns.extend(untold.map(|(_, concern)| concern));
     }

@@ -158,6 +158,13 @@ impl Conditions {
                 round.find(AlarmKind::SourceRefused, subject, Finding::Bad, &values);
             }
         }
+        // A tracker whose sensors' data are refused is not silent either.
+        let of_sensor = |known: &super::sources::SourceWatch| {
+            let is_arriving = arriving.contains(&Subject::source(known.facts.number));
+            known.facts.sensor_of.filter(|_| is_arriving)
+        };
+        let trackers: Vec<u16> = self.sources.iter().filter_map(of_sensor).collect();
+        arriving.extend(trackers.into_iter().map(Subject::source));
         arriving
     }
 

@@ -87,7 +87,8 @@ impl Conditions {
             let is_expected = source.facts.is_external || adapter.is_some_and(runs);
             let delivered = sight.observed.delivered(source.facts.number);
             let is_arriving = arriving.contains(&Subject::source(source.facts.number));
-            let may_be_silent = !is_expected || is_arriving || source.facts.silent_after_ns.is_none();
+            let is_unknown = sight.observed.is_counted_with_tracker(&source.facts);
+            let may_be_silent = !is_expected || is_arriving || is_unknown || source.facts.silent_after_ns.is_none();
             let silent_ns = self.silence.of(index, delivered, may_be_silent);
             if source
                 .facts
