@@ -11,8 +11,9 @@ use mcap::records::op;
 
 use crate::{CDR, RecordingError};
 
-/// Largest chunk, bytes: a damaged size makes a reader take no more memory.
-const UNPACKED_MAX: u64 = 1 << 30;
+/// Largest chunk, bytes: a recorder ends a chunk with the slice after which it holds 1 MiB, and no slice is longer than
+/// some MiB. A few kilobytes of a hostile file unpack to gigabytes; a reader takes no more memory than this for them.
+const UNPACKED_MAX: u64 = 16 << 20;
 /// Logarithm of the largest window of a compressed chunk, bytes: what the usual levels of compression need.
 const WINDOW_LOG_MAX: u32 = 24;
 
@@ -203,7 +204,7 @@ impl<'a> Fields<'a> {
 /// Memory follows what is unpacked, not what a damaged chunk states.
 fn unpack<'u>(packed: &[u8], size: u64, unpacked: &'u mut Vec<u8>) -> Result<&'u [u8], &'static str> {
     if size > UNPACKED_MAX {
-        return Err("the chunk states more than 1 GiB");
+        return Err("the chunk states more than 16 MiB, and no recorder writes such chunks");
     }
     unpacked.clear();
     let mut decoder =

@@ -231,6 +231,43 @@ fn lengths_of_records_chunks_and_what_describes_them_take_no_memory() {
     assert!(tried > 500, "{tried} files");
 }
 
+/// A chunk of zstd that states and contains zeros.
+fn bomb(stated: u64, contained: usize) -> Vec<u8> {
+    let packed = zstd::encode_all(&vec![0; contained][..], 1).unwrap();
+    let mut data = [0_u64, 0, stated].map(u64::to_le_bytes).concat();
+    data.extend_from_slice(&[0; 4]);
+    data.extend_from_slice(&4_u32.to_le_bytes());
+    data.extend_from_slice(b"zstd");
+    data.extend_from_slice(&(packed.len() as u64).to_le_bytes());
+    data.extend_from_slice(&packed);
+    [&[6][..], &(data.len() as u64).to_le_bytes(), &data].concat()
+}
+
+#[test]
+fn chunks_that_unpack_to_much_take_bounded_memory_and_the_others_are_read() {
+    /// Contents of the largest chunk that is unpacked.
+    const LARGEST: usize = 16 << 20;
+    let sound = file_of(64, Compression::Zstd);
+    let (_, _, next) = first_chunk(&sound);
+    for (stated, contained) in [
+        (64 << 20, 64 << 20),
+        (1 << 30, 64 << 20),
+        (8 << 20, 64 << 20),
+        (LARGEST as u64, LARGEST),
+        (LARGEST as u64 + 1, LARGEST + 1),
+    ] {
+        let bombs = bomb(stated, contained).repeat(40);
+        let file = [&sound[..next], &bombs, &sound[next..]].concat();
+        assert!(file.len() < 2 << 20, "{}", file.len());
+        let (read, most) = read(&file);
+        assert!(read.is_ok(), "{read:?}");
+        // A vector that grows holds its contents, and twice as much beside them.
+        assert!(most < limit(&file) + 3 * LARGEST, "{stated} {contained}: {most}");
+        assert_eq!(sequences(&file), (0..64).collect::<Vec<_>>(), "{stated} {contained}");
+        assert!(!damage(&file).is_empty());
+    }
+}
+
 #[test]
 fn thousands_of_damaged_files_are_read_within_twice_their_size() {
     damage_thousands(Compression::None, CONSTANT);
