@@ -11,7 +11,11 @@
 //!
 //! A report may be *late* while its clock is sound: ground stations and centres hold single reports back for seconds. A
 //! time behind the offset is therefore believed up to [`LATE_S`], unless several in a row agree: the clock was set
-//! back.
+//! back. Reports that arrive together are one statement, since what was held back is sent together.
+//!
+//! Reports *saved* during an interruption arrive after a silence, in a burst: their times go on where the silence began,
+//! and come nearer to the present faster than the present passes. A clock that was set back meanwhile stays behind. Saved
+//! reports are believed and do not move the offset; whoever uses them counts as late what is too old.
 
 use messages::NS_PER_S;
 
@@ -22,6 +26,10 @@ const AGREEING: u32 = 8;
 const LATE_S: f64 = 10.0;
 /// Late reports in a row that agree with each other and are still believed.
 const LATE_AGREEING: u32 = 3;
+/// Reports received within this time arrive together, nanoseconds.
+const TOGETHER_NS: i64 = 50_000_000;
+/// Share of the present's passing by which saved reports come nearer to it at least.
+const DRAINING: f64 = 0.5;
 /// Smallest weight of a new report in the offset.
 const GAIN_MIN: f64 = 1.0 / 64.0;
 /// Weight of a new report in the share of wild ones, and the shares from which and below which the source as a whole is
@@ -41,6 +49,13 @@ pub struct SourceClock {
     reports: u32,
     /// Mean offset of the latest reports that agreed with each other and with nothing before, and their number.
     apart: (f64, u32),
+    /// Time of receipt of the latest of these that was counted, UTC, nanoseconds.
+    apart_ns: i64,
+    /// Newest believed time of measurement, and the time of receipt of the latest report, UTC, nanoseconds.
+    newest_ns: i64,
+    received_ns: i64,
+    /// End of the latest silence, UTC, nanoseconds, and its length, seconds.
+    silence: (i64, f64),
     wild_share: f64,
     is_wild: bool,
 }
@@ -54,6 +69,10 @@ impl SourceClock {
             variance_s2: 0.0,
             reports: 0,
             apart: (0.0, 0),
+            apart_ns: i64::MIN,
+            newest_ns: i64::MIN,
+            received_ns: i64::MIN,
+            silence: (i64::MIN, 0.0),
             wild_share: 0.0,
             is_wild: false,
         }
@@ -68,15 +87,37 @@ impl SourceClock {
         let is_known = self.reports >= AGREEING;
         let jumps = is_known && !self.is_near(offset_s, self.offset_s);
         let delay_s = self.offset_s - offset_s;
-        self.follow(offset_s);
+        let is_saved = jumps && self.is_saved(time_ns, received_ns, delay_s);
+        self.received_ns = received_ns;
+        if is_saved {
+            self.newest_ns = time_ns;
+            return !self.is_wild;
+        }
+        self.follow(offset_s, received_ns);
         let is_sound = common_s.is_none_or(|common_s| (self.offset_s - common_s).abs() <= self.step_s);
         let is_late = jumps && is_sound && (0.0..=LATE_S).contains(&delay_s) && self.apart.1 <= LATE_AGREEING;
         let common_s = common_s.or((!is_known).then_some(0.0));
         let is_far = common_s.is_some_and(|common_s| (offset_s - common_s).abs() > self.step_s);
-        let is_odd = is_far || jumps;
+        let is_odd = (is_far || jumps) && !is_late;
         self.wild_share += SHARE_GAIN * (f64::from(u8::from(is_odd)) - self.wild_share);
         self.is_wild = self.wild_share > if self.is_wild { WILD_UNTIL } else { WILD_FROM };
-        (!is_odd || is_late) && !self.is_wild
+        let is_believed = !is_odd && !self.is_wild;
+        if is_believed {
+            self.newest_ns = self.newest_ns.max(time_ns);
+        }
+        is_believed
+    }
+
+    /// Whether a report that is `delay_s` behind the others was saved during the latest silence.
+    fn is_saved(&mut self, time_ns: i64, received_ns: i64, delay_s: f64) -> bool {
+        let seconds = |from_ns: i64, to_ns: i64| to_ns.saturating_sub(from_ns) as f64 / NS_PER_S;
+        let silent_s = seconds(self.received_ns, received_ns);
+        if silent_s > 0.5 * self.step_s {
+            self.silence = (received_ns, silent_s);
+        }
+        let (ended_ns, silence_s) = self.silence;
+        let left_s = silence_s - DRAINING * seconds(ended_ns, received_ns);
+        (0.0..=left_s + 0.5 * self.step_s).contains(&delay_s) && left_s > 0.0 && time_ns >= self.newest_ns
     }
 
     /// Offset of the clock against times of receipt and its standard deviation from report to report, seconds; positive
@@ -89,7 +130,7 @@ impl SourceClock {
         (offset_s - other_s).abs() <= 0.5 * self.step_s
     }
 
-    fn follow(&mut self, offset_s: f64) {
+    fn follow(&mut self, offset_s: f64, received_ns: i64) {
         if self.reports == 0 || self.is_near(offset_s, self.offset_s) {
             self.apart.1 = 0;
             self.reports = self.reports.saturating_add(1);
@@ -108,11 +149,15 @@ impl SourceClock {
             return;
         }
         let (mean_s, count) = self.apart;
-        self.apart = if count > 0 && self.is_near(offset_s, mean_s) {
-            (mean_s + (offset_s - mean_s) / f64::from(count + 1), count + 1)
+        if count > 0 && self.is_near(offset_s, mean_s) {
+            if received_ns.saturating_sub(self.apart_ns) < TOGETHER_NS {
+                return;
+            }
+            self.apart = (mean_s + (offset_s - mean_s) / f64::from(count + 1), count + 1);
         } else {
-            (offset_s, 1)
-        };
+            self.apart = (offset_s, 1);
+        }
+        self.apart_ns = received_ns;
         if self.apart.1 >= AGREEING {
             (self.offset_s, self.reports) = self.apart;
             self.apart.1 = 0;
@@ -181,6 +226,73 @@ mod tests {
             let offset_s = |step: i64| if step % 11 == 5 { -0.4 - delay_s } else { -0.4 };
             assert_eq!(believed(&mut clock, offset_s), expected, "{delay_s}");
             assert!((clock.offset().unwrap().0 + 0.4).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn reports_held_back_together_are_one_late_statement() {
+        let mut clock = SourceClock::new(5.0);
+        believed(&mut clock, |_| -0.4);
+        for minute in 1..=3 {
+            let received_ns = NOW + minute * 60 * S;
+            let held_back = |index: i64| received_ns - 4 * S + index * S / 50;
+            assert!((0..13).all(|index| clock.believes(held_back(index), received_ns, Some(0.0))));
+            assert!((0..13).all(|index| clock.believes(received_ns - index * S / 50, received_ns, Some(0.0))));
+        }
+        assert!((clock.offset().unwrap().0 + 0.4).abs() < 0.2);
+    }
+
+    #[test]
+    fn reports_saved_through_a_cut_are_believed_and_move_nothing() {
+        // Seconds of the cut, and how many times faster than the present the saved reports arrive.
+        for (cut_s, speed) in [(6, 1000), (6, 5), (30, 1000), (30, 20), (120, 50)] {
+            let mut clock = SourceClock::new(5.0);
+            believed(&mut clock, |_| -0.4);
+            let begun_ns = NOW + 10 * S;
+            let saved = (0..10 * cut_s).map(|step| {
+                let received_ns = begun_ns + cut_s * S + step * S / 10 / speed;
+                (begun_ns + step * S / 10 - 4 * S / 10, received_ns)
+            });
+            let mut last_ns = 0;
+            for (time_ns, received_ns) in saved {
+                last_ns = received_ns;
+                assert!(
+                    clock.believes(time_ns, received_ns, Some(0.0)),
+                    "{cut_s} s, {speed} times"
+                );
+            }
+            for step in 1..100 {
+                let received_ns = last_ns + step * S / 10;
+                assert!(
+                    clock.believes(received_ns - 4 * S / 10, received_ns, Some(0.0)),
+                    "{cut_s} s, {speed} times"
+                );
+            }
+            assert!(
+                (clock.offset().unwrap().0 + 0.4).abs() < 0.1,
+                "{cut_s} s, {speed} times"
+            );
+        }
+    }
+
+    #[test]
+    fn a_clock_that_comes_back_wrong_after_a_silence_is_followed_or_refused() {
+        for (silence_s, offset_s, is_refused) in
+            [(30, -4.0, false), (30, -8.0, true), (10, -9.0, true), (30, 20.0, true)]
+        {
+            let mut clock = SourceClock::new(5.0);
+            believed(&mut clock, |_| -0.4);
+            let outcomes: Vec<bool> = (0..1000)
+                .map(|step| {
+                    let received_ns = NOW + (10 + silence_s) * S + step * S / 10;
+                    clock.believes(received_ns + (offset_s * S as f64) as i64, received_ns, Some(0.0))
+                })
+                .collect();
+            let found_s = clock.offset().unwrap().0;
+            assert!((found_s - offset_s).abs() < 0.1, "{silence_s} {offset_s}: {found_s}");
+            assert_eq!(outcomes[999], !is_refused, "{silence_s} {offset_s}");
+            let believed = outcomes.iter().filter(|is_believed| **is_believed).count();
+            assert!(!is_refused || believed < 700, "{silence_s} {offset_s}: {believed}");
         }
     }
 
