@@ -37,27 +37,68 @@ pub fn usage_line(error: &clap::Error, program: &Command, words: &[String]) -> S
             commands.join(", ")
         );
     }
-    let what = unknown_option(error, program, words).unwrap_or_else(|| refusal(error));
+    let what = negative_value(error, program, words)
+        .or_else(|| unknown_option(error, program, words))
+        .unwrap_or_else(|| refusal(error));
     match first {
         Some(command) => format!("{what} (see `koseki {} --help`)", command.get_name()),
         None => format!("{what} (see `koseki --help`)"),
     }
 }
 
-/// Returns the message about an unknown option of the command in `words`, with the nearest known option.
+/// Returns the message about a negative number after an option. clap takes such a word for an option; joined to the
+/// option with `=` it is a value, and is refused with the range.
+fn negative_value(error: &clap::Error, program: &Command, words: &[String]) -> Option<String> {
+    if error.kind() != ErrorKind::UnknownArgument {
+        return None;
+    }
+    let (_, options) = command_of(program, words);
+    let takes_value = |word: &str| {
+        let name = word.strip_prefix("--");
+        let mut named = options.iter().filter(|option| option.get_long() == name);
+        named.any(|option| name.is_some() && option.get_action().takes_values())
+    };
+    let is_negative = |word: &str| word.starts_with('-') && word.parse::<f64>().is_ok();
+    let at = words
+        .windows(2)
+        .position(|pair| takes_value(&pair[0]) && is_negative(&pair[1]))?;
+    let joined = format!("{}={}", words[at], words[at + 1]);
+    let corrected = words[..at].iter().chain([&joined]).chain(&words[at + 2..]);
+    match program.clone().try_get_matches_from(corrected) {
+        Err(again) if again.kind() == ErrorKind::ValueValidation => Some(refusal(&again)),
+        _ => Some(format!("a negative number follows its option with '=': write {joined}")),
+    }
+}
+
+/// Returns the message about an unknown option of the command in `words`, with its place if the command has it, and
+/// with the nearest known option otherwise.
 fn unknown_option(error: &clap::Error, program: &Command, words: &[String]) -> Option<String> {
     let found = error
         .get(ContextKind::InvalidArg)
         .filter(|_| error.kind() == ErrorKind::UnknownArgument)?;
     let found = found.to_string();
     let name = found.strip_prefix("--")?;
-    let mut command = program;
-    for word in words.iter().skip(1) {
-        command = command.find_subcommand(word).unwrap_or(command);
-    }
-    let options: Vec<&str> = command.get_arguments().filter_map(clap::Arg::get_long).collect();
-    let meant = settings::nearest(name, &options).map_or_else(String::new, |near| format!("; did you mean --{near}?"));
+    let (command, options) = command_of(program, words);
+    let options: Vec<&str> = options.into_iter().filter_map(clap::Arg::get_long).collect();
+    let meant = if options.contains(&name) {
+        format!("; it follows the command: {command} {found}")
+    } else {
+        settings::nearest(name, &options).map_or_else(String::new, |near| format!("; did you mean --{near}?"))
+    };
     Some(format!("unexpected argument '{found}' found{meant}"))
+}
+
+/// Returns the full name of the command in `words`, and its options.
+fn command_of<'a>(program: &'a Command, words: &[String]) -> (String, Vec<&'a clap::Arg>) {
+    let mut command = program;
+    let mut name = program.get_name().to_owned();
+    for word in words.iter().skip(1) {
+        if let Some(below) = command.find_subcommand(word) {
+            command = below;
+            name = format!("{name} {}", below.get_name());
+        }
+    }
+    (name, command.get_arguments().collect())
 }
 
 #[cfg(test)]
@@ -74,10 +115,12 @@ mod tests {
             .arg_required_else_help(true);
         let speed = Arg::new("speed").long("speed").value_parser(["1", "max"]);
         let options = ["for", "instance"].map(|name| Arg::new(name).long(name));
+        let rate = Arg::new("rate").long("rate").value_parser(crate::values::above_zero);
         let up = Command::new("up")
             .arg(Arg::new("config").required(true))
             .args(options)
-            .arg(speed);
+            .arg(speed)
+            .arg(rate);
         Command::new("koseki")
             .subcommands([up, score])
             .subcommand_required(true)
@@ -100,6 +143,40 @@ mod tests {
         assert_eq!(said_of("--instnce"), instance);
         let unlike = format!("unexpected argument '--standby' found {see}");
         assert_eq!(said_of("--standby"), unlike);
+    }
+
+    #[test]
+    fn an_option_before_its_command_gets_its_place() {
+        for (words, place) in [
+            (["koseki", "--for", "up", "a.toml"], "koseki up --for"),
+            (["koseki", "--instance", "up", "a.toml"], "koseki up --instance"),
+        ] {
+            let line = line(&words);
+            let expected = format!(
+                "unexpected argument '{}' found; it follows the command: {place} ",
+                words[1]
+            );
+            assert!(line.starts_with(&expected), "{line}");
+        }
+    }
+
+    #[test]
+    fn a_negative_number_is_a_value() {
+        for (option, value) in [
+            ("--rate", "-5"),
+            ("--rate", "-0.5"),
+            ("--rate", "-1e3"),
+            ("--rate", "-inf"),
+        ] {
+            let line = line(&["koseki", "up", "a.toml", option, value]);
+            let expected = format!("invalid value '{value}' for '--rate <rate>': it must be ");
+            assert!(line.starts_with(&expected), "{line}");
+        }
+        let valid = line(&["koseki", "up", "a.toml", "--for", "-5"]);
+        let expected = "a negative number follows its option with '=': write --for=-5 (see `koseki up --help`)";
+        assert_eq!(valid, expected);
+        let unlike = line(&["koseki", "up", "a.toml", "-5"]);
+        assert!(unlike.starts_with("unexpected argument '-5' found"), "{unlike}");
     }
 
     #[test]
