@@ -59,6 +59,17 @@ pub fn open(file: &Path) -> Result<File, InputError> {
     Ok(opened)
 }
 
+/// Returns the name of an output in a message: its path, or that it is standard output.
+pub(crate) fn output_name(path: &Path) -> std::path::Display<'_> {
+    let is_standard = path == Path::new(STANDARD_OUTPUT);
+    if is_standard {
+        Path::new("standard output")
+    } else {
+        path
+    }
+    .display()
+}
+
 /// Whether two paths refer to the same existing file.
 pub fn is_same_file(one: &Path, other: &Path) -> bool {
     matches!((fs::canonicalize(one), fs::canonicalize(other)), (Ok(one), Ok(other)) if one == other)

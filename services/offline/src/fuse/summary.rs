@@ -8,6 +8,7 @@ use messages::admission::{POSITION_MAX_M, SPEED_MAX_MPS};
 use messages::{Counter, NS_PER_S, TrackState};
 use serde_json::{Value, json};
 
+use crate::files::output_name;
 use crate::host::Host;
 use crate::reading::{ArrivedReport, DriveTotals, Setup, SkippedRows};
 
@@ -224,7 +225,7 @@ impl FuseSummary<'_> {
             driven.engine_ns as f64 / NS_PER_S,
             self.rate()
         )?;
-        writeln!(text, "{}: {} rows", self.out.display(), self.written)
+        writeln!(text, "{}: {} rows", output_name(self.out), self.written)
     }
 
     fn of_source(&self, source: u16, counter: Counter) -> u64 {

@@ -8,6 +8,7 @@ use messages::NS_PER_S;
 use serde_json::{Value, json};
 
 use crate::args::Locate;
+use crate::files::output_name;
 use crate::host::Host;
 use crate::reading::SkippedRows;
 
@@ -118,7 +119,7 @@ impl LocateSummary {
             self.locator_ns as f64 / NS_PER_S,
             self.us_per_bearing(locator)
         );
-        let _ = writeln!(text, "{}: {} rows", locate.out.display(), counts.fixes);
+        let _ = writeln!(text, "{}: {} rows", output_name(&locate.out), counts.fixes);
         text
     }
 

@@ -7,6 +7,8 @@ use fusion::smoothing::SmoothedTracks;
 use messages::{SystemTrack, TrackState};
 use serde_json::{Value, json};
 
+use crate::files::output_name;
+
 /// Sums over the written rows.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SmoothTotals {
@@ -106,12 +108,12 @@ impl SmoothTotals {
             )?;
         }
         if let (Some(path), Some(records)) = (asterix, self.records) {
-            writeln!(text, "{}: {records} records", path.display())?;
+            writeln!(text, "{}: {records} records", output_name(path))?;
         }
         writeln!(
             text,
             "{}: {} rows from {} measurements",
-            out.display(),
+            output_name(out),
             self.rows,
             self.measurements
         )

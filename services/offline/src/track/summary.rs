@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 use sources::SensorScan;
 use tracking::{ScanRejection, Tracker, TrackerCounts};
 
+use crate::files::output_name;
 use crate::host::Host;
 
 use super::input::DetectionInput;
@@ -237,7 +238,7 @@ impl TrackSummary<'_> {
         if let Some(cues) = self.cues {
             writeln!(text, "cues: {cues}")?;
         }
-        writeln!(text, "{}: {} rows", self.out.display(), self.rows)
+        writeln!(text, "{}: {} rows", output_name(self.out), self.rows)
     }
 
     /// Returns the share of detections outside confirmed tracks.
