@@ -21,6 +21,7 @@ mod identities;
 mod late;
 mod locate;
 mod locate_arrivals;
+mod mistakes;
 mod on_board;
 mod score;
 mod send;
