@@ -3,7 +3,7 @@
 use crate::common::Folder;
 
 /// Command lines, and words that their refusals contain.
-const MISTAKES: [(&str, &[&str]); 18] = [
+const MISTAKES: [(&str, &[&str]); 20] = [
     ("upp", &["unrecognized subcommand 'upp'", "'up'"]),
     (
         "recording",
@@ -21,6 +21,8 @@ const MISTAKES: [(&str, &[&str]); 18] = [
         &["unexpected argument 'absent.csv'", "koseki track --help"],
     ),
     ("up absent.toml", &["absent.toml", "cannot be read"]),
+    ("up there.toml", &["there.toml", "did you mean config/there.toml?"]),
+    ("check there.toml", &["there.toml", "did you mean config/there.toml?"]),
     ("up .", &[".: cannot be read", "directory"]),
     ("up bad.csv", &["bad.csv:1", "key with no value"]),
     (
@@ -43,6 +45,8 @@ const MISTAKES: [(&str, &[&str]); 18] = [
 fn mistakes_are_refused_by_what_is_wrong() {
     let folder = Folder::new();
     folder.write("bad.csv", "a,b\n");
+    std::fs::create_dir(folder.path("config")).unwrap();
+    folder.write("config/there.toml", "");
     for (command, expected) in MISTAKES {
         let said = folder.refusal(command);
         assert!(!said.contains("error:"), "{command}: {said}");

@@ -116,10 +116,18 @@ fn in_file(path: &Path, error: SettingsError) -> ConfigError {
 /// Reads the text of the configuration in the file `path`.
 ///
 /// # Errors
-/// If the file cannot be read.
+/// If the file cannot be read; the message names the file of that name in the folder `config`, if it is there.
 pub fn text(path: &Path) -> Result<String, ConfigError> {
-    let read = std::fs::read_to_string(path);
-    read.map_err(|error| in_file(path, SettingsError::new("", format!("cannot be read: {error}"))))
+    std::fs::read_to_string(path).map_err(|error| {
+        let shipped = Path::new("config").join(path);
+        let is_meant = error.kind() == std::io::ErrorKind::NotFound && path.is_relative() && shipped.is_file();
+        let meant = if is_meant {
+            format!("; did you mean {}?", shipped.display())
+        } else {
+            String::new()
+        };
+        in_file(path, SettingsError::new("", format!("cannot be read: {error}{meant}")))
+    })
 }
 
 /// Reads a deployment, of which `services` have read their tables then.
