@@ -13,9 +13,9 @@
 //! time behind the offset is therefore believed up to [`LATE_S`], unless several in a row agree: the clock was set
 //! back. Reports that arrive together are one statement, since what was held back is sent together.
 //!
-//! Reports *saved* during an interruption arrive after a silence, in a burst: their times go on where the silence began,
-//! and come nearer to the present faster than the present passes. A clock that was set back meanwhile stays behind. Saved
-//! reports are believed and do not move the offset; whoever uses them counts as late what is too old.
+//! Reports *saved* during an interruption arrive after a silence, in a burst: their times go on where the silence
+//! began, and come nearer to the present faster than the present passes. A clock that was set back meanwhile stays
+//! behind. Saved reports are believed and do not move the offset; whoever uses them counts as late what is too old.
 
 use messages::NS_PER_S;
 

@@ -15,8 +15,8 @@ pub struct SourceFacts {
     pub name: String,
     /// Name of the adapter process that publishes the source.
     pub adapter: String,
-    /// Number of the source whose tracker takes the detections, if this is a sensor of a tracker: then fusion takes none
-    /// of its samples.
+    /// Number of the source whose tracker takes the detections, if this is a sensor of a tracker: then fusion takes
+    /// none of its samples.
     pub sensor_of: Option<u16>,
     /// Whether a program of others publishes the source, without an adapter.
     pub is_external: bool,

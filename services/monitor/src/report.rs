@@ -179,8 +179,8 @@ pub struct SourceReport {
     pub number: u16,
     /// Name of the source.
     pub name: String,
-    /// Number of the source whose tracker takes its detections, if it is a sensor of a tracker: then fusion takes none of
-    /// its samples.
+    /// Number of the source whose tracker takes its detections, if it is a sensor of a tracker: then fusion takes none
+    /// of its samples.
     pub sensor_of: Option<u16>,
     /// Counters of its adapter.
     #[serde(serialize_with = "crate::counters::serialize")]
