@@ -13,7 +13,7 @@ use std::thread;
 use asterix::choice::ChosenEdition;
 use asterix::{NamedRecord, Value};
 use formats::containers::TimeStamp;
-use formats::recording::{Expansions, RecordingBytes};
+use formats::recording::{Expansions, RecordingBytes, RecordingSurvey};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyList, PyString};
@@ -28,16 +28,31 @@ fn chosen(editions: &[String]) -> PyResult<Vec<ChosenEdition>> {
     parsed.collect::<Result<_, String>>().map_err(PyValueError::new_err)
 }
 
+/// Looks at the blocks of `path`.
+///
+/// # Errors
+/// `ValueError` if it is no recording, with its kind.
+fn surveyed(path: &Path, octets: &[u8], editions: &[ChosenEdition]) -> PyResult<RecordingSurvey> {
+    let survey = RecordingBytes::new(octets).with_editions(editions).survey();
+    match survey.foreign(octets) {
+        None => Ok(survey),
+        Some(kind) => {
+            let what = format!("{}: no record of ASTERIX can be read: {kind}", path.display());
+            Err(PyValueError::new_err(what))
+        }
+    }
+}
+
 /// Passes every plausible record to `visit`, until `visit` fails.
 fn for_each<E>(
     octets: &[u8],
+    survey: &RecordingSurvey,
     editions: &[ChosenEdition],
     mut visit: impl FnMut(NamedRecord) -> Result<(), E>,
 ) -> Result<(), E> {
     let recording = RecordingBytes::new(octets).with_editions(editions);
-    let survey = recording.survey();
     let mut expansions = Expansions::new(editions);
-    recording.for_each(&survey, |found| {
+    recording.for_each(survey, |found| {
         let mut named = NamedRecord::new(found.record);
         named.time_stamp_s = found.time_stamp.map(TimeStamp::seconds);
         expansions.read(found.record, &mut named);
@@ -61,12 +76,16 @@ pub(super) struct Records {
 #[pyfunction]
 pub(super) fn records(py: Python<'_>, path: PathBuf, editions: Vec<String>) -> PyResult<Records> {
     let editions = chosen(&editions)?;
-    let octets = py.detach(|| octets_of(&path))?;
+    let (octets, survey) = py.detach(|| {
+        let octets = octets_of(&path)?;
+        let survey = surveyed(&path, &octets, &editions)?;
+        PyResult::Ok((octets, survey))
+    })?;
     let (sender, batches) = sync_channel(BATCHES_WAITING);
     thread::spawn(move || {
         let mut batch = Vec::with_capacity(BATCH);
         // Sending fails after the receiver was dropped.
-        let sent = for_each(&octets, &editions, |record| {
+        let sent = for_each(&octets, &survey, &editions, |record| {
             batch.push(record);
             match batch.len() {
                 BATCH => sender.send(std::mem::replace(&mut batch, Vec::with_capacity(BATCH))),
@@ -265,8 +284,9 @@ pub(super) fn columns<'py>(
     let editions = chosen(&editions)?;
     let tables = py.detach(|| {
         let octets = octets_of(&path)?;
+        let survey = surveyed(&path, &octets, &editions)?;
         let mut tables: BTreeMap<u8, CategoryColumns> = BTreeMap::new();
-        for_each(&octets, &editions, |record| {
+        for_each(&octets, &survey, &editions, |record| {
             tables.entry(record.category).or_default().add(record);
             PyResult::Ok(())
         })?;

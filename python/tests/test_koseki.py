@@ -765,6 +765,15 @@ def test_editions_are_chosen_and_refused():
         koseki.decode_columns("nothing.ast")
 
 
+def test_a_file_of_another_kind_is_named(tmp_path):
+    for text, kind in [("MSG,3,1,1,500001,1,,,,,,1000,,,41.4,2.1,,,,,,0\n" * 40, "SBS"), ('{"a": 1}\n', "JSON"), ("", "empty")]:
+        path = tmp_path / "other"
+        path.write_text(text)
+        for decode in [koseki.decode, koseki.decode_columns]:
+            with pytest.raises(ValueError, match=f"other: no record of ASTERIX can be read: .*{kind}"):
+                decode(path)
+
+
 def test_a_decoding_that_is_given_up_ends():
     before = len(os.listdir("/proc/self/task"))
     records = koseki.decode(max(RECORDINGS, key=lambda path: path.stat().st_size))
