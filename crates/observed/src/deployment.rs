@@ -234,16 +234,19 @@ impl Deployment {
     /// of its periods to send a measurement, and a tracker a second one, since it uses a scan when the next one begins.
     pub fn unexplained_offset_ns(&self, now_ns: i64) -> Option<i64> {
         let offset_ns = self.data_offset_ns(now_ns)?;
-        let sources = self.configured_sources().iter();
-        let has_sensors = |of: &SourceFacts| {
+        let sources = || {
+            let all = self.configured_sources().iter();
+            all.filter(|source| source.sensor_of.is_none())
+        };
+        let is_tracker = |of: &SourceFacts| {
             self.configured_sources()
                 .iter()
                 .any(|one| one.sensor_of == Some(of.number))
         };
-        let usual_ns = sources
-            .filter(|source| source.sensor_of.is_none())
-            .map(|source| source.period_ns * if has_sensors(source) { 2 } else { 1 })
-            .min();
+        let usual_ns = |source: &SourceFacts| source.period_ns * if is_tracker(source) { 2 } else { 1 };
+        // A fast source that is silent explains nothing.
+        let reporting = sources().filter(|source| !self.is_source_silent(source.number, now_ns));
+        let usual_ns = reporting.map(usual_ns).min().or_else(|| sources().map(usual_ns).min());
         Some(match offset_ns < 0 {
             true => (offset_ns + usual_ns.unwrap_or_default()).min(0),
             false => offset_ns,

@@ -90,6 +90,16 @@ fn data_are_behind_by_more_than_the_sources_rhythm() {
         assert_eq!(unexplained(joined(), offset_s), Some(of_tracker), "{offset_s}");
     }
     assert_eq!(plain().unexplained_offset_ns(0), None);
+    // A fast source that sends nothing does not make the data of a slow one late.
+    let fast = SourceFacts {
+        period_ns: S,
+        ..source(1, "ads-b", false)
+    };
+    let mut two = Deployment::new(vec![source(0, "radar", false), fast]);
+    two.take_health(&health(ADAPTER, "radar", 0, 9, &[(Counter::Published, 5)]));
+    assert_eq!(unexplained(two.clone(), -4), Some(0));
+    two.take_health(&health(ADAPTER, "ads-b", 1, 9, &[(Counter::Published, 5)]));
+    assert_eq!(unexplained(two, -4), Some(-3));
 }
 
 #[test]
