@@ -88,17 +88,42 @@ fn unknown_option(error: &clap::Error, program: &Command, words: &[String]) -> O
     Some(format!("unexpected argument '{found}' found{meant}"))
 }
 
-/// Returns the full name of the command in `words`, and its options.
+/// Returns the full name of the command in `words`, and its options. The value of an option may have the name of a
+/// command: such words are commands only if there is no other one.
 fn command_of<'a>(program: &'a Command, words: &[String]) -> (String, Vec<&'a clap::Arg>) {
-    let mut command = program;
-    let mut name = program.get_name().to_owned();
-    for word in words.iter().skip(1) {
+    let is_value = |before: &String| {
+        before
+            .strip_prefix("--")
+            .is_some_and(|option| has_value(program, option))
+    };
+    let pairs = || words.iter().zip(words.iter().skip(1));
+    let certain = pairs().filter(|(before, _)| !is_value(before));
+    let found = command_in(program, certain.map(|(_, word)| word));
+    let (name, command) = found.unwrap_or_else(|| {
+        let all = command_in(program, words.iter().skip(1));
+        all.unwrap_or_else(|| (program.get_name().to_owned(), program))
+    });
+    (name, command.get_arguments().collect())
+}
+
+/// Returns the command that `words` name below `program`, with its full name.
+fn command_in<'a, 'w>(program: &'a Command, words: impl Iterator<Item = &'w String>) -> Option<(String, &'a Command)> {
+    let mut found = None;
+    for word in words {
+        let (name, command) = found
+            .clone()
+            .unwrap_or_else(|| (program.get_name().to_owned(), program));
         if let Some(below) = command.find_subcommand(word) {
-            command = below;
-            name = format!("{name} {}", below.get_name());
+            found = Some((format!("{name} {}", below.get_name()), below));
         }
     }
-    (name, command.get_arguments().collect())
+    found
+}
+
+/// Whether a command below `program` has an option of this name with a value.
+fn has_value(program: &Command, name: &str) -> bool {
+    let is_it = |arg: &clap::Arg| arg.get_long() == Some(name) && arg.get_action().takes_values();
+    program.get_arguments().any(is_it) || program.get_subcommands().any(|below| has_value(below, name))
 }
 
 #[cfg(test)]
@@ -150,6 +175,7 @@ mod tests {
         for (words, place) in [
             (["koseki", "--for", "up", "a.toml"], "koseki up --for"),
             (["koseki", "--instance", "up", "a.toml"], "koseki up --instance"),
+            (["koseki", "--instance", "score", "up"], "koseki up --instance"),
         ] {
             let line = line(&words);
             let expected = format!(
