@@ -27,11 +27,13 @@ const LATE_S: f64 = 10.0;
 /// Late reports in a row that agree with each other and are still believed.
 const LATE_AGREEING: u32 = 3;
 /// Reports received within this time arrive together, nanoseconds.
-const TOGETHER_NS: i64 = 50_000_000;
+const TOGETHER_NS: u64 = 50_000_000;
 /// Share of the present's passing by which saved reports come nearer to it at least.
 const DRAINING: f64 = 0.5;
 /// Smallest weight of a new report in the offset.
 const GAIN_MIN: f64 = 1.0 / 64.0;
+/// How far a late report speaks against a clock: one of which most reports are late is not sound.
+const LATE_ODDITY: f64 = 0.5;
 /// Weight of a new report in the share of wild ones, and the shares from which and below which the source as a whole is
 /// wild and no longer is.
 const SHARE_GAIN: f64 = 1.0 / 16.0;
@@ -57,6 +59,8 @@ pub struct SourceClock {
     /// End of the latest silence, UTC, nanoseconds, and its length, seconds.
     silence: (i64, f64),
     wild_share: f64,
+    /// Time of receipt of the latest report that counted for the share, UTC, nanoseconds.
+    judged_ns: i64,
     is_wild: bool,
 }
 
@@ -74,6 +78,7 @@ impl SourceClock {
             received_ns: i64::MIN,
             silence: (i64::MIN, 0.0),
             wild_share: 0.0,
+            judged_ns: i64::MIN,
             is_wild: false,
         }
     }
@@ -99,8 +104,16 @@ impl SourceClock {
         let common_s = common_s.or((!is_known).then_some(0.0));
         let is_far = common_s.is_some_and(|common_s| (offset_s - common_s).abs() > self.step_s);
         let is_odd = (is_far || jumps) && !is_late;
-        self.wild_share += SHARE_GAIN * (f64::from(u8::from(is_odd)) - self.wild_share);
-        self.is_wild = self.wild_share > if self.is_wild { WILD_UNTIL } else { WILD_FROM };
+        if received_ns.abs_diff(self.judged_ns) >= TOGETHER_NS || self.reports < AGREEING {
+            self.judged_ns = received_ns;
+            let oddity = match (is_odd, is_late) {
+                (true, _) => 1.0,
+                (false, true) => LATE_ODDITY,
+                (false, false) => 0.0,
+            };
+            self.wild_share += SHARE_GAIN * (oddity - self.wild_share);
+            self.is_wild = self.wild_share > if self.is_wild { WILD_UNTIL } else { WILD_FROM };
+        }
         let is_believed = !is_odd && !self.is_wild;
         if is_believed {
             self.newest_ns = self.newest_ns.max(time_ns);
@@ -150,7 +163,7 @@ impl SourceClock {
         }
         let (mean_s, count) = self.apart;
         if count > 0 && self.is_near(offset_s, mean_s) {
-            if received_ns.saturating_sub(self.apart_ns) < TOGETHER_NS {
+            if received_ns.abs_diff(self.apart_ns) < TOGETHER_NS {
                 return;
             }
             self.apart = (mean_s + (offset_s - mean_s) / f64::from(count + 1), count + 1);
@@ -240,6 +253,27 @@ mod tests {
             assert!((0..13).all(|index| clock.believes(received_ns - index * S / 50, received_ns, Some(0.0))));
         }
         assert!((clock.offset().unwrap().0 + 0.4).abs() < 0.2);
+    }
+
+    #[test]
+    fn a_clock_of_which_most_reports_are_late_is_not_sound() {
+        // Twenty reports at a time, as far off as the step says.
+        for offsets_s in [[4.5, -4.5, 0.0], [-4.5, 0.0, 4.5], [0.0, 4.5, -4.5]] {
+            let mut clock = SourceClock::new(5.0);
+            let report = |clock: &mut SourceClock, step: usize| {
+                let received_ns = NOW + step as i64 * S / 10;
+                clock.believes(
+                    received_ns + (offsets_s[step % 3] * S as f64) as i64,
+                    received_ns,
+                    Some(0.0),
+                )
+            };
+            let believed = (0..280)
+                .flat_map(|step| [step; 20])
+                .filter(|step| report(&mut clock, *step))
+                .count();
+            assert!(believed < 280 * 20 / 2, "{offsets_s:?}: {believed}");
+        }
     }
 
     #[test]
