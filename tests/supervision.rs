@@ -45,6 +45,37 @@ fn until_tracks_come(home: &Home) {
     });
 }
 
+#[test]
+fn too_few_open_files_are_refused_at_once_with_a_remedy_and_a_low_default_is_raised() {
+    let home = Home::new();
+    let demo = |limit: &str| {
+        let demo = home.command(&["demo", "--for", "1", "--set", "display.listen=off"]);
+        let mut limited = Command::new("sh");
+        limited.arg("-c").arg(format!("ulimit {limit}; exec \"$0\" \"$@\""));
+        limited.arg(demo.get_program()).args(demo.get_args());
+        let changed = demo.get_envs().filter_map(|(name, value)| Some((name, value?)));
+        limited.envs(changed).current_dir(demo.get_current_dir().unwrap());
+        limited
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped());
+        home.start_command(&mut limited).end()
+    };
+    for limit in ["24", "64", "100", "255"] {
+        let (status, said) = demo(&format!("-n {limit}"));
+        assert_eq!(status.code(), Some(1), "{said}");
+        let words = format!("a process may have only {limit} files open, and needs up to 256: raise `ulimit -n`");
+        assert!(
+            said.contains(&words) && !said.contains("InternalFailure"),
+            "{limit}: {said}"
+        );
+    }
+    // The limit that can be raised.
+    let (status, said) = demo("-S -n 64");
+    assert_eq!(status.code(), Some(0), "{said}");
+    home.assert_nothing_is_left("demo");
+}
+
 fn stop(home: &Home, demo: Running) {
     let (status, said) = demo.stop();
     assert_eq!(status.code(), Some(0), "{said}");

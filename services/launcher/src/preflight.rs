@@ -1,20 +1,28 @@
-//! Checks of the network before the start: free ports and existing interfaces.
+//! Checks of the machine before the start: open files, free ports and existing interfaces.
 //!
 //! A process without its socket reports the fault itself, many times, among the messages of all other processes. A
 //! check before the start gives one line with a remedy. A failed check does not prevent the start, since another
 //! program may hold the port only for a moment, and an interface may come up; a required source is the exception.
 
-use anyhow::bail;
+use anyhow::{bail, ensure};
 use deployment::{Deployment, ReceiverTransport};
 use net::{UdpReceiver, UdpSender};
+use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 
 use crate::say;
 
-/// Tries every socket of the deployment, and reports the unavailable sockets.
+/// Files that a process of a small deployment has open, and as many to spare.
+const FILES_LEAST: u64 = 256;
+/// Files that a process of the largest deployment has open, and as many to spare.
+const FILES_MOST: u64 = 65_536;
+
+/// Checks how many files a process may have open, then tries every socket of the deployment, and reports the
+/// unavailable sockets.
 ///
 /// # Errors
-/// If an unavailable socket belongs to a required source.
+/// If the files are too few, or an unavailable socket belongs to a required source.
 pub(crate) fn check(config: &Deployment) -> anyhow::Result<()> {
+    open_files()?;
     for receiver in &config.receivers {
         // Ports at the deployment's own loopback address are its own; a server may start at any time.
         let ReceiverTransport::Udp(settings) = &receiver.transport else {
@@ -40,5 +48,28 @@ pub(crate) fn check(config: &Deployment) -> anyhow::Result<()> {
             ));
         }
     }
+    Ok(())
+}
+
+/// Lets this process and its children have as many files open as they may ever need, if this user may permit it.
+///
+/// Without, the ports of a process fail one by one, and the deployment goes on without some of its processes.
+fn open_files() -> anyhow::Result<()> {
+    let Rlimit { current, maximum } = getrlimit(Resource::Nofile);
+    let Some(limit) = current.filter(|current| *current < FILES_MOST) else {
+        return Ok(());
+    };
+    let raised = maximum.map_or(FILES_MOST, |maximum| maximum.min(FILES_MOST));
+    let wanted = Rlimit {
+        current: Some(raised),
+        maximum,
+    };
+    // If the system refuses, the present limit holds.
+    let limit = setrlimit(Resource::Nofile, wanted).map_or(limit, |()| raised);
+    ensure!(
+        limit >= FILES_LEAST,
+        "a process may have only {limit} files open, and needs up to {FILES_LEAST}: raise `ulimit -n`, or LimitNOFILE of \
+         the unit"
+    );
     Ok(())
 }
