@@ -3,7 +3,7 @@
 //! - `latency.hlog`: every interval's latencies, per stage and source, in the standard HdrHistogram log format;
 //! - `latency_<stage>.hgrm` and `latency_<stage>_<source>.hgrm`: at the end, the distribution of each stage, of all
 //!   sources together and of each source with reports, in microseconds, for HdrHistogram's plotter;
-//! - `report.json`: at the end, the report.
+//! - `report.json`: at the end, the report; a counter that is absent is 0.
 //!
 //! After a failed write (a full disk) the log ends; the monitor continues and reports the error at its end.
 
