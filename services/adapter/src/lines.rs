@@ -34,8 +34,6 @@ pub(crate) struct LineAgent {
     server: SocketAddr,
     steady: SteadyClock,
     refusals: LatestRefusals,
-    /// Lines that were too long at the last turn.
-    oversized: u64,
 }
 
 impl LineAgent {
@@ -64,7 +62,6 @@ impl LineAgent {
             server,
             steady: SteadyClock::of(Now::read()),
             refusals: LatestRefusals::default(),
-            oversized: 0,
         })
     }
 }
@@ -97,12 +94,11 @@ impl Agent for LineAgent {
             }
         });
         failed?;
-        let oversized = self.client.counters().oversized;
-        if oversized > self.oversized {
-            self.oversized = oversized;
+        let too_long = self.client.counters().oversized;
+        self.refusals.too_long(too_long, || {
             let read = Now::read();
-            self.refusals.too_long(ReceiptTime::of(read.utc_ns, read, steady));
-        }
+            ReceiptTime::of(read.utc_ns, read, steady)
+        });
         self.channel.publish()?;
         if let Some(capture) = &mut self.capture {
             capture.hand_over();

@@ -1,4 +1,4 @@
-//! What was refused last, in words, for health messages.
+//! Refusals in words, for health messages.
 //!
 //! A count alone leaves a user without the reason. For each of the latest reasons one text is kept: the time of day of
 //! the receipt, the line or item, its value, the limit and the remedy. A flood of refusals costs no more than its
@@ -27,6 +27,8 @@ const BETWEEN: &str = " | ";
 pub(crate) struct LatestRefusals {
     /// The latest first.
     kept: Vec<KeptRefusal>,
+    /// Lines that were too long so far.
+    too_long: u64,
 }
 
 #[derive(Clone, Debug)]
@@ -74,8 +76,13 @@ impl LatestRefusals {
         self.note(reason, received, error.after_lines(lines_before));
     }
 
-    /// Takes the refusal of a line that does not end.
-    pub(crate) fn too_long(&mut self, received: ReceiptTime) {
+    /// Takes the number of lines so far that did not end in time, counted at `received`.
+    pub(crate) fn too_long(&mut self, count: u64, received: impl FnOnce() -> ReceiptTime) {
+        if count <= self.too_long {
+            return;
+        }
+        self.too_long = count;
+        let received = received();
         self.note(
             ("line", ""),
             received,

@@ -35,8 +35,6 @@ pub(crate) struct RowLineAgent {
     /// Rows that came before any header.
     headless: u64,
     refusals: LatestRefusals,
-    /// Lines that were too long at the last turn.
-    oversized: u64,
 }
 
 /// Rows under their header.
@@ -100,7 +98,6 @@ impl RowLineAgent {
             steady: SteadyClock::of(Now::read()),
             headless: 0,
             refusals: LatestRefusals::default(),
-            oversized: 0,
         })
     }
 
@@ -136,12 +133,10 @@ impl Agent for RowLineAgent {
             }
         });
         failed?;
-        let oversized = self.client.counters().oversized;
-        if oversized > self.oversized {
-            self.oversized = oversized;
+        refusals.too_long(self.client.counters().oversized, || {
             let read = Now::read();
-            refusals.too_long(ReceiptTime::of(read.utc_ns, read, steady));
-        }
+            ReceiptTime::of(read.utc_ns, read, steady)
+        });
         let count = usize::from(rows.whole().is_some());
         Self::hand_over(rows, reader, steady)?;
         reader.publish(count, now)?;

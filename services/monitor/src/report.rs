@@ -198,7 +198,7 @@ pub struct SourceReport {
     pub scan_period_s: Option<f64>,
     /// States of system tracks that a report of the source led to and the monitor saw.
     pub states: u64,
-    /// Those of them to which another source contributes, too.
+    /// States among these to which another source contributes, too.
     pub joint_states: u64,
     /// Latencies of its reports, by stage.
     #[serde(serialize_with = "by_key")]

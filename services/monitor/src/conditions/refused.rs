@@ -122,7 +122,7 @@ impl Conditions {
             let (subject, title, counters) = match known {
                 Some(known) => (Subject::source(source), known.facts.name.clone(), latest.counters()),
                 None if source == NO_SOURCE => {
-                    // What is of none of its sources, and what all of them accept.
+                    // Counts of data without a source, beside everything that was accepted.
                     let mut own = book.apart_from_sources(kind, name, false).unwrap_or_default();
                     for counter in ACCEPTED {
                         own[counter] = latest.counters()[counter];
