@@ -193,15 +193,16 @@ const PLANTED: [(Inlet, &str, &[&str]); 40] = [
 
 /// A deployment with every inlet, and what feeds them.
 struct Site {
-    home: Home,
     running: Running,
-    _feeds: [Running; 2],
+    feeds: [Running; 2],
     socket: UdpSocket,
     /// Addresses of the inlets for datagrams, in the order of [`INLETS`].
     ports: Vec<SocketAddr>,
     rows: TcpStream,
     sbs: TcpStream,
     feed: TcpStream,
+    /// Dropped after what runs in it.
+    home: Home,
 }
 
 impl Site {
@@ -292,7 +293,7 @@ live = {{ receiver = "spotter" }}
             feed: TcpStream::connect(of(Inlet::FeedTcp)).unwrap(),
             home,
             running,
-            _feeds: feeds,
+            feeds,
             socket: UdpSocket::bind("127.0.0.1:0").unwrap(),
             ports,
             rows,
@@ -392,8 +393,13 @@ fn each_planted_error_is_named_with_its_value_and_remedy() {
             "{alarms:?}"
         );
     }
+    for feed in site.feeds {
+        let (ended, said) = feed.stop();
+        assert_eq!(ended.code(), Some(1), "nothing was published: {said}");
+    }
     let (ended, _) = site.running.stop();
     assert!(ended.success());
+    site.home.assert_nothing_is_left("test");
     let report = fs::read_to_string(site.home.path("out/latest/report.json")).unwrap();
     let report: Value = serde_json::from_str(&report).unwrap();
     let of = |name: &str| {

@@ -220,6 +220,7 @@ impl Drop for Home {
     fn drop(&mut self) {
         if !thread::panicking() {
             self.forget_checkpoints();
+            assert_eq!(self.shared_memory(), [""; 0], "memory of deployments is left");
             return;
         }
         let start = Instant::now();
