@@ -38,7 +38,8 @@ settings::settings! {
         /// Whether the decisions of fusion, with reasons, are published on `system/decisions` for every reader, and
         /// recorded. A display gets them in any case; then a burst may exceed the queue.
         decisions: bool = false;
-        /// Time through fusion beyond which a report has missed its deadline.
+        /// Time through fusion beyond which a report has missed its deadline. For a report that waits for the end of
+        /// its scan, the time begins there.
         deadline_us: f64 = 1000.0, in [0.1, 1e9];
     }
 

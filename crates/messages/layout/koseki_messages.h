@@ -15,7 +15,7 @@
 #define KOSEKI_PLATFORM_STATE_SCHEMA UINT64_C(0x8d494f0b5412852b) /* BatchHeader.schema of its slices. */
 #define KOSEKI_WIDE_AREA_SCHEMA UINT64_C(0x3b99c7106b96bc51) /* BatchHeader.schema of its slices. */
 #define KOSEKI_CUE_SCHEMA UINT64_C(0x628bf8748d0293cc) /* BatchHeader.schema of its slices. */
-#define KOSEKI_SYSTEM_TRACK_SCHEMA UINT64_C(0x69c11c4f06cb2382) /* BatchHeader.schema of its slices. */
+#define KOSEKI_SYSTEM_TRACK_SCHEMA UINT64_C(0x6be8ce0f5c65f69b) /* BatchHeader.schema of its slices. */
 #define KOSEKI_ALARM_SCHEMA UINT64_C(0x2f65dffd42e7c22b) /* BatchHeader.schema of its slices. */
 #define KOSEKI_DECISION_SCHEMA UINT64_C(0x9f26827141266f51) /* BatchHeader.schema of its slices. */
 #define KOSEKI_HEALTH_SCHEMA UINT64_C(0xdafeced042738418) /* BatchHeader.schema of its slices. */
@@ -726,7 +726,7 @@ typedef struct KosekiSystemTrack {
     float mode_probabilities[8]; /* Probabilities of the motion models in the order of `MotionMode`; all 0: not estimated. */
     uint32_t updates; /* Number of reports in the state since the start of the track. */
     uint32_t extrapolations; /* Number of published extrapolations since the last report. */
-    uint32_t spare; /* Reserved, 0. */
+    uint32_t held_us; /* How long the report that caused this state waited for the end of its scan before it could be answered, */
 } KosekiSystemTrack;
 static_assert(sizeof(KosekiSystemTrack) == 1536, "size");
 static_assert(offsetof(KosekiSystemTrack, reference_time_ns) == 0, "offset");
@@ -775,7 +775,7 @@ static_assert(offsetof(KosekiSystemTrack, turn_rate_sigma_radps) == 1488, "offse
 static_assert(offsetof(KosekiSystemTrack, mode_probabilities) == 1492, "offset");
 static_assert(offsetof(KosekiSystemTrack, updates) == 1524, "offset");
 static_assert(offsetof(KosekiSystemTrack, extrapolations) == 1528, "offset");
-static_assert(offsetof(KosekiSystemTrack, spare) == 1532, "offset");
+static_assert(offsetof(KosekiSystemTrack, held_us) == 1532, "offset");
 
 typedef struct KosekiAlarm {
     int64_t time_ns; /* Time of this statement, UTC, nanoseconds since 1970. */

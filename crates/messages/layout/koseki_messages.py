@@ -17,7 +17,7 @@ SENSOR_SPECTRUM_SCHEMA = 0x294141f134fd3cce  # BatchHeader.schema of its slices.
 PLATFORM_STATE_SCHEMA = 0x8d494f0b5412852b  # BatchHeader.schema of its slices.
 WIDE_AREA_SCHEMA = 0x3b99c7106b96bc51  # BatchHeader.schema of its slices.
 CUE_SCHEMA = 0x628bf8748d0293cc  # BatchHeader.schema of its slices.
-SYSTEM_TRACK_SCHEMA = 0x69c11c4f06cb2382  # BatchHeader.schema of its slices.
+SYSTEM_TRACK_SCHEMA = 0x6be8ce0f5c65f69b  # BatchHeader.schema of its slices.
 ALARM_SCHEMA = 0x2f65dffd42e7c22b  # BatchHeader.schema of its slices.
 DECISION_SCHEMA = 0x9f26827141266f51  # BatchHeader.schema of its slices.
 HEALTH_SCHEMA = 0xdafeced042738418  # BatchHeader.schema of its slices.
@@ -874,7 +874,7 @@ class SystemTrack(ctypes.Structure):
         ("mode_probabilities", ctypes.c_float * 8),  # Probabilities of the motion models in the order of `MotionMode`; all 0: not estimated.
         ("updates", ctypes.c_uint32),  # Number of reports in the state since the start of the track.
         ("extrapolations", ctypes.c_uint32),  # Number of published extrapolations since the last report.
-        ("spare", ctypes.c_uint32),  # Reserved, 0.
+        ("held_us", ctypes.c_uint32),  # How long the report that caused this state waited for the end of its scan before it could be answered,
     ]
 
     @staticmethod
@@ -929,7 +929,7 @@ assert SystemTrack.turn_rate_sigma_radps.offset == 1488
 assert SystemTrack.mode_probabilities.offset == 1492
 assert SystemTrack.updates.offset == 1524
 assert SystemTrack.extrapolations.offset == 1528
-assert SystemTrack.spare.offset == 1532
+assert SystemTrack.held_us.offset == 1532
 
 
 class Alarm(ctypes.Structure):

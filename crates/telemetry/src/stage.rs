@@ -86,6 +86,14 @@ impl Stage {
             Self::Age => (track.time_of_measurement_ns, ended.utc_ns),
         }
     }
+
+    /// Returns for how much of this stage the report of `track` waited before it could be answered, nanoseconds.
+    pub(crate) fn held_ns(self, track: &SystemTrack) -> u64 {
+        match self {
+            Self::TakenToFused | Self::EndToEnd | Self::Age => u64::from(track.held_us) * 1000,
+            Self::IngestToPublish | Self::PublishToTaken | Self::FusedToReceived => 0,
+        }
+    }
 }
 
 /// End of a state's journey on both clocks, nanoseconds; 0 if unknown.

@@ -5,7 +5,8 @@
 //!
 //! A missing stamp, a stamp before its predecessor, or more than ten minutes after it, gives no latency: it is
 //! counted per stage. (The age of recorded data is years, for example.) A latency beyond the stage's deadline is
-//! recorded and counted as a miss.
+//! recorded and counted as a miss; for a report that waited for its scan by design, the deadline counts from the end of
+//! that wait.
 //!
 //! Recording allocates nothing once every source has reported and each histogram covers the occurring latencies: a
 //! histogram grows with the first value beyond its end.
@@ -188,7 +189,9 @@ impl Stages {
                     .record(took_ns)
                     .expect("the histogram grows as needed");
                 let deadline_ns = self.journey.deadlines.get(stage);
-                source.current_misses[index] += u64::from(deadline_ns.is_some_and(|deadline_ns| took_ns > deadline_ns));
+                let answered_ns = took_ns.saturating_sub(stage.held_ns(track));
+                source.current_misses[index] +=
+                    u64::from(deadline_ns.is_some_and(|deadline_ns| answered_ns > deadline_ns));
             }
         }
     }
@@ -504,6 +507,33 @@ mod tests {
             "nobody set a deadline"
         );
         assert_eq!(misses(Stage::EndToEnd, Some(9), Span::Total), 0, "no such source");
+    }
+
+    #[test]
+    fn deadlines_count_from_when_a_report_could_be_answered() {
+        let us = 1_000;
+        let deadlines = Deadlines::default()
+            .with(Stage::PublishToTaken, Some(10 * us as u64))
+            .with(Stage::TakenToFused, Some(30 * us as u64))
+            .with(Stage::EndToEnd, Some(150 * us as u64));
+        let mut stages = Stages::new(Journey {
+            deadlines,
+            ..Journey::default()
+        });
+        // Fusion takes 60 µs, all 200 µs, of which the scan took 20, 30 and 50.
+        for held_us in [20, 30, 50] {
+            let state = SystemTrack {
+                held_us,
+                ..track(1, 20 * us)
+            };
+            stages.record(&state, RECEIVED_NS, UTC_NS);
+        }
+        stages.close_interval();
+        let misses = |stage| stages.deadline_misses(stage, None, Span::Total);
+        assert_eq!((misses(Stage::TakenToFused), misses(Stage::EndToEnd)), (1, 2));
+        assert_eq!(misses(Stage::PublishToTaken), 3, "no scan is waited for there");
+        let fusion = stages.summary(Stage::TakenToFused, None, Span::Total);
+        assert!(fusion.max_ns >= 60 * us as u64, "what subscribers wait is shown whole");
     }
 
     #[test]

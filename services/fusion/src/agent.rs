@@ -361,6 +361,7 @@ impl<S: Transport> FusionAgent<S> {
             worked = true;
             self.progress_ns = report.time_of_measurement_ns;
             let number = self.inputs[usize::from(report.source)].number_of(&report);
+            self.output.begin_report(report.stages.taken_ns);
             self.driver.report_in_order(&mut report, number, &mut self.output);
         }
         self.output.send(self.progress_ns, false)?;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use bus::{BatchWriter, Bus, BusError, Mark, Publisher, Transport};
 use deployment::{Deployment, ReportOrder};
 use fusion::{FilterInput, Sink};
-use messages::{Counter, Decision, OrderState, ProcessKind, StreamId, SystemTrack, Topic};
+use messages::{Counter, Decision, NO_SOURCE, OrderState, ProcessKind, StreamId, SystemTrack, Topic};
 use runtime::clock::{boot_identity, mono_ns};
 use runtime::flow::Flow;
 use runtime::housekeeping::Queues;
@@ -24,6 +24,10 @@ pub(crate) struct TrackOutput<S: Transport> {
     origin: u32,
     deadline_ns: i64,
     deadline_misses: u64,
+    /// When fusion took the report being processed; 0 while time passes alone.
+    taken_ns: i64,
+    /// When the present turn began.
+    turn_ns: i64,
     /// Queue of decisions, which another thread publishes.
     queues: Arc<Queues>,
     decisions_dropped: u64,
@@ -35,7 +39,11 @@ pub(crate) struct TrackOutput<S: Transport> {
 impl<S: Transport> Sink for TrackOutput<S> {
     #[inline]
     fn track(&mut self, track: &SystemTrack) {
-        self.states.push(track);
+        if track.stages.taken_ns == self.taken_ns || track.trigger_source == NO_SOURCE {
+            self.states.push(track);
+        } else {
+            self.push_held(track);
+        }
         if self.smoothing.is_some() {
             self.smooth(track);
         }
@@ -107,11 +115,36 @@ impl<S: Transport> TrackOutput<S> {
                 ReportOrder::Time => i64::MAX,
             },
             deadline_misses: 0,
+            taken_ns: 0,
+            turn_ns: 0,
             queues,
             decisions_dropped: 0,
             smoothing: None,
             smoothing_dropped: 0,
         })
+    }
+
+    /// A turn begins at `now_ns`, monotonic: what time alone makes due is due at the latest now.
+    #[inline]
+    pub(crate) fn begin_turn(&mut self, now_ns: i64) {
+        self.turn_ns = now_ns;
+    }
+
+    /// The states that follow are caused by a report taken at `taken_ns`, monotonic, or release reports that waited;
+    /// 0: time passes alone.
+    #[inline]
+    pub(crate) fn begin_report(&mut self, taken_ns: i64) {
+        self.taken_ns = taken_ns;
+    }
+
+    /// A state of a report that has waited for its scan: it could not be answered before this turn.
+    #[cold]
+    fn push_held(&mut self, track: &SystemTrack) {
+        let held_us = (self.turn_ns - track.stages.taken_ns) / 1000;
+        self.states.push(&SystemTrack {
+            held_us: held_us.clamp(0, i64::from(u32::MAX)) as u32,
+            ..*track
+        });
     }
 
     /// Passes what the engine emits on to `queue`, too.
@@ -202,7 +235,8 @@ impl<S: Transport> TrackOutput<S> {
         let mut missed = 0;
         self.states.send(mark, |track, sequence| {
             stamp(track, sequence);
-            missed += u64::from(track.stages.taken_ns != 0 && sent_ns - track.stages.taken_ns > deadline_ns);
+            let answerable_ns = track.stages.taken_ns + i64::from(track.held_us) * 1000;
+            missed += u64::from(track.stages.taken_ns != 0 && sent_ns - answerable_ns > deadline_ns);
         })?;
         self.deadline_misses += missed;
         if let Some(own) = &mut self.own {

@@ -28,7 +28,7 @@ settings::settings! {
         /// Pause between two reads. System tracks that wait longer in the monitor's queue are replaced by newer
         /// tracks, even at low rates.
         poll_ms: f64 = 5.0, in [0.5, 100];
-        /// Greatest permitted duration of each stage.
+        /// Greatest permitted duration of each stage, without the wait of a report for the end of its scan.
         deadline_us: DeadlineTable = DeadlineTable::default();
         /// Address and port where metrics for Prometheus are served.
         prometheus: Option<String> = None;

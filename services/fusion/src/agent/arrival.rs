@@ -23,6 +23,7 @@ impl<S: Transport> FusionAgent<S> {
     pub(super) fn work_on_arrival(&mut self, now: Now) -> anyhow::Result<bool> {
         let machine = now;
         let now = self.clocks.engine_time(machine);
+        self.output.begin_turn(machine.mono_ns);
         if self.reached.is_none() && self.clocks.is_due(machine) {
             self.look_at_clocks(machine);
         }
@@ -41,6 +42,7 @@ impl<S: Transport> FusionAgent<S> {
                 goes_on |= self.work_off_one(self.round[place], now)?;
             }
         }
+        self.output.begin_report(0);
         self.driver.advance(self.passed_ns(now), &mut self.output);
         self.output.send(self.progress_ns, false)?;
         Ok(worked > 0)
@@ -122,6 +124,7 @@ impl<S: Transport> FusionAgent<S> {
         let keeping = self.keeping.as_ref();
         let verdict = keeping.map_or(SuspectTreatment::Sound, |keeping| keeping.begin_report(source, number));
         if verdict != SuspectTreatment::Quarantine {
+            self.output.begin_report(self.report.stages.taken_ns);
             self.driver
                 .report(&mut self.report, number, passed_ns, &mut self.output);
         }

@@ -10,6 +10,7 @@ use messages::{
     BatchHeader, Counter, Covariance, Decision, DecisionKind, FusionRule, NO_SOURCE, Order, OrderKind, SensorTrack,
     SystemTrack, TrackState, sensor_track_bits,
 };
+use runtime::clock::mono_ns;
 use runtime::housekeeping::Queues;
 use runtime::{Agent, HealthEntry, Now, Speed, Turn};
 use test_support::S;
@@ -233,6 +234,26 @@ fn on_arrival_a_report_is_fused_at_once_and_stamped() {
     let track = bench.received[0];
     assert_eq!((track.trigger_source, track.position_m), (1, [3.0, 0.0, 0.0]));
     assert!(track.stages.taken_ns > 0 && track.stages.fused_ns >= track.stages.taken_ns);
+}
+
+#[test]
+fn the_wait_for_a_scan_counts_against_no_deadline() {
+    // Of 0.1 µs: every answer is late.
+    let mut bench = Bench::new(&config("arrival", "[fusion]\ndeadline_us = 0.1\n"));
+    bench.now.mono_ns = mono_ns();
+    bench.send(0, &[report(1, 0, 0.0, 0.0)], i64::MIN, false);
+    bench.turn();
+    assert!(bench.received.is_empty(), "its scan may bring others");
+    bench.pass(0.5);
+    bench.turn();
+    let held = bench.received[0];
+    let from_taken_ns = bench.now.mono_ns - held.stages.taken_ns;
+    assert_eq!(i64::from(held.held_us), from_taken_ns / 1000);
+    assert_eq!(bench.counter(Counter::DeadlineMisses), 0);
+    bench.send(0, &[report(1, 1, 0.5, 0.0)], i64::MIN, false);
+    bench.turn();
+    assert_eq!(bench.received[1].held_us, 0);
+    assert_eq!(bench.counter(Counter::DeadlineMisses), 1);
 }
 
 #[test]

@@ -175,7 +175,7 @@ impl fmt::Display for Difference {
 fn differing_field(given: &SystemTrack, recorded: &SystemTrack, missing: &[Range<usize>]) -> Option<String> {
     let [given, recorded] = [given, recorded].map(|state| {
         let mut state = *state;
-        (state.stages.taken_ns, state.stages.fused_ns) = (0, 0);
+        (state.stages.taken_ns, state.stages.fused_ns, state.held_us) = (0, 0, 0);
         state
     });
     let octets = |state: &SystemTrack| {
@@ -208,7 +208,7 @@ mod tests {
         let mut verification = Verification::default();
         verification.begin(3, 0);
         let mut recorded = state(3, 0);
-        (recorded.stages.taken_ns, recorded.stages.fused_ns) = (5, 6);
+        (recorded.stages.taken_ns, recorded.stages.fused_ns, recorded.held_us) = (5, 6, 7);
         verification.record(&recorded);
         verification.give(&state(3, 0));
         assert_eq!((verification.states, verification.differences), (1, 0));
