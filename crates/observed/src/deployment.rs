@@ -11,7 +11,7 @@ use telemetry::{DataOffset, Journey, JourneyEnd, Stages};
 
 use crate::book::{HealthBook, LatestHealth};
 use crate::present::PresentAlarms;
-use crate::process::process_title;
+use crate::process::{ObservedProcess, process_title};
 use crate::source::{self, Delivery, RefusedInput, SourceFacts, SourceState};
 use crate::track_counts::TrackCounts;
 
@@ -37,6 +37,8 @@ pub struct Deployment {
     /// Time of the latest sign of life of the leading fusion, monotonic, nanoseconds.
     fusion_ns: i64,
     live_max: u64,
+    /// Longest time between two messages that a process repeats unchanged, beyond that of a live process, nanoseconds.
+    repeated_ns: i64,
 }
 
 impl Default for Deployment {
@@ -71,6 +73,7 @@ impl Deployment {
             publisher: 0,
             fusion_ns: i64::MIN,
             live_max: 0,
+            repeated_ns: 0,
         }
     }
 
@@ -82,7 +85,15 @@ impl Deployment {
         self
     }
 
-    /// Returns this state with another extent of latencies; `None`: latencies are not recorded.
+    /// Returns this state for a reader of a recording, which has unchanged messages every `repeated_ns` nanoseconds: so
+    /// much later, a process counts as silent or absent.
+    #[must_use]
+    pub fn of_recording(mut self, repeated_ns: i64) -> Self {
+        self.repeated_ns = repeated_ns;
+        self
+    }
+
+    /// Returns the state with another extent of latencies; `None`: latencies are not recorded.
     #[must_use]
     pub fn with_latencies(mut self, journey: Journey, is_recorded: bool) -> Self {
         (self.stages, self.has_latencies) = (Stages::new(journey), is_recorded);
@@ -99,6 +110,7 @@ impl Deployment {
         Self {
             origin: self.origin,
             frame: self.frame,
+            repeated_ns: self.repeated_ns,
             ..empty
         }
     }
@@ -213,6 +225,16 @@ impl Deployment {
         self.frame.as_ref()
     }
 
+    /// Returns the processes, see [`HealthBook::processes`].
+    pub fn processes(&self, expected: &[(ProcessKind, String)], now_ns: i64) -> Vec<ObservedProcess> {
+        self.book.processes(expected, self.expected_ns(now_ns))
+    }
+
+    /// Returns the time up to which messages have arrived from every process that runs at `now_ns`.
+    fn expected_ns(&self, now_ns: i64) -> i64 {
+        now_ns.saturating_sub(self.repeated_ns)
+    }
+
     /// Returns the orders in force, and orders that ended recently.
     pub fn orders(&self) -> &[OrderState] {
         &self.orders
@@ -256,7 +278,7 @@ impl Deployment {
     /// Whether the leading fusion is absent at `now_ns` (monotonic, nanoseconds): neither health messages nor system
     /// tracks for two seconds.
     pub fn is_fusion_absent(&self, now_ns: i64) -> bool {
-        is_absent(self.fusion_ns, now_ns)
+        is_absent(self.fusion_ns, self.expected_ns(now_ns))
     }
 
     /// Whether the launcher stops the deployment.
@@ -382,7 +404,7 @@ impl Deployment {
             true => self.is_fusion_absent(now_ns),
             false => {
                 let adapter_ns = self.book.time_ns(ProcessKind::Adapter, &source.adapter);
-                is_absent(adapter_ns.unwrap_or(i64::MIN), now_ns)
+                is_absent(adapter_ns.unwrap_or(i64::MIN), self.expected_ns(now_ns))
             }
         })
     }

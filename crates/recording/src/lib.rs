@@ -38,6 +38,9 @@ pub use writer::{Channel, Compression, Writer};
 /// Name of the metadata with the origin of a file.
 pub const FACTS: &str = "koseki";
 
+/// Longest time between two records of a message that its publisher repeats unchanged, nanoseconds.
+pub const REPEATED_NS: i64 = 5_000_000_000;
+
 /// Facts at the beginning of a file, by name: configuration, build, and [progress of the topics](Tally).
 pub type Facts = std::collections::BTreeMap<String, String>;
 

@@ -28,8 +28,8 @@ pub struct Survey {
     taken_ns: Option<u64>,
 }
 
-/// Minimum time without slices for a gap, nanoseconds. While a recorder runs, every process publishes its health five
-/// times a second.
+/// Minimum time without slices for a gap, nanoseconds. While a recorder runs, it records its own health twice a
+/// second.
 const GAP_NS: u64 = 700_000_000;
 
 /// Contents of one topic.

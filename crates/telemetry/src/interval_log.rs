@@ -5,8 +5,8 @@
 //! seconds since the base time and the histogram in compressed V2 form. Values are nanoseconds.
 //!
 //! Tags are `stage` for all sources together and `stage/source` for one source: `end_to_end`,
-//! `end_to_end/radar-west`. An interval without reports still has its lines for all sources, so that a stall is
-//! visible; a silent source has no line.
+//! `end_to_end/radar-west`. The first interval without reports still has its lines for all sources, so that a stall is
+//! visible; those after it, and a silent source, have none.
 
 use std::io::{self, Write};
 use std::time::{Duration, UNIX_EPOCH};
@@ -23,6 +23,8 @@ pub struct IntervalLog<W: Write> {
     writer: W,
     serializer: V2DeflateSerializer,
     start_utc_ns: i64,
+    /// Whether the latest line of a stage for all sources was empty.
+    is_silent: [bool; Stage::ALL.len()],
 }
 
 impl<W: Write> IntervalLog<W> {
@@ -47,6 +49,7 @@ impl<W: Write> IntervalLog<W> {
             writer,
             serializer,
             start_utc_ns,
+            is_silent: Default::default(),
         })
     }
 
@@ -84,12 +87,17 @@ impl<W: Write> IntervalLog<W> {
     ) -> io::Result<()> {
         let begin = Duration::from_nanos((begin_utc_ns - self.start_utc_ns).max(0) as u64);
         let length = Duration::from_nanos(length_ns);
-        for stage in Stage::ALL {
+        for (index, stage) in Stage::ALL.into_iter().enumerate() {
             let Some(histogram) = stages.histogram(stage, source, Span::Interval) else {
                 continue;
             };
             match source {
-                None => self.write_line(stage.key(), histogram, begin, length)?,
+                None => {
+                    let was_silent = std::mem::replace(&mut self.is_silent[index], histogram.is_empty());
+                    if !(was_silent && histogram.is_empty()) {
+                        self.write_line(stage.key(), histogram, begin, length)?;
+                    }
+                }
                 Some(_) if histogram.is_empty() => {}
                 Some(source) => {
                     let tag = format!("{}/{}", stage.key(), fit_for_tag(source_name(source).as_ref()));
@@ -168,7 +176,7 @@ mod tests {
         let mut stages = Stages::default();
         let mut log = IntervalLog::begin(Vec::new(), UTC_NS).expect("in memory");
         for interval in 0..5i64 {
-            for report in 0..200 * interval {
+            for report in 0..200 * (interval - 2).abs() {
                 let latency_ns = 1000 + 37 * report;
                 let track = track((report % 3) as u16, latency_ns);
                 stages.record(&track, 1_000_000 + 4 * latency_ns, UTC_NS + 5 * latency_ns);
@@ -202,7 +210,7 @@ mod tests {
                 }
             }
         }
-        assert_eq!(intervals, 5, "a silent interval has its line too");
+        assert_eq!(intervals, 5, "the one silent interval has its line too");
         assert_eq!(read.len(), 6 * 4);
         for stage in Stage::ALL {
             assert_eq!(
@@ -223,6 +231,26 @@ mod tests {
         Deserializer::new()
             .deserialize(&mut bytes.as_slice())
             .expect("a histogram")
+    }
+
+    #[test]
+    fn of_a_long_silence_the_first_interval_is_written() {
+        let mut stages = Stages::default();
+        let mut log = IntervalLog::begin(Vec::new(), UTC_NS).expect("in memory");
+        for interval in 0..10i64 {
+            if interval == 4 {
+                stages.record(&track(0, 1000), 1_005_000, UTC_NS + 5000);
+            }
+            stages.close_interval();
+            log.write_interval(&stages, UTC_NS + interval * 1_000_000_000, 1_000_000_000, |_| "radar")
+                .expect("in memory");
+        }
+        let bytes = log.into_writer();
+        let begins = IntervalLogIterator::new(&bytes).filter_map(|entry| match entry.expect("well-formed") {
+            LogEntry::Interval(line) if line.tag()?.as_str() == "age" => Some(line.start_timestamp().as_secs()),
+            _ => None,
+        });
+        assert_eq!(begins.collect::<Vec<_>>(), [0, 4, 5]);
     }
 
     #[test]

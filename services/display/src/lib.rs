@@ -205,6 +205,7 @@ pub fn show_recording(
     world.engine = Some(Arc::new(engine.clone()));
     world.has_decisions = config.fusion.decisions;
     let name = name.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    world.observed = world.observed.of_recording(recording::REPEATED_NS);
     world.recording = Some(ReplayedRecording::begin(name, tape.span_ns(), Now::read()));
     // Paths of the maps are whole.
     let maps = settings.maps_in(Path::new(""));

@@ -227,7 +227,7 @@ fn processes(world: &World, now: Now) -> Vec<Value> {
             .map(|counter| (counter.label().replace('_', " "), counters[counter].to_string()))
             .collect()
     };
-    let processes = book.processes(&[], now.mono_ns).into_iter().map(|process| {
+    let processes = world.observed.processes(&[], now.mono_ns).into_iter().map(|process| {
         let latest = process.kind.and_then(|kind| book.whole(kind, &process.name));
         json!({
             "kind": process.kind.map_or("", ProcessKind::word),

@@ -297,7 +297,7 @@ impl DeploymentSurvey {
 
     /// How all processes are.
     pub(crate) fn processes(&self, now: Now) -> Vec<ObservedProcess> {
-        self.observed.book().processes(&self.expected, now.mono_ns)
+        self.observed.processes(&self.expected, now.mono_ns)
     }
 
     /// Counters of the monitor for the system tracks.

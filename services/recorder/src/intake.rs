@@ -10,6 +10,7 @@ use runtime::Now;
 
 use crate::journal::Journal;
 use crate::recorded::{ForSamples, RecordedSample, for_samples};
+use crate::repeats::{Repeated, Repeats};
 
 /// Slices taken from one topic before the next one's turn.
 const SLICES_PER_TOPIC: usize = 64;
@@ -53,6 +54,30 @@ impl<S: Transport, T: Payload + Streamed> Arriving<S> for OfStream<S, T> {
         let taken = self.0.take(SLICES_PER_TOPIC, |header, samples| {
             journal.add_numbered(place, header, samples, now);
             done(place, header, journal.account(place).next_sequence());
+        })?;
+        Ok(taken > 0)
+    }
+
+    fn has_slices(&self) -> bool {
+        self.0.has_slices()
+    }
+
+    fn counts(&self) -> SubscriberCounts {
+        self.0.counts()
+    }
+}
+
+/// Topic whose publishers repeat their messages.
+#[derive(Debug)]
+struct OfRepeats<S: Transport, T: Payload>(Subscriber<S, T>, Repeats);
+
+impl<S: Transport, T: Payload + Repeated> Arriving<S> for OfRepeats<S, T> {
+    fn take(&mut self, place: usize, journal: &mut Journal, now: Now, _: &mut Done<'_>) -> anyhow::Result<bool> {
+        let Self(subscriber, repeats) = self;
+        let taken = subscriber.take(SLICES_PER_TOPIC, |header, samples| {
+            if !repeats.has(header, samples, now.mono_ns) {
+                journal.add(place, header, samples, now);
+            }
         })?;
         Ok(taken > 0)
     }
@@ -147,6 +172,12 @@ impl<S: Transport> IntakeBuilder<'_, S> {
         Ok(())
     }
 
+    fn open_repeated<T: Payload + Repeated>(&mut self, topic: &Topic<T>) -> anyhow::Result<()> {
+        let subscriber = self.subscribe(topic)?;
+        self.topics.push(Box::new(OfRepeats(subscriber, Repeats::default())));
+        Ok(())
+    }
+
     fn open_of<T: Payload + Streamed>(&mut self, name: &str) -> anyhow::Result<()> {
         let subscriber = self.subscribe(&T::topic(name))?;
         self.topics.push(Box::new(OfStream(subscriber)));
@@ -169,10 +200,10 @@ impl<S: Transport> IntakeBuilder<'_, S> {
         }
         // Messages between processes can wait for the next poll.
         self.waiter = None;
-        self.open(&messages::health())?;
+        self.open_repeated(&messages::health())?;
         self.open(&messages::orders())?;
         self.open(&messages::progress())?;
-        self.open(&messages::frame_origin())?;
+        self.open_repeated(&messages::frame_origin())?;
         self.open(&messages::restored())?;
         // Last, so that the event log contains every system track taken in the same turn.
         self.open_log(&messages::event_log())

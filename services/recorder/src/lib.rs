@@ -20,7 +20,7 @@
 //!
 //! With `format = ["csv", "mcap"]`, every topic, including messages between processes, is recorded bit by bit in
 //! `all_topics_<number>.mcap` (see the crate `recording`), with the times of reception and sending, configuration
-//! and version.
+//! and version. A message between processes that repeats the one before it is recorded every five seconds.
 //!
 //! A full disk stops a file until there is room, with one message and a count; other files go on, also if a table
 //! cannot be made at the start. The process then ends with an error when it is stopped. The note in the recorder's
@@ -37,6 +37,7 @@ mod intake;
 mod journal;
 mod recorded;
 mod recovery;
+mod repeats;
 mod segments;
 mod settings;
 mod slice;
