@@ -19,6 +19,7 @@ use bus::{Bus, Payload, SharedMemory, Subscriber};
 use messages::{Health, LifeState, ProcessKind, Topic};
 use rand::RngExt as _;
 use rand::SeedableRng as _;
+use rand::seq::SliceRandom as _;
 use rand_chacha::ChaCha8Rng;
 use runtime::clock::mono_ns;
 use rustix::process::{Pid, Signal, kill_process};
@@ -36,6 +37,56 @@ const SOURCES: [&str; 5] = ["radar-west", "radar-east", "multilateration", "ads-
 #[test]
 fn killed_children_come_back_and_what_died_with_them_is_counted() {
     campaign(15, Duration::ZERO, 1);
+}
+
+#[test]
+fn a_start_right_after_a_kill_of_everything_succeeds() {
+    starts(5, 3);
+}
+
+#[test]
+#[ignore = "takes two minutes: run it by its name"]
+fn two_hundred_starts_after_kills_of_everything() {
+    let count = std::env::var("KOSEKI_KILLS").ok().and_then(|times| times.parse().ok());
+    starts(count.unwrap_or(200), 4);
+}
+
+/// Kills all processes of a demonstration so often, at any moment of its start or later and in any order, and starts it
+/// again while they die.
+fn starts(count: usize, seed: u64) {
+    let home = Home::new();
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut took = Vec::new();
+    let mut running = home.demo();
+    for _ in 0..count {
+        if random.random_bool(0.5) {
+            thread::sleep(Duration::from_millis(random.random_range(0..1000)));
+        }
+        let mut pids = home.pids();
+        pids.shuffle(&mut random);
+        for pid in pids {
+            // One may have followed its launcher already.
+            let _ = kill_process(Pid::from_raw(pid as i32).unwrap(), Signal::KILL);
+        }
+        let start = Instant::now();
+        let next = home.start(&["demo"]);
+        let killed = std::mem::replace(&mut running, next);
+        if random.random_bool(0.7) {
+            running.until_said("instance demo runs");
+            took.push(start.elapsed());
+        } else {
+            // The next kill comes while it starts.
+            thread::sleep(Duration::from_millis(random.random_range(0..300)));
+            assert!(running.child.try_wait().unwrap().is_none(), "{}", running.said());
+        }
+        killed.end();
+    }
+    running.until_said("instance demo runs");
+    let (status, said) = running.stop();
+    assert_eq!(status.code(), Some(0), "{said}");
+    home.assert_nothing_is_left("demo");
+    took.sort();
+    println!("{count} kills of everything: a start took at most {:?}", took.last());
 }
 
 #[test]
