@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 
 use messages::layout::Sample;
-use messages::{BatchHeader, FrameOrigin, Health, ProcessKind};
+use messages::{BatchHeader, Counters, FrameOrigin, Health, ProcessKind, Registration};
 use recording::REPEATED_NS;
 
 /// Time after which nothing more is expected of a publisher, nanoseconds.
@@ -27,8 +27,12 @@ pub(crate) trait Repeated: Sample + Copy {
 }
 
 impl Repeated for Health {
+    /// Estimates move by a little without a report; the recorder's own counters move with each record.
     fn content(mut self) -> Self {
-        self.said_ns = 0;
+        (self.said_ns, self.registration) = (0, Registration::default());
+        if self.kind() == Some(ProcessKind::Recorder) {
+            self.counters = Counters::default();
+        }
         self
     }
 
@@ -138,7 +142,7 @@ mod tests {
     #[test]
     fn the_recorders_own_health_shows_that_it_runs() {
         let mut repeats = Repeats::default();
-        let said = |turn| [health(ProcessKind::Recorder, turn * PERIOD_NS, 0)];
+        let said = |turn| [health(ProcessKind::Recorder, turn * PERIOD_NS, turn as u64)];
         let recorded = (0..10).filter(|turn| !repeats.has(&of(1), &said(*turn), turn * PERIOD_NS));
         assert_eq!(recorded.collect::<Vec<_>>(), [0, 2, 4, 6, 8]);
     }
