@@ -233,6 +233,28 @@ fn new_tracks_are_confirmed_earlier_where_more_targets_were_reported() {
     assert_eq!((none, some), (0, 1));
 }
 
+#[test]
+fn no_more_tracks_are_confirmed_earlier_than_targets_were_reported() {
+    let confirmed = |reported: u32| {
+        let mut chosen = settings();
+        chosen.wide_area.confirmation = Some(early_confirmation());
+        chosen.wide_area.tracks_min = 0.0;
+        let mut tracker = Tracker::new(chosen).unwrap();
+        for second in 0..5 {
+            if second == 1 {
+                tracker.wide_area(&report(0, 1, reported)).unwrap();
+            }
+            // Two targets so near to each other that their tracks share a cluster.
+            let seen = [0.0, 25.0].map(|y| position(second * S, 15.0 * second as f64, y));
+            tracker.scan(1, second * S, &seen).unwrap();
+        }
+        assert_eq!(tracker.clusters(), 1);
+        (tracker.counts().wide_area_confirmations, tracker.tracks().len())
+    };
+    assert_eq!(confirmed(1), (1, 2), "the other one is confirmed as without a report");
+    assert_eq!(confirmed(2), (2, 2));
+}
+
 fn early_deletion() -> EarlyDeletion {
     EarlyDeletion {
         deletion: Deletion {
