@@ -241,3 +241,20 @@ pub(super) fn open_unix(shared: &Arc<Shared>, path: &Path, mode: u32, group: Opt
         Ok((stream, Peer(None)))
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_answer_to_a_refused_client_outlasts_the_lines_that_it_has_sent() {
+        let (mut client, server) = UnixStream::pair().unwrap();
+        client.write_all(&[b'x'; 10_000]).unwrap();
+        client.shutdown(Shutdown::Write).unwrap();
+        // The end of a socket with unread data resets the connection.
+        refuse_connection(server, &fault_of(DoorRefusal::Full, &DoorLimits::OF_SENDERS)).unwrap();
+        let mut answer = String::new();
+        client.read_to_string(&mut answer).unwrap();
+        assert!(answer.contains("at most 64 connections"), "{answer}");
+    }
+}
