@@ -54,7 +54,7 @@ impl IdentityText {
         digits: 9,
         radix: 10,
         max: 999_999_999,
-        form: "an MMSI of up to nine digits",
+        form: "an MMSI of nine digits; if zeros come first, at most two, 2 to 7 follows",
         example: "211234560",
         pattern: "^[0-9]{9}$",
     };
@@ -83,6 +83,19 @@ impl IdentityText {
     pub fn write(&self, number: u32) -> Option<Spelled> {
         let radix = self.radix;
         (number <= self.max).then_some(Spelled { number, radix })
+    }
+
+    /// Returns whether a target of this kind can have this number. Of the nine digits of an MMSI, those of a group of
+    /// ships begin with one zero, those of a coast station with two; the country follows, whose first digit is 2 to 7
+    /// (ITU-R M.585). Samples of others may have any number, and are written and read back.
+    pub fn is_possible(&self, number: u32) -> bool {
+        match (self.radix, number) {
+            (10, 0..=99_999_999) => {
+                let digits = number.checked_ilog10().unwrap_or_default();
+                digits >= 6 && (2..=7).contains(&(number / 10u32.pow(digits)))
+            }
+            _ => number <= self.max,
+        }
     }
 
     /// Returns the value of this kind in an identity, as text.
@@ -193,6 +206,24 @@ mod tests {
     fn every_address_and_every_mmsi_is_read_as_it_is_written() {
         (0..1 << 24).for_each(|address| goes_round(IdentityText::ADDRESS, address));
         (0..1 << 30).for_each(|mmsi| goes_round(IdentityText::MMSI, mmsi));
+    }
+
+    #[test]
+    fn an_mmsi_with_zeros_before_it_is_of_a_country() {
+        for (number, is_possible) in [
+            (2_275_400, true),
+            (23_456_789, true),
+            (111_232_001, true),
+            (0, false),
+            (999_999, false),
+            (1_193_046, false),
+            (8_000_000, false),
+            (12_345_678, false),
+            (1_000_000_000, false),
+        ] {
+            assert_eq!(IdentityText::MMSI.is_possible(number), is_possible, "{number}");
+        }
+        assert!(IdentityText::ADDRESS.is_possible(5) && !IdentityText::MODE_3A.is_possible(0o10000));
     }
 
     #[test]

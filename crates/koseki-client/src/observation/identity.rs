@@ -8,11 +8,9 @@ use super::fault;
 /// Returns an identity with a number of this kind as well: an aircraft's address, a ship's MMSI or a Mode 3/A code.
 ///
 /// # Errors
-/// The fault of a number that is too large, of a number that is no MMSI, or of an MMSI beside an address: a target is
-/// an aircraft or a ship.
+/// The fault of a number that no target has, or of an MMSI beside an address: a target is an aircraft or a ship.
 pub fn numbered(identity: Identity, kind: IdentityText, number: u32) -> Result<Identity, Fault> {
-    let is_no_ship = kind == IdentityText::MMSI && !is_mmsi(number);
-    if kind.write(number).is_none() || is_no_ship {
+    if !kind.is_possible(number) {
         let limit = format!("must be {}", kind.form);
         let value = match kind.radix {
             16 => format!("{number:X}"),
@@ -40,17 +38,6 @@ pub fn numbered(identity: Identity, kind: IdentityText, number: u32) -> Result<I
         ));
     }
     Ok(both)
-}
-
-/// Whether a number can be an MMSI. Of its nine digits, those of a group of ships begin with one zero, those of a coast
-/// station with two; the country follows, whose first digit is 2 to 7 (ITU-R M.585).
-fn is_mmsi(number: u32) -> bool {
-    match number {
-        0..=999_999 => false,
-        1_000_000..=9_999_999 => (2..=7).contains(&(number / 1_000_000)),
-        10_000_000..=99_999_999 => (2..=7).contains(&(number / 10_000_000)),
-        _ => true,
-    }
 }
 
 /// Passes the name of a ship on.
