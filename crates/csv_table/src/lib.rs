@@ -2,8 +2,8 @@
 //!
 //! Columns are found by name, in any order; unused columns are ignored, so that files may contain more columns than a
 //! reader needs. Values are separated by commas, with or without quotation marks around them; a quoted value ends in
-//! its line, so that a stray mark hides no lines behind it. Blanks around values, blank lines, a byte order mark and
-//! the line ends of other systems are accepted.
+//! its line, so that a stray mark spoils this line alone. Blanks around values, blank lines, a byte order mark and the
+//! line ends of other systems are accepted.
 //!
 //! An error in a row of a large file must be easy to find. Every error therefore names the line (as counted by
 //! editors), the column, the value, and the permitted values.
@@ -21,7 +21,7 @@ use std::str::FromStr;
 use thiserror::Error;
 
 pub use digits::{write_decimals, write_plain, write_time, write_whole};
-use row::Row;
+use row::{Row, RowRead};
 
 /// The columns of a covariance of position and velocity, in the order of its upper triangle.
 pub const COVARIANCE_COLUMNS: [&str; 21] = [
@@ -62,6 +62,13 @@ pub enum CsvError {
         expected: usize,
     },
 
+    /// The quotation marks of a value do not end in its line.
+    #[error("line {line}: a value begins with a quotation mark and none ends it; write both, or none")]
+    Quotes {
+        /// The line, from 1.
+        line: u64,
+    },
+
     /// A value is invalid for its column.
     #[error("line {line}, column {column}: {value:?} {reason}")]
     Value {
@@ -90,10 +97,17 @@ impl CsvError {
     #[must_use]
     pub fn after_lines(mut self, lines: u64) -> Self {
         match &mut self {
-            Self::Length { line, .. } | Self::Value { line, .. } | Self::Input { line, .. } => *line += lines,
+            Self::Length { line, .. } | Self::Quotes { line } | Self::Value { line, .. } | Self::Input { line, .. } => {
+                *line += lines;
+            }
             Self::Header { .. } => {}
         }
         self
+    }
+
+    /// Whether one row is wrong, and those behind it can be read.
+    pub fn is_of_row(&self) -> bool {
+        matches!(self, Self::Length { .. } | Self::Quotes { .. } | Self::Value { .. })
     }
 }
 
@@ -126,7 +140,7 @@ impl<R: Read> Table<R> {
     /// Reads the header.
     ///
     /// # Errors
-    /// If the input fails.
+    /// If the input fails, or the quotation marks of a name do not end in their line.
     pub fn new(input: R) -> Result<Self, CsvError> {
         let mut table = Self {
             input: BufReader::new(input),
@@ -160,6 +174,7 @@ impl<R: Read> Table<R> {
                 "is missing: separate values by commas, not semicolons"
             }
             _ if self.header.len() == 1 && first.contains(&b'\t') => "is missing: separate values by commas, not tabs",
+            [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => "is missing: the file is UTF-16; save it as UTF-8",
             _ => "is missing",
         }
     }
@@ -196,7 +211,8 @@ impl<R: Read> Table<R> {
     /// The next row, `None` at the end. After a row that could not be read the next one may be asked for.
     ///
     /// # Errors
-    /// If the row has more or fewer values than the header has names, or the input fails.
+    /// If the row has more or fewer values than the header has names, quotation marks without an end, or the input
+    /// fails.
     pub fn next_row(&mut self) -> Option<Result<Cells<'_>, CsvError>> {
         if self.failed {
             return None;
@@ -207,7 +223,7 @@ impl<R: Read> Table<R> {
                 Ok(true) if self.row.is_blank() => {}
                 Ok(true) => break,
                 Err(error) => {
-                    self.failed = true;
+                    self.failed = !error.is_of_row();
                     return Some(Err(error));
                 }
             }
@@ -232,9 +248,15 @@ impl<R: Read> Table<R> {
     fn read(&mut self) -> Result<bool, CsvError> {
         let line = self.line + 1;
         let read = self.row.read(&mut self.input);
-        let has_row = read.map_err(|reason| CsvError::Input { line, reason })?;
-        self.line += u64::from(has_row);
-        Ok(has_row)
+        let read = read.map_err(|reason| CsvError::Input { line, reason })?;
+        if read == RowRead::End {
+            return Ok(false);
+        }
+        self.line = line;
+        match read {
+            RowRead::Unclosed => Err(CsvError::Quotes { line }),
+            _ => Ok(true),
+        }
     }
 
     fn header_error(&self, column: &'static str, fault: &'static str) -> CsvError {
@@ -339,7 +361,7 @@ impl Cells<'_> {
     /// # Errors
     /// If the value is none.
     pub fn time_s(&self, column: Column) -> Result<f64, CsvError> {
-        let seconds = self.number(column)?;
+        let seconds = self.seconds(column)?;
         if seconds.abs() > TIME_MAX_S {
             let reason = format!("is more than {TIME_MAX_S} s away; count from midnight (UTC) of the first day");
             return Err(self.error(column, reason));
@@ -361,11 +383,24 @@ impl Cells<'_> {
     /// If the value is none.
     #[inline]
     pub fn utc_ns(&self, column: Column, first_day_ns: i64) -> Result<i64, CsvError> {
-        let seconds = self.number(column)?;
+        let seconds = self.seconds(column)?;
         if seconds.abs() <= TIME_MAX_S {
             return Ok(first_day_ns.saturating_add(frames::time::ns(seconds)));
         }
         self.since_1970_ns(column, seconds)
+    }
+
+    /// A number that counts seconds; the refusal of a date or a time of day names what is read.
+    #[inline]
+    fn seconds(&self, column: Column) -> Result<f64, CsvError> {
+        self.number(column)
+            .map_err(|error| match self.value(column).contains(&b':') {
+                true => self.error(
+                    column,
+                    "is no number; count seconds from midnight (UTC) of the first day",
+                ),
+                false => error,
+            })
     }
 
     #[cold]
@@ -475,7 +510,7 @@ mod tests {
             Err("line 7, column b: \"\" is empty; write a number"),
             Err("line 8, column b: \"\u{fffd}\" is not UTF-8 text"),
             Ok(2.0),
-            Err("line 10, column b: \"\\\"2\" is no number; write one like -12.5"),
+            Err("line 10: a value begins with a quotation mark and none ends it; write both, or none"),
             Ok(3.0),
         ];
         assert_eq!(column_b(text), expected.map(|one| one.map_err(str::to_owned)));
@@ -483,18 +518,14 @@ mod tests {
 
     #[test]
     fn a_header_that_lacks_or_repeats_a_column_is_refused() {
-        let fault = |text: &str| {
-            Table::new(text.as_bytes())
-                .unwrap()
-                .required("b")
-                .unwrap_err()
-                .to_string()
-        };
+        let fault_of = |octets: &[u8]| Table::new(octets).unwrap().required("b").unwrap_err().to_string();
+        let fault = |text: &str| fault_of(text.as_bytes());
         assert_eq!(fault("a,c\n"), "header: column b is missing; the header is \"a,c\"");
         assert_eq!(fault(""), "header: column b is missing; the header is \"\"");
         assert!(fault("b,a,b\n").contains("more than once"));
         assert!(fault("a;b\n1;2\n").contains("by commas, not semicolons"));
         assert!(fault("a\tb\n").contains("by commas, not tabs"));
+        assert!(fault_of(b"\xff\xfea\0,\0b\0").contains("save it as UTF-8"));
         assert!(fault("# a table\na,b\n").contains("not a comment"));
     }
 
@@ -536,6 +567,11 @@ mod tests {
         ] {
             assert_eq!(time(text), Ok(ns), "{text}");
         }
+        assert!(
+            time("2026-11-28T15:38:31Z")
+                .unwrap_err()
+                .contains("count seconds from midnight")
+        );
         // Milliseconds, a date as digits, and a time of no clock.
         for text in ["1795880310123", "20261128", "-5e8"] {
             assert!(time(text).unwrap_err().contains("or from 1970"), "{text}");

@@ -1,35 +1,17 @@
 //! A line of a table, divided at its commas.
 //!
-//! Few lines have a quotation mark: spreadsheets put one around texts with commas, and some programs around every
-//! value. One search for a mark per line costs less than a splitter that looks for it at each octet, as those of
-//! libraries do. A line with a mark is rewritten without its quotes.
+//! Lines with quotation marks are divided by `csv_core`, the splitter of the crate `csv`, a line at a time: a value
+//! whose quotes do not end in its line makes this line a wrong one, and hides none behind it. Most lines have no mark.
+//! Their commas are found eight octets at once, in a sixth of the instructions.
 
 use std::io::{self, BufRead};
+
+use csv_core::ReadFieldResult;
 
 /// The mark that some programs write before a text in UTF-8.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 const QUOTE: u8 = b'"';
-
-/// Appends the value in quotation marks at the begin of `text`, without them, and returns what follows it: a comma, or
-/// nothing. `None` if no such value is there.
-fn quoted<'t>(text: &'t [u8], value: &mut Vec<u8>) -> Option<&'t [u8]> {
-    let mut rest = text.trim_ascii_start().strip_prefix(&[QUOTE])?;
-    loop {
-        let end = rest.iter().position(|octet| *octet == QUOTE)?;
-        value.extend_from_slice(&rest[..end]);
-        rest = &rest[end + 1..];
-        match rest {
-            [QUOTE, behind @ ..] => {
-                value.push(QUOTE);
-                rest = behind;
-            }
-            _ => break,
-        }
-    }
-    let rest = rest.trim_ascii_start();
-    matches!(rest, [] | [b',', ..]).then_some(rest)
-}
 
 /// Returns a bit for each comma, the highest of its octet; the first octet is the lowest.
 fn commas(word: [u8; 8]) -> u64 {
@@ -44,52 +26,92 @@ fn commas(word: [u8; 8]) -> u64 {
 /// Values of a line, blanks included.
 #[derive(Debug, Default)]
 pub(crate) struct Row {
-    /// The line without its line feed.
+    /// The line without its line feed, or its values without their quotes.
     octets: Vec<u8>,
     /// End of each value.
     ends: Vec<usize>,
+    quotes: Quotes,
+}
+
+/// What a line with quotation marks needs.
+#[derive(Debug)]
+struct Quotes {
+    splitter: Box<csv_core::Reader>,
+    /// The line as it is in the input.
+    line: Vec<u8>,
+}
+
+impl Default for Quotes {
+    fn default() -> Self {
+        let feed = csv_core::Terminator::Any(b'\n');
+        Self {
+            splitter: Box::new(csv_core::ReaderBuilder::new().terminator(feed).build()),
+            line: Vec::new(),
+        }
+    }
+}
+
+/// What the input has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum RowRead {
+    Whole,
+    /// The quotes of a value do not end in the line.
+    Unclosed,
+    End,
 }
 
 impl Row {
-    /// Reads the next line; `false` at the end of the input.
-    pub(crate) fn read(&mut self, input: &mut impl BufRead) -> io::Result<bool> {
+    /// Reads the next line.
+    pub(crate) fn read(&mut self, input: &mut impl BufRead) -> io::Result<RowRead> {
         self.octets.clear();
         self.ends.clear();
         if input.read_until(b'\n', &mut self.octets)? == 0 {
-            return Ok(false);
+            return Ok(RowRead::End);
         }
         if self.octets.last() == Some(&b'\n') {
             self.octets.pop();
         }
         // Without an early end, many octets are compared at once.
         let has_quote = self.octets.iter().fold(false, |found, octet| found | (*octet == QUOTE));
-        match has_quote {
-            true => self.unquote(),
-            false => self.find_ends(),
+        if has_quote && !self.unquote() {
+            return Ok(RowRead::Unclosed);
         }
-        Ok(true)
+        if !has_quote {
+            self.find_ends();
+        }
+        Ok(RowRead::Whole)
     }
 
-    /// Divides a line with quotation marks, and takes the quotes off (RFC 4180). A mark that does not begin a value, or
-    /// has no end in its line, is a letter as others: it must not hide the lines behind it.
+    /// Divides a line with quotation marks, and takes the quotes off (RFC 4180). `false` if quotes have no end.
     #[cold]
-    fn unquote(&mut self) {
-        let line = std::mem::take(&mut self.octets);
-        let mut rest = line.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&line);
+    fn unquote(&mut self) -> bool {
+        let Quotes { splitter, line } = &mut self.quotes;
+        std::mem::swap(line, &mut self.octets);
+        line.push(b'\n');
+        // Each value has a comma behind it.
+        self.octets.clear();
+        self.octets.resize(line.len(), 0);
+        splitter.reset();
+        let mut rest = line.strip_prefix(BYTE_ORDER_MARK).unwrap_or(line);
+        let mut end = 0;
         loop {
-            let begin = self.octets.len();
-            rest = quoted(rest, &mut self.octets).unwrap_or_else(|| {
-                self.octets.truncate(begin);
-                let end = rest.iter().position(|octet| *octet == b',').unwrap_or(rest.len());
-                self.octets.extend_from_slice(&rest[..end]);
-                &rest[end..]
-            });
-            self.ends.push(self.octets.len());
-            match rest {
-                [_, behind @ ..] => rest = behind,
-                [] => return,
+            let unblanked = rest.trim_ascii_start();
+            if unblanked.first() == Some(&QUOTE) {
+                rest = unblanked;
             }
-            self.octets.push(b',');
+            let (read, taken, written) = splitter.read_field(rest, &mut self.octets[end..]);
+            let ReadFieldResult::Field { record_end } = read else {
+                return false;
+            };
+            rest = &rest[taken..];
+            end += written;
+            self.ends.push(end);
+            if record_end {
+                self.octets.truncate(end);
+                return true;
+            }
+            self.octets[end] = b',';
+            end += 1;
         }
     }
 
@@ -153,7 +175,7 @@ mod tests {
 
     fn values(line: &str) -> Vec<String> {
         let mut row = Row::default();
-        row.read(&mut line.as_bytes()).unwrap();
+        assert_eq!(row.read(&mut line.as_bytes()).unwrap(), RowRead::Whole, "{line:?}");
         row.iter()
             .map(|value| String::from_utf8(value.to_vec()).unwrap())
             .collect()
@@ -164,15 +186,29 @@ mod tests {
         for (line, expected) in [
             ("\"a\",\"b c\",3\r\n", &["a", "b c", "3\r"][..]),
             ("1,\"MV \"\"X\"\", LE HAVRE\", 2", &["1", "MV \"X\", LE HAVRE", " 2"]),
-            (" \"1\" ,\"\",\t\"2\"\r\n", &["1", "", "2"]),
+            (" \"1\" ,\"\",\t\"2\"\r\n", &["1 ", "", "2\r"]),
             ("\u{feff}\"time_s\",\"x\"\n", &["time_s", "x"]),
-            // No quotes: a mark within a value, one without an end, and one that ends before its value does.
+            // A mark within a value, and quotes that end before their value does.
             ("5\" gun,1\n", &["5\" gun", "1"]),
-            ("\"a,b\n", &["\"a", "b"]),
-            ("\"a\"b,c\n", &["\"a\"b", "c"]),
+            ("\"a\"b,c\n", &["ab", "c"]),
+            ("\"\"\n", &[""]),
+            ("\"a\",\n", &["a", ""]),
+            ("\"a\"", &["a"]),
         ] {
             assert_eq!(values(line), expected, "{line:?}");
         }
+    }
+
+    #[test]
+    fn quotes_without_an_end_hide_no_line() {
+        let mut row = Row::default();
+        let mut input = &b"1,\"a\n\"b\",\"2\n\"c\",3\n4,5\n"[..];
+        for expected in [RowRead::Unclosed, RowRead::Unclosed, RowRead::Whole] {
+            assert_eq!(row.read(&mut input).unwrap(), expected);
+        }
+        assert!(row.iter().eq([&b"c"[..], b"3"]));
+        assert_eq!(row.read(&mut input).unwrap(), RowRead::Whole);
+        assert!(row.iter().eq([&b"4"[..], b"5"]));
     }
 
     proptest! {
@@ -185,7 +221,7 @@ mod tests {
         #[test]
         fn values_end_at_commas(octets in prop::collection::vec(prop::sample::select(b",,-+\xac\x2dx0".to_vec()), 0..40)) {
             let mut row = Row::default();
-            prop_assert_eq!(row.read(&mut &octets[..]).unwrap(), !octets.is_empty());
+            prop_assert_eq!(row.read(&mut &octets[..]).unwrap() == RowRead::End, octets.is_empty());
             let values: Vec<_> = row.iter().map(<[u8]>::to_vec).collect();
             let expected: Vec<_> = octets.split(|octet| *octet == b',').map(<[u8]>::to_vec).collect();
             prop_assert!(octets.is_empty() || values == expected);

@@ -70,6 +70,7 @@ impl LatestRefusals {
         let reason = match &error {
             CsvError::Header { column, .. } => ("header", *column),
             CsvError::Length { .. } => ("length", ""),
+            CsvError::Quotes { .. } => ("quotes", ""),
             CsvError::Value { column, .. } => ("value", *column),
             _ => ("input", ""),
         };

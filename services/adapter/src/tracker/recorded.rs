@@ -7,7 +7,6 @@ use std::collections::VecDeque;
 use std::path::Path;
 
 use anyhow::Context as _;
-use csv_table::CsvError;
 use deployment::{Input, PlotFormat, Process, Recorded, SampleDelivery, Source};
 use formats::autoferry;
 use formats::scan_rows_csv::ScanRowReader;
@@ -154,7 +153,7 @@ impl RecordedTracker {
                             let (id, event) = event_of(row, |time_ns| time_ns);
                             events.extend(is_own(id).then_some(event));
                         }
-                        Err(CsvError::Value { .. } | CsvError::Length { .. }) => {
+                        Err(error) if error.is_of_row() => {
                             self.read[Counter::BlocksRejected] += 1;
                         }
                         Err(error) => return Err(error.into()),

@@ -4,7 +4,6 @@ use std::io::BufReader;
 use std::path::Path;
 
 use anyhow::Context as _;
-use csv_table::CsvError;
 use deployment::{WideAreaInput, WideAreaSensor};
 use formats::wide_area_csv::WideAreaReader;
 use messages::{Counter, Counters, StageTimes, WideArea};
@@ -82,7 +81,7 @@ impl RecordedReports {
             match row {
                 Ok(report) if rejected.passes(&report) => self.reports.push(report),
                 Ok(_) => {}
-                Err(CsvError::Value { .. } | CsvError::Length { .. }) => {
+                Err(error) if error.is_of_row() => {
                     self.counters[Counter::BlocksRejected] += 1;
                 }
                 Err(error) => return Err(error.into()),

@@ -42,18 +42,17 @@ impl SkippedRows {
     /// # Errors
     /// If the whole file cannot be read.
     pub(super) fn skip(&mut self, file: &Path, error: CsvError) -> Result<(), InputError> {
-        match error {
-            CsvError::Value { .. } | CsvError::Length { .. } => {
-                self.unreadable(file, &error);
-                Ok(())
-            }
-            _ => Err(InputError::new(file, error)),
+        if !error.is_of_row() {
+            return Err(InputError::new(file, error));
         }
+        self.unreadable(file, &error);
+        Ok(())
     }
 
     fn unreadable(&mut self, file: &Path, error: &CsvError) {
         let reason = match error {
             CsvError::Value { column, .. } => format!("column {column}"),
+            CsvError::Quotes { .. } => "quotation marks".to_owned(),
             _ => "number of values".to_owned(),
         };
         self.add(reason, file, error);

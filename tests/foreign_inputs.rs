@@ -1,0 +1,156 @@
+//! Inputs as other people and programs write them: spreadsheets, scripts, receivers. Each is read, or refused in one
+//! line that names the place, the value, the limit and the remedy.
+
+use crate::common::Folder;
+
+/// Columns of sensor tracks, and of ships' tracks.
+const HEADER: &str = "time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,trace,state,mmsi";
+
+/// Three reports of a ship, the second with its time and its MMSI in place of those given.
+fn ship([time, mmsi]: [&str; 2]) -> String {
+    format!(
+        "{HEADER}\n10,1,7,0,0,0,5,0,0,200,confirmed,\n{time},1,7,5,0,0,5,0,0,200,confirmed,{mmsi}\n\
+         12,1,7,10,0,0,5,0,0,200,confirmed,\n"
+    )
+}
+
+/// A table with quotation marks around every value, and the line ends and the mark of another system.
+fn quoted(table: &str) -> String {
+    let lines = table
+        .lines()
+        .map(|line| format!("\"{}\"\r\n", line.replace(',', "\",\"")));
+    format!("\u{feff}{}", lines.collect::<String>())
+}
+
+/// Tables of sensor tracks: what they have, the text, the reports that are used, and words of the summary.
+fn read_tables() -> Vec<(&'static str, String, usize, &'static [&'static str])> {
+    let plain = ship(["11", ""]);
+    let since_1970 = plain.replace("\n1", "\n17958803");
+    vec![
+        ("plain", plain.clone(), 3, &[]),
+        ("quotes, a byte order mark, CR LF", quoted(&plain), 3, &[]),
+        (
+            "a blank before a quote",
+            plain.replace(",confirmed", ", \"confirmed\" "),
+            3,
+            &[],
+        ),
+        (
+            "times with 12 decimals",
+            plain.replace(",1,7,", ".123456789012,1,7,"),
+            3,
+            &[],
+        ),
+        ("times since 1970", since_1970.clone(), 3, &[]),
+        (
+            "times since 1970 with 12 decimals",
+            since_1970.replace(",1,7,", ".123456789012,1,7,"),
+            3,
+            &[],
+        ),
+        (
+            "one time since 1970",
+            ship(["1795880311", ""]),
+            2,
+            &[
+                "line 3, column time_s: \"1795880311\"",
+                "count all times from midnight or all from 1970",
+            ],
+        ),
+        (
+            "a time of ISO 8601",
+            ship(["2026-11-28T15:38:31Z", ""]),
+            2,
+            &[
+                "line 3, column time_s: \"2026-11-28T15:38:31Z\"",
+                "is no number; count seconds from midnight",
+            ],
+        ),
+        (
+            "milliseconds",
+            ship(["1795880311000", ""]),
+            2,
+            &["line 3, column time_s: \"1795880311000\" is no time", "or from 1970"],
+        ),
+        (
+            "a stray quotation mark",
+            plain.replacen(",confirmed", ",\"confirmed", 1),
+            2,
+            &[
+                "left out: 1 rows",
+                "line 2: a value begins with a quotation mark and none ends it; write both, or none",
+            ],
+        ),
+        (
+            "an MMSI of a coast station without its zeros",
+            ship(["11", "2275400"]),
+            3,
+            &[],
+        ),
+        ("an MMSI in quotes", ship(["11", "\"002275400\""]), 3, &[]),
+        (
+            "seven digits that are no MMSI",
+            ship(["11", "1193046"]),
+            2,
+            &["line 3, column mmsi: \"1193046\" is not an MMSI", "2 to 7"],
+        ),
+    ]
+}
+
+/// Tables of sensor tracks that are refused as a whole, and words of the refusal.
+fn refused_tables() -> Vec<(&'static str, Vec<u8>, &'static [&'static str])> {
+    let plain = ship(["11", ""]);
+    let utf16 = plain.encode_utf16().flat_map(u16::to_le_bytes);
+    vec![
+        (
+            "semicolons",
+            plain.replace(',', ";").into(),
+            &["column time_s is missing", "by commas, not semicolons"],
+        ),
+        (
+            "UTF-16",
+            [0xff, 0xfe].into_iter().chain(utf16).collect(),
+            &["is UTF-16; save it as UTF-8"],
+        ),
+        (
+            "a column given twice",
+            plain.replace(",trace,", ",x,").into(),
+            &["column x stands there more than once"],
+        ),
+        (
+            "a header whose quotes have no end",
+            format!("\"{plain}").into(),
+            &["line 1: a value begins with a quotation"],
+        ),
+        (
+            "only stray quotes",
+            plain.replace(",confirmed", ",\"confirmed").into(),
+            &["no row can be used", "line 2: "],
+        ),
+    ]
+}
+
+#[test]
+fn tables_are_read_however_they_are_written() {
+    for (what, text, used, words) in read_tables() {
+        let folder = Folder::with(&[("tracks.csv", text)]);
+        let (_, said) = folder.succeed("fuse --tracks tracks.csv --out fused.csv");
+        let reports = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(reports.contains(&format!("sensor 1 {used} reports")), "{what}: {said}");
+        assert_eq!(reports.contains("left out"), used < 3, "{what}: {said}");
+        for words in words {
+            assert!(said.contains(words), "{what}: {words} is missing in {said}");
+        }
+        let fused = folder.read("fused.csv");
+        if what.contains("12 decimals") {
+            assert!(fused.contains(".123456789,"), "{what}: {fused}");
+        }
+    }
+    for (what, text, words) in refused_tables() {
+        let folder = Folder::with(&[("tracks.csv", text)]);
+        let said = folder.refusal("fuse --tracks tracks.csv --out fused.csv");
+        for words in words {
+            assert!(said.contains(words), "{what}: {words} is missing in {said}");
+        }
+    }
+}
