@@ -154,3 +154,45 @@ fn tables_are_read_however_they_are_written() {
         }
     }
 }
+
+/// Lines of JSON for `koseki encode`: the text, the records that are written, and words of the notes.
+const RECORDS: [(&str, usize, &[&str]); 3] = [
+    (
+        "\u{feff}{\"_c\":10,\"010\":{\"SAC\":0,\"SIC\":7},\"000\":1,\"140\":43200.5}\n",
+        1,
+        &[],
+    ),
+    (
+        "{\"_c\":10,\"000\":1,\"140\":5}\n{\"_c\":10,\"000\":1,\"140\":43200.5,\"140\":5}\n",
+        1,
+        &[
+            "a key that is given twice",
+            "line 2: \"140\" is given twice: leave out one",
+        ],
+    ),
+    (
+        "{\"_c\":10,\"000\":1,\"140\":5}\n{\"_c\":10,\"010\":{\"SAC\":0,\"SIC\":7,\"SIC\":8}}\n",
+        1,
+        &["line 2: \"SIC\" is given twice: leave out one"],
+    ),
+];
+
+#[test]
+fn records_are_encoded_unless_a_key_has_two_values() {
+    for (text, written, words) in RECORDS {
+        let folder = Folder::with(&[("records.jsonl", text)]);
+        let (_, said) = folder.succeed("encode records.jsonl --out blocks.ast");
+        assert!(
+            said.contains(&format!("blocks.ast: {written} record")),
+            "{text}: {said}"
+        );
+        assert_eq!(said.contains("left out"), !words.is_empty(), "{text}: {said}");
+        for words in words {
+            assert!(said.contains(words), "{text}: {words} is missing in {said}");
+        }
+        if !words.is_empty() {
+            let said = folder.refusal("encode records.jsonl --strict --out strict.ast");
+            assert!(said.contains("line 2: ") && said.contains("is given twice"), "{said}");
+        }
+    }
+}

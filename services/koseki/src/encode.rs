@@ -11,10 +11,10 @@ use anyhow::Context as _;
 use asterix::choice::ChosenEdition;
 use asterix::{BlockWriter, Category, Expansion, NamedRecord, registry};
 use offline::{InputError, OutputFile, Usage, is_same_file, open};
-use serde_json::Value;
 use telemetry::table::count;
 
 use crate::args::EncodeArgs;
+use crate::given::GivenLine;
 
 /// Standard input, or standard output.
 const STANDARD: &str = "-";
@@ -115,12 +115,19 @@ impl Encoder {
             place: place.to_owned(),
             what,
         };
-        let record: Value = serde_json::from_str(line).map_err(|error| {
+        let record = GivenLine::read(line.as_bytes()).map_err(|error| {
             fault(
                 "JSON",
                 format!("no JSON object on a line, as written by `koseki decode`: {error}"),
             )
         })?;
+        if let Some((name, _)) = record.twice {
+            return Err(fault(
+                "a key that is given twice",
+                format!("\"{name}\" is given twice: leave out one"),
+            ));
+        }
+        let record = record.value;
         let category = record.get("_c").ok_or_else(|| {
             fault(
                 "_c",

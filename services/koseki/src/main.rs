@@ -23,6 +23,7 @@ mod editions;
 mod encode;
 mod feed;
 mod generate;
+mod given;
 mod instances;
 mod lab;
 mod link;

@@ -1,91 +1,21 @@
 //! Fields of a line: a JSON object whose fields are taken by name, so that what is left has no meaning.
 
-use std::fmt;
-
 use koseki_client::observation::{fault, time_ns_of};
 use messages::IdentityText;
 use messages::admission::Fault;
-use serde::de::value::SeqAccessDeserializer;
-use serde::de::{MapAccess, SeqAccess, Visitor};
-use serde::{Deserialize, Deserializer};
 use serde_json::{Map, Value};
+
+use crate::given::GivenLine;
 
 /// The fields of a line that have not been taken yet.
 #[derive(Debug)]
 pub(super) struct Fields(Map<String, Value>);
 
-/// A line as JSON.
-enum GivenFields {
-    Object {
-        fields: Map<String, Value>,
-        /// First name that stands there more than once, with the second of its values: readers of JSON choose one
-        /// in silence.
-        twice: Option<(String, Value)>,
-    },
-    Other(Value),
-}
-
-impl<'de> Deserialize<'de> for GivenFields {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct ByName;
-        impl<'de> Visitor<'de> for ByName {
-            type Value = GivenFields;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("an object")
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, mut given: A) -> Result<GivenFields, A::Error> {
-                let (mut fields, mut twice) = (Map::new(), None);
-                while let Some((name, value)) = given.next_entry::<String, Value>()? {
-                    if fields.contains_key(&name) {
-                        twice.get_or_insert((name, value));
-                    } else {
-                        fields.insert(name, value);
-                    }
-                }
-                Ok(GivenFields::Object { fields, twice })
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, given: A) -> Result<GivenFields, A::Error> {
-                Value::deserialize(SeqAccessDeserializer::new(given)).map(GivenFields::Other)
-            }
-
-            fn visit_unit<E>(self) -> Result<GivenFields, E> {
-                Ok(GivenFields::Other(Value::Null))
-            }
-
-            fn visit_bool<E>(self, given: bool) -> Result<GivenFields, E> {
-                Ok(GivenFields::Other(given.into()))
-            }
-
-            fn visit_u64<E>(self, given: u64) -> Result<GivenFields, E> {
-                Ok(GivenFields::Other(given.into()))
-            }
-
-            fn visit_i64<E>(self, given: i64) -> Result<GivenFields, E> {
-                Ok(GivenFields::Other(given.into()))
-            }
-
-            fn visit_f64<E>(self, given: f64) -> Result<GivenFields, E> {
-                Ok(GivenFields::Other(given.into()))
-            }
-
-            fn visit_str<E>(self, given: &str) -> Result<GivenFields, E> {
-                Ok(GivenFields::Other(given.into()))
-            }
-        }
-        deserializer.deserialize_any(ByName)
-    }
-}
-
 impl Fields {
     pub(super) fn of_line(line: &[u8]) -> Result<Self, Fault> {
         let remedy = "write an object as in {\"latitude\": 41.3, \"longitude\": 2.1, \"sigma_m\": 20}";
-        // The mark that some programs write at the begin of a file is invisible in a message.
-        let line = line.strip_prefix(b"\xef\xbb\xbf").unwrap_or(line);
-        match serde_json::from_slice(line) {
-            Ok(GivenFields::Object {
+        match GivenLine::read(line) {
+            Ok(GivenLine {
                 twice: Some((name, value)),
                 ..
             }) => Err(fault(
@@ -94,10 +24,13 @@ impl Fields {
                 "must be given once",
                 "leave out all values but one",
             )),
-            Ok(GivenFields::Object { fields, .. }) => Ok(Self(fields)),
-            Ok(GivenFields::Other(other)) => Err(fault(
+            Ok(GivenLine {
+                value: Value::Object(fields),
+                ..
+            }) => Ok(Self(fields)),
+            Ok(other) => Err(fault(
                 "line",
-                shortened(&other.to_string()),
+                shortened(&other.value.to_string()),
                 "must be a JSON object",
                 remedy,
             )),
