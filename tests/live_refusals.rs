@@ -40,7 +40,7 @@ const BEARINGS: &str = "time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz\n";
 const COUNTS: &str = "time_s,arrival_s,x,y,z,vx,vy,vz,count\n";
 
 /// Planted errors: inlet, what is sent (with `NOW` for the seconds of the day), and words of the refusal.
-const PLANTED: [(Inlet, &str, &[&str]); 40] = [
+const PLANTED: [(Inlet, &str, &[&str]); 46] = [
     (
         Inlet::RowsUdp,
         "NOW,1,1,1,range_bearing,1000,0.5,,,15,0.006,,,,,\n",
@@ -146,6 +146,50 @@ const PLANTED: [(Inlet, &str, &[&str]); 40] = [
         Inlet::Sbs,
         "MSG,3,1,1,500001,1,2026/13/45,,,,,1000,,,41.4,2.1,,,,,,0\r\n",
         &["value 7", "2026/03/04"],
+    ),
+    (
+        Inlet::Nmea,
+        "$GPGGA,120000,0000.0,N,00000.0,E,1,08,1,10,M,50,M,,*SUM\r\n",
+        &[
+            "the place is 4",
+            "km from the frame's origin",
+            "range_m of the platform, 1000 km",
+        ],
+    ),
+    (
+        Inlet::Sbs,
+        "MSG,3,1,1,500001,1,,,,,,1000,,,0.0,0.0,,,,,,0\r\n",
+        &[
+            "latitude 0.0000, longitude 0.0000 is 4",
+            "km from the sensor",
+            "limits.range_m, 400 km",
+            "raise it",
+        ],
+    ),
+    // The other side of the earth.
+    (
+        Inlet::Sbs,
+        "MSG,3,1,1,500001,1,,,,,,1000,,,-41.3,-177.9,,,,,,0\r\n",
+        &["latitude -41.3000, longitude -177.9000 is 127"],
+    ),
+    (
+        Inlet::FeedUdp,
+        "{\"source\": \"own\", \"latitude\": 0, \"longitude\": 0, \"sigma_m\": 10}\n",
+        &[
+            "latitude is 0: with longitude 0 it is 4",
+            "at most 2000 km",
+            "leave out places that are not known",
+        ],
+    ),
+    (
+        Inlet::FeedTcp,
+        "{\"source\": \"other\", \"latitude\": 0, \"longitude\": 0, \"sigma_m\": 10}\n",
+        &["latitude is 0: with longitude 0 it is 4", "at most 2000 km"],
+    ),
+    (
+        Inlet::FeedUdp,
+        "{\"source\": \"own\", \"east_m\": 4e6, \"north_m\": -5e5, \"sigma_m\": 10}\n",
+        &["east_m is 4000000: with north_m -500000 it is 4031 km"],
     ),
     (Inlet::Sbs, "hello\r\n", &["line \"hello\"", "MSG, SEL"]),
     (Inlet::Sbs, "MSG,3,1\r\n", &["fewer than the 10 values"]),

@@ -19,6 +19,7 @@ mod truncated_time;
 mod velocity;
 
 pub use converter::Converter;
+pub use placing::RefusedPlace;
 pub use reorder::Reorder;
 
 use frames::{PolarSigma, SensorFrame, SystemFrame};

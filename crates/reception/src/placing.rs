@@ -20,6 +20,8 @@
 //! A track with a height some seconds ago is still near this height: the earlier height is used, with an additional
 //! uncertainty for a possible climb.
 
+use std::fmt;
+
 use frames::Geodetic;
 use messages::Counter;
 
@@ -83,6 +85,60 @@ pub(crate) struct Slant {
     height: Height,
 }
 
+/// A position that no target of the sensor can have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RefusedPlace {
+    position: Position,
+    distance_m: f64,
+    range_m: f64,
+}
+
+impl RefusedPlace {
+    #[cold]
+    pub(crate) fn of(model: &ConversionModel, position: Position) -> Self {
+        let distance_m = match position {
+            Position::Cartesian([x, y], _) => x.hypot(y),
+            Position::Polar([range, _]) | Position::Slant([range, _]) => range,
+            Position::Geodetic([latitude, longitude]) => {
+                let place = Geodetic::from_degrees(latitude.to_degrees(), longitude.to_degrees(), 0.0);
+                place.map_or(f64::NAN, |place| distance_m(model, model.system.to_local(place)))
+            }
+        };
+        Self {
+            position,
+            distance_m,
+            range_m: model.limits.range_m,
+        }
+    }
+}
+
+impl fmt::Display for RefusedPlace {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Position::Geodetic([latitude, longitude]) = self.position {
+            let (latitude, longitude) = (latitude.to_degrees(), longitude.to_degrees());
+            write!(formatter, "latitude {latitude:.4}, longitude {longitude:.4}")?;
+        } else {
+            write!(formatter, "the position")?;
+        }
+        let [distance_km, range_km] = [self.distance_m, self.range_m].map(|metres| metres / 1e3);
+        if distance_km.is_nan() {
+            return write!(formatter, " is no place; correct the sender");
+        }
+        write!(
+            formatter,
+            " is {distance_km:.0} km from the sensor; at most limits.range_m, {range_km:.0} km: correct the sender, or \
+             raise it"
+        )
+    }
+}
+
+/// Straight distance of a position in the system frame from the sensor, metres.
+fn distance_m(model: &ConversionModel, position_m: [f64; 3]) -> f64 {
+    let sensor_m = model.frame.cartesian([0.0; 3]);
+    let [east, north, up] = [0, 1, 2].map(|axis| position_m[axis] - sensor_m[axis]);
+    east.hypot(north).hypot(up)
+}
+
 /// Places a position.
 pub(crate) fn place(model: &ConversionModel, position: Position, height: Height) -> Result<SystemPosition, Counter> {
     if !is_possible(model, position) {
@@ -107,12 +163,14 @@ pub(crate) fn place(model: &ConversionModel, position: Position, height: Height)
             }
         }
     };
+    // The other side of the earth is below the sensor, and near it on the plane.
+    let is_below = distance_m(model, placed.position_m) > model.limits.range_m + HEIGHT_MAX_M;
     if !height.is_known() {
         placed.position_m[2] = 0.0; // what the report does not say is not passed on
     }
     let [x0, y0] = model.frame.place();
     // Written so that NaN is refused.
-    if (placed.position_m[0] - x0).hypot(placed.position_m[1] - y0) <= model.limits.range_m {
+    if !is_below && (placed.position_m[0] - x0).hypot(placed.position_m[1] - y0) <= model.limits.range_m {
         Ok(placed)
     } else {
         Err(Counter::RejectedPosition)

@@ -11,7 +11,7 @@ use kept::{Memory, MemoryRefusal};
 use messages::{Counters, NS_PER_S, SensorBearing, sensor_track_bits};
 use observations::{EmitterMeasurement, Observation, SensorEvent, ServiceMessage, SnapshotBlock, WideAreaReport};
 use platform::{Assumed, Mount, State};
-use reception::{ConversionModel, Converter};
+use reception::{ConversionModel, Converter, RefusedPlace};
 use settings::SettingsError;
 use tracking::turn_time::TurnEstimate;
 use tracking::wide_area::arrivals::Arrivals;
@@ -114,6 +114,11 @@ impl Pipeline {
             Maker::Plots(relay) => relay.received(steady_ns),
             Maker::None | Maker::Tracker(_) => {}
         }
+    }
+
+    /// Takes the latest position that was refused, if one was since the last call.
+    pub fn take_refused_place(&mut self) -> Option<RefusedPlace> {
+        self.converter.take_refused_place()
     }
 
     /// Takes a target report received at `ingested_ns` (monotonic, nanoseconds).

@@ -131,6 +131,9 @@ impl DatagramReader for BlockSources {
                         for place in places {
                             self.channels[place].received(received)?;
                             self.channels[place].take(&observed, received.mono_ns)?;
+                            if let Some(refused) = self.channels[place].take_refused_place() {
+                                self.refusals[place].place(refused, received);
+                            }
                         }
                     }
                     Reading::Service(service) => {

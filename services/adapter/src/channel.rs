@@ -10,6 +10,7 @@ use observations::{
     EmitterMeasurement, Observation, Sampled, SensorEvent, ServiceMessage, SnapshotBlock, WideAreaReport,
 };
 use platform::State;
+use reception::RefusedPlace;
 use runtime::clock::{SteadyClock, mono_ns};
 use runtime::{HealthEntry, Now, Publication};
 use sources::{Pipeline, Samples};
@@ -183,6 +184,11 @@ impl SourceChannel {
     pub(crate) fn take(&mut self, observation: &Observation, ingested_ns: i64) -> anyhow::Result<()> {
         self.pipeline.take(observation, ingested_ns, &mut self.gathered);
         self.publish_many()
+    }
+
+    /// Takes the latest position that was refused, if one was since the last call.
+    pub(crate) fn take_refused_place(&mut self) -> Option<RefusedPlace> {
+        self.pipeline.take_refused_place()
     }
 
     /// Takes a measurement of an emitter received at `ingested_ns`.

@@ -89,6 +89,9 @@ impl Agent for LineAgent {
             let taken = channel
                 .received(received)
                 .and_then(|()| channel.take(&observed, read.mono_ns));
+            if let Some(place) = channel.take_refused_place() {
+                refusals.place(place, received);
+            }
             if failed.is_ok() {
                 failed = taken;
             }

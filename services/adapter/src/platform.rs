@@ -132,6 +132,7 @@ impl PlatformStates {
         if let Some(refused) = refused.filter(|_| self.sentences.counts().refused() > before) {
             self.tables.note((refused.fault.sentence(), ""), received, refused);
         }
+        self.judge(received);
     }
 
     fn rows(&mut self, bytes: &[u8], received: ReceiptTime) {
@@ -142,23 +143,33 @@ impl PlatformStates {
             });
             self.states.push((state, received.mono_ns));
         }
+        self.judge(received);
     }
 
     /// Leaves out states beyond the range.
-    fn judge(&mut self) {
+    fn judge(&mut self, received: ReceiptTime) {
+        let before = self.too_far;
         let (range_m, too_far, distance_m) = (self.range_m, &mut self.too_far, &mut self.distance_m);
         self.states.retain(|(state, _)| {
-            let Some([east, north, _]) = state.position_m else {
+            let Some([east, north, up]) = state.position_m else {
                 return true;
             };
-            *distance_m = east.hypot(north);
+            // The other side of the earth is below the origin, and near it on the plane.
+            *distance_m = east.hypot(north).hypot(up);
             *too_far += u64::from(*distance_m > range_m);
             *distance_m <= range_m
         });
+        if self.too_far > before {
+            let [distance_km, range_km] = [self.distance_m, range_m].map(|metres| metres / 1e3);
+            let words = format!(
+                "the place is {distance_km:.0} km from the frame's origin; at most range_m of the platform, \
+                 {range_km:.0} km: correct the sender, or raise it"
+            );
+            self.tables.note(("position", ""), received, words);
+        }
     }
 
     fn send(&mut self) -> anyhow::Result<()> {
-        self.judge();
         let Some((_, came_ns)) = self.states.last() else {
             return Ok(());
         };

@@ -9,6 +9,7 @@ use std::fmt::Display;
 use csv_table::CsvError;
 use frames::time::{NS_PER_DAY, NS_PER_S};
 use messages::{REFUSAL_MAX, printable};
+use reception::RefusedPlace;
 use runtime::HealthEntry;
 
 use crate::receiver::ReceiptTime;
@@ -75,6 +76,11 @@ impl LatestRefusals {
             _ => ("input", ""),
         };
         self.note(reason, received, error.after_lines(lines_before));
+    }
+
+    /// Takes the refusal of a position.
+    pub(crate) fn place(&mut self, place: RefusedPlace, received: ReceiptTime) {
+        self.note(("position", ""), received, place);
     }
 
     /// Takes the number of lines so far that did not end in time, counted at `received`.

@@ -5,6 +5,10 @@ use messages::admission::Fault;
 
 use super::{fault, missing};
 
+/// Largest distance of a place from the origin of the system frame, metres: `limits.range_m` is no greater. A place
+/// beyond it is none of this deployment, as latitude 0, longitude 0 of a receiver without a fix.
+const REACH_M: f64 = 2e6;
+
 /// The fields of a place.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
@@ -49,7 +53,7 @@ impl Place {
     /// Returns the position; `None` if no field is stated.
     pub(super) fn placed(self, frame: &SystemFrame) -> Result<Option<Placed>, Fault> {
         let name = |name: &str| format!("{}{name}", self.prefix);
-        match (self.degrees, self.metres) {
+        let placed = match (self.degrees, self.metres) {
             ([None, None, None], [None, None, None]) => Ok(None),
             ([None, None, None], metres) => self.of_metres(metres).map(Some),
             ([Some(latitude), Some(longitude), height_m], [None, None, None]) => {
@@ -63,7 +67,33 @@ impl Place {
                 let value = east.map_or_else(|| "missing".to_owned(), |east| east.to_string());
                 Err(fault(&name("east_m"), value, limit, "leave one of the two forms out"))
             }
+        };
+        match placed? {
+            Some(placed) => self.within_reach(placed).map(Some),
+            None => Ok(None),
         }
+    }
+
+    fn within_reach(self, placed: Placed) -> Result<Placed, Fault> {
+        let [east, north, up] = placed.position_m;
+        let distance_m = east.hypot(north).hypot(up);
+        // What is no number has a fault of its own.
+        if !distance_m.is_finite() || distance_m <= REACH_M {
+            return Ok(placed);
+        }
+        let ([first, second, _], names) = match placed.is_geographic {
+            true => (self.degrees.map(Option::unwrap_or_default), ["latitude", "longitude"]),
+            false => ([east, north, up], ["east_m", "north_m"]),
+        };
+        let limit = format!(
+            "with {}{} {second} it is {:.0} km from the origin of the system frame, and must be at most {:.0} km",
+            self.prefix,
+            names[1],
+            distance_m / 1e3,
+            REACH_M / 1e3
+        );
+        let remedy = "leave out places that are not known; check the unit, and [frame] of the configuration";
+        Err(fault(&format!("{}{}", self.prefix, names[0]), first, &limit, remedy))
     }
 
     fn of_metres(self, [east, north, up]: [Option<f64>; 3]) -> Result<Placed, Fault> {

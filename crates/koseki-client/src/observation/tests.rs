@@ -219,7 +219,7 @@ fn each_mistake_is_named_by_field_and_remedy() {
             "sensor_longitude",
         ),
         (
-            Detection::from_sensor(2.0, 141.0).bearing_deg(4.0),
+            Detection::from_sensor(41.0, 2.0).bearing_deg(4.0),
             "bearing_sigma_deg",
             "standard",
         ),
@@ -229,6 +229,20 @@ fn each_mistake_is_named_by_field_and_remedy() {
             "exchanged",
         ),
         (Detection::default(), "latitude", "bearing_deg"),
+        (at(0.0, 0.0), "latitude", "with longitude 0 it is 44"),
+        (at(0.0, 0.0), "latitude", "at most 2000 km"),
+        // The other side of the earth is near on the plane of the frame.
+        (at(-41.0, -178.0), "latitude", "with longitude -178 it is 127"),
+        (
+            Detection::default().east_m(0.0).north_m(-2.1e6).sigma_m(5.0),
+            "east_m",
+            "with north_m -2100000 it is 2100 km",
+        ),
+        (
+            Detection::from_sensor(2.0, 141.0).bearing_deg(4.0),
+            "sensor_latitude",
+            "with sensor_longitude 141 it is",
+        ),
     ] {
         let found = detected(detection).unwrap_err();
         assert_eq!(found.field, field, "{detection:?}: {found}");

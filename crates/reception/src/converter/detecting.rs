@@ -18,7 +18,7 @@ use messages::{Counter, TrackState, level_of};
 use super::{Converter, NS_PER_MS};
 use crate::PositionForm;
 use crate::accuracy::{self, Velocity};
-use crate::placing::{Height, SystemPosition, place};
+use crate::placing::{Height, RefusedPlace, SystemPosition};
 use observations::sensor_id;
 use observations::{Detection, DetectionKind, DetectionPlatform, StatedHeight, TransponderReply};
 use observations::{Observation, Position};
@@ -43,9 +43,15 @@ impl Converter {
         let height = self.reported_height(observation).map_or(Height::Unknown, Height::Known);
         let used = self.plot(observation).ok_or(Counter::RejectedNoPosition)?;
         if self.model.is_on_board {
-            return self.as_measured(observation, used, time_ns, height);
+            return self
+                .as_measured(observation, used, time_ns, height)
+                .inspect_err(|reason| {
+                    if *reason == Counter::RejectedPosition {
+                        self.refused_place = Some(RefusedPlace::of(&self.model, used));
+                    }
+                });
         }
-        let placed = place(&self.model, used, height)?;
+        let placed = self.placed(used, height)?;
         let own = accuracy::own_position(&self.model, observation, used)?;
         if placed.slant.is_some_and(|slant| slant.is_assumed()) {
             self.count(Counter::HeightAssumed);

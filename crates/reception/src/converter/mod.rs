@@ -12,7 +12,7 @@ use messages::{
 use rustc_hash::FxHashMap;
 
 use super::accuracy::{self, UNKNOWN_POSITION_SIGMA_M, Velocity};
-use super::placing::{Height, SystemPosition, place};
+use super::placing::{Height, RefusedPlace, SystemPosition, place};
 use super::plausibility::{TimeCheck, TrackMemory};
 use super::truncated_time::complete;
 use super::{ConversionModel, Method, PositionForm};
@@ -57,6 +57,7 @@ pub struct Converter {
     altitude_correction_m: f64,
     tracks: FxHashMap<u32, TrackMemory>,
     counters: Counters,
+    refused_place: Option<RefusedPlace>,
 }
 
 impl Converter {
@@ -74,6 +75,7 @@ impl Converter {
             altitude_correction_m: pressure_correction_m(model.qnh_hpa),
             tracks: FxHashMap::default(),
             counters: Counters::default(),
+            refused_place: None,
         }
     }
 
@@ -94,6 +96,18 @@ impl Converter {
     /// Everything that has been counted, indexed by [`Counter`].
     pub fn counters(&self) -> &Counters {
         &self.counters
+    }
+
+    /// Takes the latest position that was refused, if one was since the last call.
+    pub fn take_refused_place(&mut self) -> Option<RefusedPlace> {
+        self.refused_place.take()
+    }
+
+    /// Places the position of a report; remembers one that is refused.
+    fn placed(&mut self, position: Position, height: Height) -> Result<SystemPosition, Counter> {
+        place(&self.model, position, height).inspect_err(|_| {
+            self.refused_place = Some(RefusedPlace::of(&self.model, position));
+        })
     }
 
     /// The source's running time, UTC, nanoseconds; `None` before its first stamp.
@@ -143,7 +157,7 @@ impl Converter {
                 _ => Err(Counter::RejectedNoPosition),
             };
         };
-        let placed = place(&self.model, used, height)?;
+        let placed = self.placed(used, height)?;
         let delivered = self.velocity(observation, &placed)?;
         let own = accuracy::own_position(&self.model, observation, used)?;
         let velocity = if is_believed {

@@ -259,6 +259,12 @@ fn what_cannot_be_is_refused_by_reason() {
         ..good
     };
     assert_eq!(refused(antarctic), Counter::RejectedPosition);
+    // The other side of the earth is near on the plane.
+    let below = Observation {
+        geodetic: Some([-41.297_063f64.to_radians(), (2.078_447f64 - 180.0).to_radians()]),
+        ..antarctic
+    };
+    assert_eq!(refused(below), Counter::RejectedPosition);
 }
 
 #[test]
