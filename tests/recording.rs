@@ -117,6 +117,55 @@ fn all_topics_are_in_the_recording_as_many_as_rows() {
     assert!(records.lines().count() >= sent.count() && records.contains("\"_c\":62"));
 }
 
+/// The recording of a deployment that runs is read as far as it is complete, and each command states in one line that
+/// it has no end yet.
+#[test]
+fn a_recording_that_is_still_written_is_read() {
+    let home = Home::new();
+    let running = home.demo_with(&SETTINGS);
+    let file = "out/latest/all_topics_000001.mcap";
+    until("tracks are recorded", || {
+        let survey = home.path(file).is_file().then(|| survey(&home.path("out/latest")).0);
+        survey.is_some_and(|survey| {
+            survey
+                .topics
+                .get("system/tracks")
+                .is_some_and(|topic| topic.samples > 10)
+        })
+    });
+    let commands: [&[&str]; 5] = [
+        &["recording", "repair", file, "--out", "whole.mcap"],
+        &["recording", "export", file, "--csv", "tables"],
+        &["recording", "merge", "out/latest", "--out", "merged.mcap"],
+        &["replay", file, "--out", "again.csv"],
+        &["smooth", file, "--out", "smoothed.csv"],
+    ];
+    let unended = |command: &[&str]| {
+        let output = home.run(command);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(0), "{command:?}: {said}");
+        said.lines().filter(|line| line.contains("has no end")).count()
+    };
+    for command in commands {
+        assert_eq!(unended(command), 1, "{command:?}");
+    }
+    assert!(succeed(&home, &["recording", "info", file]).contains("without an end: 1"));
+    // The copy is a file for every reader of MCAP, and has a summary.
+    let copy = survey_of(&home.path("whole.mcap"));
+    assert_eq!((copy.torn, copy.topics["system/tracks"].samples > 10), (0, true));
+    assert_eq!(unended(&["replay", "whole.mcap"]), 0);
+    let (status, said) = running.stop();
+    assert!(status.success(), "{said}");
+    assert_eq!(unended(&["replay", file]), 0);
+    home.assert_nothing_is_left("demo");
+}
+
+fn survey_of(file: &Path) -> Survey {
+    let mut survey = Survey::default();
+    survey.add(&mut File::open(file).unwrap()).unwrap();
+    survey
+}
+
 /// Pictures of the demonstration's aircraft: of each second one of places and one of a scene, with the same tracks.
 fn check_pictures(file: &[u8]) {
     let mut tracks: BTreeMap<u64, [Vec<String>; 2]> = BTreeMap::new();

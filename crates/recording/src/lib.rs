@@ -29,7 +29,7 @@ mod writer;
 
 pub use contents::{Contents, bag};
 pub use part::{Copied, RecordingPart, copy};
-pub use reader::{Chunks, Item, facts, read};
+pub use reader::{Chunks, Item, UNENDED, facts, is_unended, read};
 pub use survey::{Survey, TopicSurvey};
 pub use tally::Tally;
 pub use whole::{ReadablePart, closing, whole};

@@ -357,6 +357,18 @@ fn begins_as_recording<R: Read + Seek>(file: &mut R) -> std::io::Result<bool> {
     Ok(mcap::MAGIC.starts_with(&begin))
 }
 
+/// Fault of a file that its recorder has not ended, in words.
+pub const UNENDED: &str = "has no end: its recorder still writes it, or was killed; what is complete in it is read";
+
+/// Returns whether a file is a recording without an end.
+///
+/// # Errors
+/// If the file cannot be read.
+pub fn is_unended<R: Read + Seek>(file: &mut R) -> std::io::Result<bool> {
+    let length = file.seek(SeekFrom::End(0))?;
+    Ok(begins_as_recording(file)? && footer(file, length)?.is_none())
+}
+
 /// Returns the facts at the beginning of a file; `None` without facts.
 ///
 /// # Errors

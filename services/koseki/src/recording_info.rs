@@ -22,7 +22,8 @@ const GAPS_SHOWN: usize = 10;
 /// # Errors
 /// If there is none, or it cannot be read.
 pub(crate) fn run(info: &RecordingInfo) -> anyhow::Result<()> {
-    let files = files(&info.path)?;
+    // The summary states which files have no end.
+    let files = all_files(&info.path)?;
     let mut survey = Survey::default();
     for path in &files {
         let mut add = || survey.add(&mut File::open(path)?);
@@ -72,8 +73,18 @@ pub(crate) fn note_damage(path: &Path, item: &Item<'_>) {
     }
 }
 
-/// The files of a recording, in their order.
+/// The files of a recording, in their order. One that is still written is noted on standard error.
 pub(crate) fn files(path: &Path) -> anyhow::Result<Vec<PathBuf>> {
+    let files = all_files(path)?;
+    for file in &files {
+        if recording::is_unended(&mut File::open(file)?)? {
+            runtime::notice(format_args!("koseki: {}: {}", file.display(), recording::UNENDED));
+        }
+    }
+    Ok(files)
+}
+
+fn all_files(path: &Path) -> anyhow::Result<Vec<PathBuf>> {
     if path.is_file() {
         return Ok(vec![path.to_owned()]);
     }

@@ -218,7 +218,10 @@ impl RecordedEvents {
         }
         let (mut recorded, mut next_sequence) = (Self::default(), 0);
         for path in &track.detections {
-            let file = host.open(path)?;
+            let mut file = host.open(path)?;
+            if recording::is_unended(&mut file)? {
+                host.say(&format!("koseki: {}: {}\n", path.display(), recording::UNENDED));
+            }
             recorded.octets += file.length;
             let (mut damaged, mut damaged_bytes) = (0, 0);
             let read = recording::read::<_, anyhow::Error>(&mut BufReader::new(file), |item| {
