@@ -38,6 +38,7 @@ mod alarms;
 mod captures;
 mod continuity;
 mod deployment;
+mod ended_sources;
 mod joint_tracker;
 mod kills;
 mod levels;

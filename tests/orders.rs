@@ -417,7 +417,7 @@ fn malformed_orders_and_a_flood_reach_nothing_and_lock_nobody_out() {
 const TOKEN: &str = "0123456789abcdef-operators";
 
 /// Status and body of the answer to a request.
-fn ask(address: &str, head: &str, headers: &[(&str, &str)], body: &str) -> (u16, String) {
+pub(crate) fn ask(address: &str, head: &str, headers: &[(&str, &str)], body: &str) -> (u16, String) {
     let mut stream = TcpStream::connect(address).unwrap();
     let headers: String = headers
         .iter()
