@@ -287,7 +287,7 @@ fn a_process_without_a_deployment_says_so() {
     let output = home.run(&["fusion", "--config", "site.toml"]);
     assert_refused(
         &output,
-        1,
+        2,
         &["fusion: ", "test is not running", "koseki up"],
         "fusion alone",
     );

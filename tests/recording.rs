@@ -277,10 +277,17 @@ fn check_repair(home: &Home, states: u64) {
         (repaired.damaged, repaired.torn) == (0, 0) && (1..=states).contains(&left),
         "{left}"
     );
+    for out in ["--out", "--csv", "--asterix", "--foxglove"] {
+        let command = if out == "--out" { "cut" } else { "export" };
+        let output = home.run(&["recording", command, "one/all.mcap", out, "one/all.mcap/o"]);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.contains("one/all.mcap/o: cannot be written: "), "{said}");
+    }
     let output = home.run(&["recording", "info", "out/latest/system_tracks.csv"]);
     let said = String::from_utf8(output.stderr).unwrap();
     assert!(
-        output.status.code() == Some(1) && said.contains("is no recording of all topics"),
+        output.status.code() == Some(2) && said.contains("is no recording of all topics"),
         "{said}"
     );
 }
@@ -318,7 +325,7 @@ fn check_damage_is_reported(home: &Home) {
     let output = home.run(&["recording", "repair", "nothing.mcap", "--out", "repaired_nothing.mcap"]);
     let said = String::from_utf8(output.stderr).unwrap();
     assert!(
-        output.status.code() == Some(1) && said.contains("nothing.mcap: no sample can be read"),
+        output.status.code() == Some(2) && said.contains("nothing.mcap: no sample can be read"),
         "{said}"
     );
     assert!(!home.path("repaired_nothing.mcap").exists());

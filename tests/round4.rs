@@ -66,8 +66,8 @@ fn text_kinds() {
         let folder = Folder::with(&[("live.toml", configuration.as_bytes())]);
         let file = file.display();
         let mut commands = vec![
-            (1, format!("decode {file} --out x.jsonl")),
-            (1, format!("decode {file} --statistics")),
+            (2, format!("decode {file} --out x.jsonl")),
+            (2, format!("decode {file} --statistics")),
             (2, "check live.toml".to_owned()),
             (2, "up live.toml --for 1".to_owned()),
         ];

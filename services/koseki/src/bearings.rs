@@ -5,7 +5,6 @@
 //! as well.
 
 use std::f64::consts::TAU;
-use std::fs;
 use std::path::Path;
 
 use anyhow::Context as _;
@@ -48,7 +47,7 @@ pub(crate) fn run(command: &MeasureBearings) -> anyhow::Result<()> {
 }
 
 fn array(file: &Path) -> Result<ArraySettings, InputError> {
-    let text = fs::read_to_string(file).map_err(|error| InputError::new(file, format!("cannot be read: {error}")))?;
+    let text = offline::read_text(file)?;
     let read = settings::Document::parse(&text, &[]).and_then(|document| document.read());
     read.map_err(|error| match error.line {
         Some(line) => InputError::new(file, format!("line {line}: {error}")),

@@ -16,8 +16,8 @@ use telemetry::table::count;
 use crate::args::EncodeArgs;
 use crate::given::GivenLine;
 
-/// Standard input, or standard output.
-const STANDARD: &str = "-";
+/// Value of `FILE` that means standard input.
+const STANDARD_INPUT: &str = "-";
 /// Largest size of a block of several records, bytes: with the headers of UDP and IP it fits an Ethernet frame.
 const BLOCK_OCTETS_MAX: u16 = 1400;
 
@@ -33,23 +33,19 @@ pub(crate) fn run(encode: &EncodeArgs) -> anyhow::Result<()> {
         ))
         .into());
     }
-    let input: Box<dyn BufRead> = match is_standard(&encode.file) {
+    let input: Box<dyn BufRead> = match encode.file == Path::new(STANDARD_INPUT) {
         true => Box::new(io::stdin().lock()),
         false => Box::new(BufReader::new(open(&encode.file)?)),
     };
-    let written = if is_standard(&encode.out) {
-        write(encode, input, io::stdout().lock())?.1
-    } else {
-        let (out, written) = write(encode, input, OutputFile::begin(&encode.out)?)?;
-        out.finish()?;
-        written
-    };
+    let (out, written) = write(encode, input, OutputFile::begin(&encode.out)?)?;
+    if written.records == 0 {
+        let mut reasons = written.left_out.values().map(|(_, first)| first.as_str());
+        let why = reasons.next().unwrap_or("the file is empty");
+        return Err(InputError::new(&encode.file, format!("no record can be encoded: {why}")).into());
+    }
+    out.finish()?;
     let _ = io::stderr().write_all(written.notes(&encode.out).as_bytes());
     Ok(())
-}
-
-fn is_standard(path: &Path) -> bool {
-    path == Path::new(STANDARD)
 }
 
 fn write<W: Write>(encode: &EncodeArgs, input: impl BufRead, out: W) -> anyhow::Result<(W, EncodeCounts)> {
@@ -58,7 +54,7 @@ fn write<W: Write>(encode: &EncodeArgs, input: impl BufRead, out: W) -> anyhow::
     let (mut blocks, mut written) = (BlockBuilder::new(out), EncodeCounts::default());
     let mut octets = Vec::new();
     for (number, line) in (1u64..).zip(input.lines()) {
-        let line = line.with_context(|| format!("{} cannot be read", encode.file.display()))?;
+        let line = line.map_err(|error| InputError::unreadable(&encode.file, &error))?;
         if line.trim().is_empty() {
             continue;
         }

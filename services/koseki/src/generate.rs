@@ -41,7 +41,7 @@ mod of_commands {
 
     /// Writes a page for `koseki`, and a page for each of its commands.
     pub(super) fn man_pages(folder: &Path) -> anyhow::Result<()> {
-        std::fs::create_dir_all(folder).with_context(|| format!("making {}", folder.display()))?;
+        std::fs::create_dir_all(folder).map_err(|error| offline::unwritable(folder, &error))?;
         clap_mangen::generate_to(Cli::command(), folder).with_context(|| format!("writing to {}", folder.display()))?;
         let pages = std::fs::read_dir(folder)?.count();
         // With standard error closed, the pages are written all the same.

@@ -44,6 +44,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
+use bus::BusError;
 use clap::{CommandFactory as _, Parser as _};
 use configuration::BUILT_IN_DEMO;
 use deployment::Process;
@@ -226,7 +227,13 @@ fn run_service(
         }
         _ => error.context(name.clone()),
     };
-    let process = Process::connect(config.deployment.clone(), options, kind, &name).map_err(named)?;
+    let is_child = options.launcher.is_some();
+    let connected = Process::connect(config.deployment.clone(), options, kind, &name);
+    let process = connected.map_err(|error| match error.downcast_ref() {
+        // A launcher would take a refusal for a fault of the configuration.
+        Some(BusError::NotRunning { .. }) if !is_child => Usage(format!("{name}: {error:#}")).into(),
+        _ => named(error),
+    })?;
     service(&process, &config).map_err(named)
 }
 

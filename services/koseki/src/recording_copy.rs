@@ -5,8 +5,8 @@ use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
-use offline::{OutputFile, Usage, check_outputs};
-use recording::{Compression, Copied, RecordingError, RecordingPart};
+use offline::{InputError, OutputFile, Usage, check_outputs};
+use recording::{Compression, RecordingError, RecordingPart};
 
 use crate::args::{RecordingCut, RecordingMerge, RecordingRepair};
 use crate::recording_info::files;
@@ -43,17 +43,7 @@ fn whole() -> RecordingPart {
 /// # Errors
 /// If the recording cannot be read or nothing in it is readable, or the copy cannot be written.
 pub(crate) fn repair(repair: &RecordingRepair) -> anyhow::Result<()> {
-    let files = files(&repair.path)?;
-    let copied = copy_to(&files, &whole(), &repair.out, |copied| {
-        let (path, parts, bytes) = (repair.path.display(), copied.damaged, copied.damaged_bytes);
-        let what = "no sample can be read, so that there is nothing to copy";
-        anyhow::ensure!(
-            copied.samples > 0,
-            "{path}: {what}; damaged parts: {parts} ({bytes} bytes)"
-        );
-        Ok(())
-    })?;
-    show(&copied, &repair.out)
+    copy(&files(&repair.path)?, &whole(), &repair.out)
 }
 
 /// Copies several files into one.
@@ -68,17 +58,8 @@ pub(crate) fn merge(merge: &RecordingMerge) -> anyhow::Result<()> {
     copy(&paths, &whole(), &merge.out)
 }
 
+/// Copies into the file `out`, which is written only if there is a sample to copy.
 fn copy(paths: &[PathBuf], part: &RecordingPart, out: &Path) -> anyhow::Result<()> {
-    show(&copy_to(paths, part, out, |_| Ok(()))?, out)
-}
-
-/// Copies into the file `out`, which is written only if `check` accepts the copy.
-fn copy_to(
-    paths: &[PathBuf],
-    part: &RecordingPart,
-    out: &Path,
-    check: impl FnOnce(&Copied) -> anyhow::Result<()>,
-) -> anyhow::Result<Copied> {
     check_outputs(paths, &[("--out", Some(&out.to_owned()))])?;
     let run = |path: &PathBuf| Ok::<_, anyhow::Error>(facts(path)?.remove(RUN));
     let first = run(&paths[0])?;
@@ -98,12 +79,14 @@ fn copy_to(
         RecordingError::UnknownTopic { .. } => Usage(format!("--topics: the recording {error}")).into(),
         error => anyhow::Error::from(error),
     })?;
-    check(&copied)?;
+    if copied.samples == 0 {
+        let (parts, bytes) = (copied.damaged, copied.damaged_bytes);
+        let is_part = part.from_ns.or(part.to_ns).is_some() || !part.topics.is_empty();
+        let of_part = if is_part { " of these times and topics" } else { "" };
+        let what = format!("no sample{of_part} can be read; damaged parts: {parts} ({bytes} bytes)");
+        return Err(InputError::new(&paths[0], what).into());
+    }
     file.finish()?;
-    Ok(copied)
-}
-
-fn show(copied: &Copied, out: &Path) -> anyhow::Result<()> {
     let skipped = match copied.damaged {
         0 => String::new(),
         parts => format!("; damaged parts skipped: {parts} ({} bytes)", copied.damaged_bytes),

@@ -8,7 +8,7 @@ use anyhow::Context as _;
 use gateway::OutputFormat;
 use messages::SystemTrack;
 use messages::layout::Sample as _;
-use offline::{BlockForm, OutputFile, TrackBlocks, Usage, check_outputs};
+use offline::{BlockForm, OutputFile, TrackBlocks, Usage, check_outputs, unwritable};
 use outgoing::HeightReference;
 use recorder::Tables;
 use recording::{Facts, Item};
@@ -35,7 +35,10 @@ pub(crate) fn run(export: &RecordingExport) -> anyhow::Result<()> {
     )?;
     let facts = facts(&paths[0])?;
     let config = configuration(&facts, &paths[0])?;
-    let tables = |folder| Tables::begin(&config, folder, first_day_ns(&facts)?);
+    let tables = |folder| {
+        std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
+        Tables::begin(&config, folder, first_day_ns(&facts)?)
+    };
     let mut tables = export.csv.as_deref().map(tables).transpose()?;
     let tracks = messages::system_tracks().name;
     let mut blocks = export

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use formats::rows::Utc;
-use offline::Usage;
-use recording::{Item, Survey};
+use offline::InputError;
+use recording::{Chunks, Item, Survey};
 use serde_json::json;
 use telemetry::table::{Align, TextTable};
 
@@ -74,6 +74,9 @@ pub(crate) fn note_damage(path: &Path, item: &Item<'_>) {
 }
 
 /// The files of a recording, in their order. One that is still written is noted on standard error.
+///
+/// # Errors
+/// If a file cannot be read, or is no recording: a wrong path on the command line.
 pub(crate) fn files(path: &Path) -> anyhow::Result<Vec<PathBuf>> {
     let files = all_files(path)?;
     for file in &files {
@@ -85,11 +88,23 @@ pub(crate) fn files(path: &Path) -> anyhow::Result<Vec<PathBuf>> {
 }
 
 fn all_files(path: &Path) -> anyhow::Result<Vec<PathBuf>> {
-    if path.is_file() {
-        return Ok(vec![path.to_owned()]);
+    let files = match path.is_dir() {
+        true => files_in(path)?,
+        false => vec![path.to_owned()],
+    };
+    for file in &files {
+        let opened = offline::open(file)?;
+        // The last file of a killed recorder may be empty, but then it does not stand alone.
+        if files.len() == 1 && opened.metadata()?.len() == 0 {
+            return Err(InputError::new(file, "is no recording of all topics: the file is empty").into());
+        }
+        Chunks::new(opened).map_err(|error| InputError::new(file, error))?;
     }
-    let refused = |why: String| Usage(format!("{}: {why}", path.display()));
-    let entries = std::fs::read_dir(path).map_err(|error| refused(error.to_string()))?;
+    Ok(files)
+}
+
+fn files_in(path: &Path) -> anyhow::Result<Vec<PathBuf>> {
+    let entries = std::fs::read_dir(path).map_err(|error| InputError::unreadable(path, &error))?;
     let mut files = Vec::new();
     for entry in entries {
         let file = entry?.path();
@@ -98,7 +113,7 @@ fn all_files(path: &Path) -> anyhow::Result<Vec<PathBuf>> {
     files.sort();
     if files.is_empty() {
         let why = "no recording of all topics is in this folder; [recorder] format = [\"csv\", \"mcap\"] makes one";
-        return Err(refused(why.to_owned()).into());
+        return Err(InputError::new(path, why).into());
     }
     Ok(files)
 }

@@ -5,7 +5,7 @@
 //! and the result of an earlier run remains until a new result replaces it. `-` is standard output.
 
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Read as _, Write};
 use std::os::fd::AsFd as _;
 use std::path::{Path, PathBuf};
 
@@ -39,6 +39,14 @@ impl InputError {
         }
     }
 
+    /// Creates the error of a file that the system does not give, or not as text.
+    pub fn unreadable(file: &Path, error: &io::Error) -> Self {
+        match error.kind() {
+            io::ErrorKind::InvalidData => Self::new(file, "is no text in UTF-8"),
+            _ => Self::new(file, format!("cannot be read: {error}")),
+        }
+    }
+
     /// Adds the purpose of the file to the message.
     pub(crate) fn with(mut self, needed: &str) -> Self {
         self.what = format!("{}; {needed}", self.what);
@@ -51,12 +59,32 @@ impl InputError {
 /// # Errors
 /// If it cannot be read.
 pub fn open(file: &Path) -> Result<File, InputError> {
-    let failed = |error: io::Error| InputError::new(file, format!("cannot be read: {error}"));
+    let failed = |error| InputError::unreadable(file, &error);
     let opened = File::open(file).map_err(failed)?;
     if opened.metadata().map_err(failed)?.is_dir() {
         return Err(InputError::new(file, "is a folder; name a file"));
     }
     Ok(opened)
+}
+
+/// Reads a whole input file.
+///
+/// # Errors
+/// If it cannot be read.
+pub fn read(file: &Path) -> Result<Vec<u8>, InputError> {
+    let mut octets = Vec::new();
+    let read = open(file)?.read_to_end(&mut octets);
+    read.map_err(|error| InputError::unreadable(file, &error))?;
+    Ok(octets)
+}
+
+/// Reads a whole input file of text.
+///
+/// # Errors
+/// If it cannot be read, or is no text.
+pub fn read_text(file: &Path) -> Result<String, InputError> {
+    let as_text = |error: std::string::FromUtf8Error| io::Error::new(io::ErrorKind::InvalidData, error);
+    String::from_utf8(read(file)?).map_err(|error| InputError::unreadable(file, &as_text(error)))
 }
 
 /// Returns the name of an output in a message: its path, or that it is standard output.
@@ -128,7 +156,7 @@ impl OutputFile {
     /// Begins the file that becomes `path`.
     ///
     /// # Errors
-    /// If the file cannot be written there.
+    /// If the file cannot be written there, which is wrong usage: the path is of the command line.
     pub fn begin(path: &Path) -> anyhow::Result<Self> {
         if path == Path::new(STANDARD_OUTPUT) {
             let duplicate = io::stdout().as_fd().try_clone_to_owned();
@@ -148,13 +176,18 @@ impl OutputFile {
         } else {
             File::create(at)
         };
-        let file = opened.with_context(|| format!("{} cannot be written", path.display()))?;
+        let file = opened.map_err(|error| unwritable(path, &error))?;
         Ok(Self {
             path: path.to_owned(),
             unfinished,
             writer: Some(BufWriter::with_capacity(BUFFER_OCTETS, file)),
             is_closed: false,
         })
+    }
+
+    /// Where the complete file will be.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
     }
 
     /// Moves the complete file to its place.
@@ -222,6 +255,14 @@ impl Drop for OutputFile {
             let _ = fs::remove_file(unfinished);
         }
     }
+}
+
+/// The place of an output cannot be used.
+pub fn unwritable(path: &Path, error: &io::Error) -> Usage {
+    Usage(format!(
+        "{}: cannot be written: {error}; name another place",
+        path.display()
+    ))
 }
 
 /// Returns a name beside `path`, so that a rename suffices. It contains the process number, so that two processes

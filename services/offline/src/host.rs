@@ -64,7 +64,7 @@ impl dyn Host + '_ {
     pub(crate) fn text(&self, path: &Path) -> Result<String, InputError> {
         let mut text = String::new();
         let read = self.open(path)?.read_to_string(&mut text);
-        read.map_err(|error| InputError::new(path, format!("cannot be read: {error}")))?;
+        read.map_err(|error| InputError::unreadable(path, &error))?;
         Ok(text)
     }
 

@@ -1,12 +1,15 @@
 //! Maps as pictures (SVG): the same scale for both axes.
 
 use std::error::Error;
+use std::io::Write as _;
 use std::ops::Range;
-use std::path::Path;
 
+use anyhow::anyhow;
 use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
+
+use crate::files::OutputFile;
 
 /// Margin around the places, as a share of their extent.
 const ROOM: f64 = 0.06;
@@ -21,9 +24,20 @@ pub(crate) type Drawn = Result<(), Box<dyn Error>>;
 /// A chart of places, east and north in kilometres.
 pub(crate) type MapChart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
-/// Creates a picture of `size` pixels and passes it to `draw`.
-pub(crate) fn picture(file: &Path, size: (u32, u32), draw: impl FnOnce(&Drawing<'_>) -> Drawn) -> Drawn {
-    let root = SVGBackend::new(file, size).into_drawing_area();
+/// Writes a picture of `size` pixels, drawn by `draw`, into `file`.
+pub(crate) fn picture(
+    mut file: OutputFile,
+    size: (u32, u32),
+    draw: impl FnOnce(&Drawing<'_>) -> Drawn,
+) -> anyhow::Result<()> {
+    let mut svg = String::new();
+    drawn(&mut svg, size, draw).map_err(|error| anyhow!("--picture {}: {error}", file.path().display()))?;
+    file.write_all(svg.as_bytes())?;
+    file.finish()
+}
+
+fn drawn(svg: &mut String, size: (u32, u32), draw: impl FnOnce(&Drawing<'_>) -> Drawn) -> Drawn {
+    let root = SVGBackend::with_string(svg, size).into_drawing_area();
     root.fill(&WHITE)?;
     draw(&root)?;
     root.present()?;

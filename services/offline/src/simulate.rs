@@ -29,7 +29,7 @@ use scenario::{
 use simulator::SensorFeed;
 
 use crate::args::Simulate;
-use crate::files::Usage;
+use crate::files::{InputError, Usage, unwritable};
 use crate::host::{Host, TableOutput};
 
 /// Scenarios by name: the underlying deployment, and the changes to it.
@@ -79,8 +79,7 @@ pub(crate) fn run(simulate: &Simulate, host: &dyn Host) -> anyhow::Result<()> {
         return Err(Usage(format!("--scenario {}: {what}", simulate.scenario.display())).into());
     };
     let out = &simulate.out;
-    host.make_folder(out)
-        .with_context(|| format!("--out {} cannot be made", out.display()))?;
+    host.make_folder(out).map_err(|error| unwritable(out, &error))?;
     let truth = Truth::new(world, simulate.seed)?.round(config.frame);
     let end_s = simulate.seconds.as_secs_f64();
     let mut said = String::new();
@@ -143,11 +142,8 @@ fn config(host: &dyn Host, scenario: &Path, set: &[String]) -> anyhow::Result<Co
         }
         None if !scenario.exists() => {
             let names = format!("{}, {}", NAMED.map(|(name, ..)| name).join(", "), on_board::NAME);
-            let what = format!(
-                "--scenario {}: no such file or scenario; there are {names}",
-                scenario.display()
-            );
-            Err(Usage(what).into())
+            let what = format!("there is no such file or scenario; there are {names}");
+            Err(InputError::new(scenario, what).into())
         }
         None => Ok(host.deployment(scenario, &configuration::text(scenario)?, set)?),
     }

@@ -80,8 +80,11 @@ Examples:
   koseki track --detections radar.csv --out tracks.csv            files of detections into tracks
   koseki locate --bearings flight.csv --out fixes.csv             bearings into positions of transmitters
 
-Exit codes: 0 success; 1 failure while running, or an unusable result (no report received, the recorder failed, reports
-of a measurement lost); 2 wrong usage or configuration. A line on standard error states the reason.";
+Exit codes: 0 success; 1 failure while running, or an unusable result (no report
+received, the recorder failed, reports of a measurement lost); 2 wrong usage or
+configuration. Wrong usage is also a file of the command line that is absent,
+unreadable, of another kind, or has nothing that can be used, and a place where
+nothing can be written. A line on standard error states the reason.";
 
 /// Commands.
 #[derive(Debug, Subcommand)]

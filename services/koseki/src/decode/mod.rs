@@ -7,7 +7,6 @@
 mod notes;
 mod tables;
 
-use std::fs::{self, File};
 use std::io::{self, IsTerminal as _, Write};
 use std::path::Path;
 
@@ -16,12 +15,14 @@ use asterix::choice::ChosenEdition;
 use asterix::{JsonLines, Mode};
 use formats::containers::TimeStamp;
 use formats::recording::{Expansions, RecordingBytes, RecordingSurvey, Statistics};
-use offline::{Usage, is_same_file};
+use offline::{InputError, OutputFile, Usage, is_same_file};
 
 use crate::args::DecodeArgs;
 
 /// Value of `--out` that means standard output.
 const STANDARD_OUTPUT: &str = "-";
+/// Why a recording cannot be used.
+const NO_RECORD: &str = "no record of ASTERIX can be read";
 /// Recordings shorter than this are decoded before anybody wonders.
 const PROGRESS_BYTES_MIN: usize = 64 << 20;
 /// Lines are written when there are so many bytes of them.
@@ -33,12 +34,13 @@ const LINES_BYTES: usize = 1 << 16;
 /// If the arguments are invalid, a file cannot be read or written, or no record can be decoded.
 pub(crate) fn run(decode: &DecodeArgs) -> anyhow::Result<()> {
     check(decode)?;
-    let bytes = fs::read(&decode.file).with_context(|| format!("{} cannot be read", decode.file.display()))?;
+    let bytes = offline::read(&decode.file)?;
     let recording = open(decode, &bytes);
     let survey = recording.survey();
     if let Some(kind) = survey.foreign(&bytes) {
-        anyhow::bail!("{}: no record of ASTERIX can be read: {kind}", decode.file.display());
+        return Err(InputError::new(&decode.file, format!("{NO_RECORD}: {kind}")).into());
     }
+    let statistics_json = decode.json.as_deref().map(OutputFile::begin).transpose()?;
     let mut expansions = Expansions::new(&decode.editions);
     if let Some(out) = &decode.out {
         let lines = RecordLines {
@@ -51,16 +53,16 @@ pub(crate) fn run(decode: &DecodeArgs) -> anyhow::Result<()> {
     if decode.shows_statistics() {
         let statistics = gather(&recording, &survey);
         crate::print(&tables::tables(&decode.file, &survey, &statistics))?;
-        if let Some(path) = &decode.json {
-            let text = format!("{:#}\n", tables::as_json(&survey, &statistics));
-            fs::write(path, text).with_context(|| format!("{} cannot be written", path.display()))?;
+        if let Some(mut file) = statistics_json {
+            writeln!(file, "{:#}", tables::as_json(&survey, &statistics))?;
+            file.finish()?;
         }
     }
     // With standard error closed, the records are written all the same.
     let said = notes::notes(decode, &survey) + &notes::of_expansions(&expansions);
     let _ = io::stderr().write_all(said.as_bytes());
     if survey.records() == 0 {
-        anyhow::bail!("{}: no record of ASTERIX can be read", decode.file.display());
+        return Err(InputError::new(&decode.file, NO_RECORD).into());
     }
     Ok(())
 }
@@ -114,15 +116,10 @@ struct RecordLines<'r, 'b> {
 
 impl RecordLines<'_, '_> {
     fn write_to(&self, out: &Path, expansions: &mut Expansions) -> anyhow::Result<()> {
-        if out == Path::new(STANDARD_OUTPUT) {
-            return match self.write(io::stdout().lock(), expansions) {
-                Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(error.into()),
-                _ => Ok(()),
-            };
-        }
-        let file = File::create(out).with_context(|| format!("--out {} cannot be made", out.display()))?;
-        self.write(file, expansions)
-            .with_context(|| format!("--out {} cannot be written", out.display()))
+        let mut file = OutputFile::begin(out)?;
+        self.write(&mut file, expansions)
+            .with_context(|| format!("{} cannot be written", out.display()))?;
+        file.finish()
     }
 
     fn write(&self, mut out: impl Write, expansions: &mut Expansions) -> io::Result<()> {

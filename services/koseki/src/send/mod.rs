@@ -53,7 +53,7 @@ pub(crate) fn run(send: &Send) -> anyhow::Result<()> {
     let contents = send
         .files
         .iter()
-        .map(|sent| read(&sent.file))
+        .map(|sent| Ok(offline::read(&sent.file)?))
         .collect::<anyhow::Result<Vec<_>>>()?;
     let mut recordings = Vec::new();
     for (sent, octets) in send.files.iter().zip(&contents) {
@@ -106,10 +106,6 @@ pub(crate) fn run(send: &Send) -> anyhow::Result<()> {
         }
     }
     crate::show(send.json.then(|| sent.json(failed)), || sent.text(failed))
-}
-
-fn read(file: &Path) -> anyhow::Result<Vec<u8>> {
-    Ok(std::fs::read(file).map_err(|error| InputError::new(file, format!("cannot be read: {error}")))?)
 }
 
 /// Refuses a file that is no recording: any octets are data blocks by accident for a while, and must not reach a

@@ -19,7 +19,7 @@ use fusion::{Engine, FilterInput};
 use messages::{Decision, SystemTrack};
 
 use crate::args::Fuse;
-use crate::files::{check_answer, check_outputs};
+use crate::files::{OutputFile, check_answer, check_outputs};
 use crate::host::Host;
 use crate::reading::{EngineReader, Setup, drive_into, rule};
 use lagging::LaggingRows;
@@ -60,6 +60,7 @@ pub(crate) fn run(fuse: &Fuse, host: &dyn Host) -> anyhow::Result<()> {
         anyhow::Ok(table.with_sensor_ids(setup.sensor_ids.clone()))
     };
     let decisions = fuse.explain.as_ref().map(begin).transpose()?;
+    let picture_file = fuse.picture.as_deref().map(OutputFile::begin).transpose()?;
     let mut outputs = FuseOutputs {
         rows,
         decisions,
@@ -85,7 +86,7 @@ pub(crate) fn run(fuse: &Fuse, host: &dyn Host) -> anyhow::Result<()> {
     if let Some(decisions) = decisions {
         decisions.into_inner().finish()?;
     }
-    if let (Some(mut picture), Some(file)) = (picture, &fuse.picture) {
+    if let (Some(mut picture), Some(file)) = (picture, picture_file) {
         let mut again = setup.reports()?;
         while let Some(report) = again.next()? {
             picture.report(&report.track);

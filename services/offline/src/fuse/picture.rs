@@ -1,12 +1,12 @@
 //! System tracks drawn as SVG, over the reports they result from.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
 
-use anyhow::anyhow;
+use anyhow::bail;
 use messages::{SensorTrack, SystemTrack, TrackState};
 use plotters::prelude::*;
 
+use crate::files::OutputFile;
 use crate::picture::{Drawing, Drawn, draw_legend, equal_scales, map_chart, picture};
 
 const SIZE: (u32, u32) = (960, 960);
@@ -66,14 +66,14 @@ impl TrackDrawing {
     ///
     /// # Errors
     /// If there is nothing to draw, or the file cannot be written.
-    pub(super) fn draw(&self, file: &Path, sensor_ids: &[u32]) -> anyhow::Result<()> {
-        let faulty = |what: String| anyhow!("--picture {}: {what}", file.display());
+    pub(super) fn draw(&self, file: OutputFile, sensor_ids: &[u32]) -> anyhow::Result<()> {
+        let path = file.path().display();
         match self.about {
-            None if self.tracks_km.is_empty() => Err(faulty("there is no confirmed track".to_owned())),
-            Some(number) if !self.tracks_km.contains_key(&number) => Err(faulty(format!(
-                "system track {number} is never confirmed; --out has their numbers"
-            ))),
-            _ => picture(file, SIZE, |root| self.draw_map(root, sensor_ids)).map_err(|error| faulty(error.to_string())),
+            None if self.tracks_km.is_empty() => bail!("--picture {path}: there is no confirmed track"),
+            Some(number) if !self.tracks_km.contains_key(&number) => {
+                bail!("--picture {path}: system track {number} is never confirmed; --out has their numbers")
+            }
+            _ => picture(file, SIZE, |root| self.draw_map(root, sensor_ids)),
         }
     }
 

@@ -20,7 +20,7 @@ use observations::{ArrivalTime, Bearing, EmitterMeasurement};
 use platform::{Assumed, History, Mount, Refusal};
 
 use crate::args::Locate;
-use crate::files::{InputError, Usage, check_answer, check_outputs};
+use crate::files::{InputError, OutputFile, Usage, check_answer, check_outputs};
 use crate::host::{Host, TableOutput};
 use crate::locate_columns::FIX_COLUMNS;
 use crate::reading::{Progress, SkippedRows, platform_states};
@@ -63,6 +63,7 @@ pub(crate) fn run(locate: &Locate, host: &dyn Host) -> anyhow::Result<()> {
         out,
         decisions: explained.map(|path| Decisions::begin(host, path)).transpose()?,
         paths: locate.picture.as_ref().map(|_| Paths::new(locate.emitter)),
+        picture: locate.picture.as_deref().map(OutputFile::begin).transpose()?,
         summary: LocateSummary::default(),
     };
     let progress = Progress::new(host, input.octets);
@@ -103,6 +104,7 @@ struct Location<'a> {
     out: Box<dyn TableOutput>,
     decisions: Option<Decisions>,
     paths: Option<Paths>,
+    picture: Option<OutputFile>,
     summary: LocateSummary,
 }
 
@@ -169,7 +171,7 @@ impl Location<'_> {
         if let Some(table) = self.decisions {
             table.finish()?;
         }
-        if let (Some(paths), Some(file)) = (self.paths, &self.locate.picture) {
+        if let (Some(paths), Some(file)) = (self.paths, self.picture) {
             paths.draw(file)?;
         }
         self.summary.show(host, self.locate, &self.locator, refusals)

@@ -1,12 +1,11 @@
 //! Fixes of one emitter as a picture: the platform's path, the filter's estimates, and the outputs.
 
-use std::path::Path;
-
-use anyhow::anyhow;
+use anyhow::bail;
 use locating::EmitterReport;
 use observations::Bearing;
 use plotters::prelude::*;
 
+use crate::files::OutputFile;
 use crate::picture::{Drawing, Drawn, draw_legend, equal_scales, map_chart, picture, range};
 
 const SIZE: (u32, u32) = (960, 1040);
@@ -67,20 +66,19 @@ impl Paths {
     ///
     /// # Errors
     /// If there is nothing to draw, or the file cannot be written.
-    pub(super) fn draw(&self, file: &Path) -> anyhow::Result<()> {
+    pub(super) fn draw(&self, file: OutputFile) -> anyhow::Result<()> {
         if self.raw_km.is_empty() {
             let what = match self.emitter {
                 Some(emitter) => format!("emitter {emitter} has no fix"),
                 None => "no emitter has a fix".to_owned(),
             };
-            return Err(anyhow!("--picture {}: {what}", file.display()));
+            bail!("--picture {}: {what}", file.path().display());
         }
-        let drawn = picture(file, SIZE, |root| {
+        picture(file, SIZE, |root| {
             let (map, below) = root.split_vertically(MAP_HEIGHT);
             self.draw_map(&map)?;
             self.draw_sigma(&below)
-        });
-        drawn.map_err(|error| anyhow!("--picture {}: {error}", file.display()))
+        })
     }
 
     fn draw_map(&self, area: &Drawing<'_>) -> Drawn {

@@ -247,11 +247,10 @@ fn fixes(asked: &ScoreFixes, host: &dyn Host) -> anyhow::Result<()> {
 }
 
 fn case_settings(host: &dyn Host, file: &Path) -> Result<CaseSettings, InputError> {
-    let text = host.text(file).map_err(|error| {
-        let needed = "it says which case the truth beside it is: {\"case\": \"turn\", \"baseline\": 1e4, …}";
-        error.with(needed)
-    })?;
-    serde_json::from_str(&text).map_err(|error| InputError::new(file, error))
+    let needed =
+        "it describes the truth beside it: {\"case\": \"fixed\", \"baseline\": 1e4, \"sigma_deg\": 1, \"runs\": 1}";
+    let text = host.text(file).map_err(|error| error.with(needed))?;
+    serde_json::from_str(&text).map_err(|error| InputError::new(file, error).with(needed))
 }
 
 /// Pairs the files of each run.

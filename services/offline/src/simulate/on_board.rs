@@ -12,7 +12,7 @@ use scenario::{OnBoardSettings, SeaTarget};
 use settings::Document;
 
 use crate::args::Simulate;
-use crate::files::Usage;
+use crate::files::{Usage, unwritable};
 use crate::host::Host;
 
 /// Name of the scenario.
@@ -27,8 +27,7 @@ pub(super) fn run(simulate: &Simulate, host: &dyn Host) -> anyhow::Result<()> {
         .and_then(|document| document.read())
         .map_err(|error| Usage(format!("--set {error}")))?;
     let out = &simulate.out;
-    host.make_folder(out)
-        .with_context(|| format!("--out {} cannot be made", out.display()))?;
+    host.make_folder(out).map_err(|error| unwritable(out, &error))?;
     let voyage = settings.voyage(simulate.seed, simulate.seconds.as_secs_f64());
     let unwritten = || format!("{} cannot be written", out.display());
     let mut states = PlatformStateWriter::begin(host.begin(&out.join("platform.csv"))?, 0).with_context(unwritten)?;

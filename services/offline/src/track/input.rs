@@ -101,7 +101,7 @@ impl DetectionInput {
     fn read_file(&mut self, host: &dyn Host, path: &Path) -> Result<(), InputError> {
         let mut file = host.open(path)?;
         self.octets += file.length;
-        let failed = |error: std::io::Error| InputError::new(path, format!("cannot be read: {error}"));
+        let failed = |error| InputError::unreadable(path, &error);
         let mut first = [0];
         let begun = file.read(&mut first).map_err(failed)?;
         if begun == 1 && first[0] == b'[' {
@@ -146,7 +146,7 @@ impl DetectionInput {
     fn read_autoferry(&mut self, path: &Path, mut file: host::TableInput, begun: &[u8]) -> Result<(), InputError> {
         let mut json = begun.to_vec();
         file.read_to_end(&mut json)
-            .map_err(|error| InputError::new(path, format!("cannot be read: {error}")))?;
+            .map_err(|error| InputError::unreadable(path, &error))?;
         let scans = autoferry::read_detections(&json).map_err(|error| InputError::new(path, error))?;
         let first_ns = scans.iter().map(|scan| scan.time_of_measurement_ns).min();
         let day_ns = first_ns.unwrap_or_default().div_euclid(NS_PER_DAY) * NS_PER_DAY;

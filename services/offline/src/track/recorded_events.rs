@@ -48,7 +48,7 @@ pub(super) fn is_recording(host: &dyn Host, path: &Path) -> anyhow::Result<bool>
         return Ok(false);
     }
     let read = host.open(path)?.take(MAGIC.len() as u64).read_to_end(&mut first);
-    read.map_err(|error| InputError::new(path, format!("cannot be read: {error}")))?;
+    read.map_err(|error| InputError::unreadable(path, &error))?;
     Ok(first == MAGIC)
 }
 
