@@ -3,56 +3,409 @@
 use crate::common::{Folder, repository};
 
 /// Command lines, and words that their refusals contain.
-const MISTAKES: [(&str, &[&str]); 20] = [
-    ("upp", &["unrecognized subcommand 'upp'", "'up'"]),
+const MISTAKES: &[(&str, &[&str])] = &[
+    // Commands, and places of options.
+    ("", &["a command is missing", "demo, up, check"]),
+    ("upp", &["unrecognized subcommand 'upp'; did you mean 'up'?"]),
+    ("help upp", &["unrecognized subcommand 'upp'"]),
     (
         "recording",
-        &["a command is missing", "info, cut, merge, repair, export"],
+        &[
+            "a command is missing",
+            "info, cut, merge, repair, export",
+            "`koseki recording --help`",
+        ],
+    ),
+    (
+        "recording inf x",
+        &["unrecognized subcommand 'inf'; did you mean 'info'?"],
     ),
     ("--json status", &["it follows the command: koseki status --json"]),
     ("--once top", &["it follows the command: koseki top --once"]),
-    ("demo --for -5", &["'-5'", "--for", "more than 0"]),
-    ("demo --for -0.5", &["'-0.5'", "--for", "more than 0"]),
-    ("demo --for=-5", &["'-5'", "--for", "more than 0"]),
-    ("top --interval -1", &["'-1'", "--interval"]),
     ("demo --fr 5", &["did you mean --for?"]),
     (
         "track absent.csv",
-        &["unexpected argument 'absent.csv'", "koseki track --help"],
+        &["unexpected argument 'absent.csv'", "`koseki track --help`"],
     ),
+    ("check a.toml b.toml --jsn", &["did you mean --json?"]),
+    ("top extra", &["unexpected argument 'extra' found (see"]),
+    ("up", &["required", "<CONFIG>", "`koseki up --help`"]),
+    ("fuse --tracks", &["a value is required for '--tracks <FILE>...'"]),
+    ("fuse --out o", &["required", "--tracks <FILE>..."]),
+    ("adapter", &["required", "--config <CONFIG>"]),
+    ("status --root", &["a value is required for '--root <DIR>'"]),
+    (
+        "decode x.ast x.ast --out o",
+        &["unexpected argument 'x.ast' found (see"],
+    ),
+    ("demo --for 1 --for 2", &["--for <SECONDS>", "multiple times"]),
+    // Values of options.
+    ("demo --for -5", &["'-5'", "--for", "more than 0"]),
+    ("demo --for -0.5", &["'-0.5'", "--for", "more than 0"]),
+    ("demo --for=-5", &["'-5'", "--for", "more than 0"]),
+    ("demo --for soon", &["'soon'", "--for", "write a number of seconds"]),
+    ("demo --for 1min", &["'1min'", "write a number of seconds"]),
+    ("demo --for nan", &["'nan'", "more than 0"]),
+    ("top --interval -1", &["'-1'", "--interval"]),
+    ("top --interval 0.01", &["'0.01'", "between 0.1 and 3600"]),
+    (
+        "demo --seed -1",
+        &["'-1'", "--seed", "write a whole number, 0 or greater"],
+    ),
+    ("demo --seed 1.5", &["'1.5'", "write a whole number, 0 or greater"]),
+    (
+        "demo --seed 99999999999999999999",
+        &["--seed", "the number is too large"],
+    ),
+    ("tap --sac 256", &["'256'", "--sac", "it must lie between 0 and 255"]),
+    ("up there.toml --speed 0", &["'0'", "--speed", "more than 0; write max"]),
+    ("up there.toml --speed fast", &["'fast'", "write a factor, or max"]),
+    (
+        "send bad.csv --to 127.0.0.1",
+        &["'127.0.0.1'", "write an address and a port, as in 127.0.0.1:8600"],
+    ),
+    (
+        "recording cut x --from yesterday --out o",
+        &["'yesterday'", "2026-05-01T10:00:00Z (see `koseki recording cut"],
+    ),
+    (
+        "recording cut x --from 2026-13-01T00:00:00Z --out o",
+        &["--from", "write a time as in 2026-05-01T10:00:00Z"],
+    ),
+    ("decode x.ast --edition 21", &["'21'", "as in 21=0.23"]),
+    ("decode x.ast --edition 21=9.9", &["21=9.9", "--edition", "0.23"]),
+    (
+        "locate --bearings bad.csv --filter fixd --out o",
+        &["--filter fixd: there are auto, fixed"],
+    ),
+    (
+        "score --truth a --tracks b --origin 41",
+        &["'41'", "latitude and longitude"],
+    ),
+    (
+        "score --truth a --tracks b --origin 141,2",
+        &["141", "latitude", "between"],
+    ),
+    ("score --truth a --tracks b --c -1", &["'-1'", "more than 0"]),
+    ("score --truth a --tracks b --standard ed-1", &["'ed-1'", "ed-87"]),
+    ("fuse --tracks bad.csv --out o --refresh 0", &["'0'", "--refresh"]),
+    (
+        "fuse --tracks bad.csv --out o --rule bst",
+        &["--rule bst", "there are auto, "],
+    ),
+    (
+        "simulate --scenario nowhere --for 5 --out o",
+        &["nowhere", "there are demo"],
+    ),
+    // Names of instances, topics, processes and keys.
+    ("demo --instance a/b", &["\"a/b\"", "1 to 40 letters, digits"]),
+    ("tap nothing --instance none", &["nothing", "no topic"]),
+    ("top --instance none", &["no instance none runs", "koseki status"]),
+    (
+        "adapter --config demo.toml --name radar-wst",
+        &["radar-wst", "there are: radar-west"],
+    ),
+    ("adapter --config demo.toml", &["adapter needs --name", "radar-west"]),
+    ("demo --set a", &["--set a: write it as key.path=value"]),
+    (
+        "demo --set scenario.targts=3",
+        &["scenario.targts: unknown key", "did you mean targets?"],
+    ),
+    (
+        "demo --set scenario.targets=-3",
+        &["scenario.targets: -3 is out of range", "(--set)"],
+    ),
+    ("demo --set source[9].name=a", &["there is no source[9]"]),
+    // Files that are absent, of another kind, or contradict each other.
     ("up absent.toml", &["absent.toml", "cannot be read"]),
     ("up there.toml", &["there.toml", "did you mean config/there.toml?"]),
     ("check there.toml", &["there.toml", "did you mean config/there.toml?"]),
     ("up .", &[".: cannot be read", "directory"]),
     ("up bad.csv", &["bad.csv:1", "key with no value"]),
     (
-        "fuse --tracks absent.csv --out o.csv",
-        &["absent.csv", "cannot be read"],
-    ),
-    (
-        "fuse --tracks bad.csv --out o.csv",
+        "fuse --tracks bad.csv --out o",
         &["bad.csv", "column time_s is missing"],
     ),
+    ("fuse --tracks bad.csv bad.csv --out o", &["bad.csv", "twice"]),
     (
-        "simulate --scenario nowhere --for 5 --out o",
-        &["nowhere", "there are demo"],
+        "fuse --tracks bad.csv --out bad.csv",
+        &["--out bad.csv is an input; name another file"],
     ),
-    ("tap nothing --instance none", &["nothing", "no topic"]),
-    ("top --instance none", &["no instance none runs", "koseki status"]),
+    (
+        "fuse --tracks bad.csv --out o --explain o",
+        &["--out and --explain name one file"],
+    ),
+    (
+        "fuse --tracks bad.csv --out - --json",
+        &["--out - and --json would mix"],
+    ),
+    ("up binary.toml", &["binary.toml: is no text in UTF-8"]),
+    ("encode binary.toml --out o", &["binary.toml: is no text in UTF-8"]),
+    (
+        "encode bad.csv --out o",
+        &["bad.csv: no record can be encoded: line 1: no JSON object"],
+    ),
+    ("demo --for 1 --root bad.csv/x", &["bad.csv/x", "Not a directory"]),
+    (
+        "demo --for 1 --set recorder.enabled=true --out bad.csv/x",
+        &["--out bad.csv/x", "Not a directory"],
+    ),
 ];
+
+/// Changes of a sound configuration, and words that its refusals contain.
+const MISTAKES_OF_FILES: &[(&str, &str, &[&str])] = &[
+    // Spelling.
+    (
+        "[[source]]",
+        "[[sorce]]",
+        &[":6: sorce: unknown key", "did you mean source?"],
+    ),
+    (
+        "[[source]]",
+        "[[sensr]]",
+        &[":6: sensr: unknown key", "a sensor of a deployment is a [[source]]"],
+    ),
+    (
+        "[[source]]",
+        "[source]",
+        &[":6: source: a table is no list of tables; write each below [[source]]"],
+    ),
+    (
+        "period_s = 4",
+        "perod_s = 4",
+        &[":8: source[0].perod_s: unknown key", "did you mean period_s?"],
+    ),
+    (
+        "latitude_deg",
+        "latitude",
+        &[":4: frame.latitude: unknown key", "did you mean latitude_deg?"],
+    ),
+    ("[frame]", "[fram]", &[":3: fram: unknown key", "did you mean frame?"]),
+    (
+        "rule.name = \"auto\"",
+        "rule.name = \"atuo\"",
+        &["fusion.rule.name: \"atuo\" is not known; there are: auto, "],
+    ),
+    // Syntax.
+    (
+        "period_s = 4",
+        "period_s = 4 s",
+        &[":8: period_s: 4 s is no value", "the unit, s, is in the name"],
+    ),
+    (
+        "period_s = 4",
+        "period_s = four",
+        &[":8: period_s: four is no value", "text in quotes"],
+    ),
+    ("period_s = 4", "period_s =", &[":8: period_s: the value is missing"]),
+    ("period_s = 4", "period_s 4", &[":8: ", "expected"]),
+    ("[frame]", "[frame", &[":3: unclosed table"]),
+    ("name = \"a\"", "name = \"a", &[":7: invalid basic string"]),
+    ("period_s = 4", "name = \"b\"", &[":8: name: is given twice"]),
+    (
+        "[fusion]",
+        "[frame]",
+        &[":14: frame: is given twice; write all its keys below one [frame]"],
+    ),
+    (
+        "[fusion]",
+        "[source]",
+        &[":14: source: is given twice; each table of a list stands below [[source]]"],
+    ),
+    // Types.
+    (
+        "latitude_deg = 43.3",
+        "latitude_deg = \"43N\"",
+        &[":4: frame.latitude_deg: \"43N\" is no number"],
+    ),
+    (
+        "latitude_deg = 43.3",
+        "latitude_deg = {}",
+        &[":4: frame.latitude_deg: a table is no number"],
+    ),
+    (
+        "period_s = 4",
+        "period_s = \"4\"",
+        &[":8: source[0].period_s: \"4\" is a text; write 4 without quotes"],
+    ),
+    (
+        "period_s = 4",
+        "period_s = \"4 s\"",
+        &[":8: source[0].period_s: \"4 s\" is no number", "the unit, s, is in"],
+    ),
+    (
+        "period_s = 4",
+        "period_s = true",
+        &[":8: source[0].period_s: true is no number"],
+    ),
+    (
+        "name = \"a\"",
+        "name = 5",
+        &[":7: source[0].name: 5 is no text; write a text in quotes"],
+    ),
+    (
+        "queue = 128",
+        "queue = 1.5",
+        &["fusion.capacity.queue: 1.5 is no whole number"],
+    ),
+    (
+        "queue = 128",
+        "queue = -1",
+        &["fusion.capacity.queue: -1 is out of range"],
+    ),
+    (
+        "queue = 128",
+        "queue = 99999999999999999999",
+        &["fusion.capacity.queue: ", "out of range"],
+    ),
+    (
+        "enabled = false",
+        "enabled = \"no\"",
+        &["recorder.enabled: \"no\" is neither true nor false"],
+    ),
+    (
+        "enabled = false",
+        "enabled = 0",
+        &["recorder.enabled: 0 is neither true nor false"],
+    ),
+    (
+        "enabled = false",
+        "enabled = no",
+        &["enabled: no is no value; write a number, true, false, "],
+    ),
+    (
+        "format = [\"csv\"]",
+        "format = \"csv\"",
+        &["recorder.format: \"csv\" is no list; write it in brackets"],
+    ),
+    (
+        "format = [\"csv\"]",
+        "format = [\"cvs\"]",
+        &["recorder.format: \"cvs\" is not known; there are: csv, "],
+    ),
+    (
+        "[recorder]",
+        "[[recorder]]",
+        &["recorder: a list is no table; write its keys below [recorder]"],
+    ),
+    // Ranges, and what has to be given once.
+    (
+        "latitude_deg = 43.3",
+        "latitude_deg = 143.3",
+        &[":4: frame.latitude_deg: ", "143.3", "-90° and 90°"],
+    ),
+    (
+        "latitude_deg = 43.3",
+        "latitude_deg = nan",
+        &[":4: frame.latitude_deg: ", "NaN"],
+    ),
+    (
+        "period_s = 4",
+        "period_s = 0",
+        &[":8: source[0].period_s: 0 is out of range; it must lie between 0.001 and 3600"],
+    ),
+    ("name = \"x\"", "", &["name: missing; the key is mandatory"]),
+    (
+        "name = \"x\"",
+        "name = \"x y\"",
+        &[":1: name: \"x y\" cannot be a name"],
+    ),
+    (
+        "longitude_deg = 5.2",
+        "",
+        &["frame.longitude_deg: missing; the key is mandatory"],
+    ),
+    (
+        "[source.external]",
+        "",
+        &["source[0].name: \"a\" needs exactly one of [source.recorded], "],
+    ),
+    (
+        "[fusion]",
+        "[[source]]\nname = \"a\"\nperiod_s = 4\n[source.external]\n[fusion]",
+        &[":15: source[1].name: \"a\" is the name of an earlier source"],
+    ),
+    (
+        "[fusion]",
+        "[source.live]\nreceiver = \"r\"\nsac = 1\nsic = 1\n[fusion]",
+        &["source[0].name: \"a\" needs exactly one of"],
+    ),
+    (
+        "[fusion]",
+        "[display]\nlisten = \"8900\"\n[fusion]",
+        &["display.listen: \"8900\" is no address with a port"],
+    ),
+    (
+        "[fusion]",
+        "[[gateway]]\nname = \"g\"\n[fusion]",
+        &["gateway[0]: give either send_to (datagrams) or listen"],
+    ),
+];
+
+/// A sound configuration.
+const SOUND: &str = "name = \"x\"
+
+[frame]
+latitude_deg = 43.3
+longitude_deg = 5.2
+[[source]]
+name = \"a\"
+period_s = 4
+[source.external]
+
+[recorder]
+enabled = false
+format = [\"csv\"]
+[fusion]
+rule.name = \"auto\"
+capacity.queue = 128
+";
 
 #[test]
 fn mistakes_are_refused_by_what_is_wrong() {
     let folder = Folder::new();
     folder.write("bad.csv", "a,b\n");
+    folder.write("binary.toml", [0xff, 0xfe, 0x80]);
+    std::fs::copy(repository("config/demo.toml"), folder.path("demo.toml")).unwrap();
     std::fs::create_dir(folder.path("config")).unwrap();
     folder.write("config/there.toml", "");
+    let mut wrong = Vec::new();
     for (command, expected) in MISTAKES {
-        let said = folder.refusal(command);
-        assert!(!said.contains("error:"), "{command}: {said}");
-        for words in expected {
-            assert!(said.contains(words), "{command}: {words} is missing in {said}");
-        }
+        refused(&folder, command, expected, &mut wrong);
+    }
+    assert!(wrong.is_empty(), "{}", wrong.concat());
+    assert!(!folder.path("o").exists());
+}
+
+#[test]
+fn mistakes_in_a_configuration_are_refused_by_file_line_and_key() {
+    let folder = Folder::with(&[("sound.toml", SOUND)]);
+    folder.succeed("check sound.toml");
+    let mut wrong = Vec::new();
+    for (right, mistaken, expected) in MISTAKES_OF_FILES {
+        assert!(SOUND.contains(right), "{right}");
+        folder.write("wrong.toml", SOUND.replacen(right, mistaken, 1));
+        let mut expected = expected.to_vec();
+        expected.push("koseki: wrong.toml:");
+        let before = wrong.len();
+        refused(&folder, "check wrong.toml", &expected, &mut wrong);
+        wrong[before..]
+            .iter_mut()
+            .for_each(|line| line.insert_str(0, &format!("{mistaken}: ")));
+    }
+    assert!(wrong.is_empty(), "{}", wrong.concat());
+}
+
+/// Adds the command to `wrong` unless it is refused in one line that contains these words.
+fn refused(folder: &Folder, command: &str, words: &[&str], wrong: &mut Vec<String>) {
+    let output = folder.run(command);
+    let said = String::from_utf8_lossy(&output.stderr);
+    let is_one_line = output.status.code() == Some(2) && output.stdout.is_empty() && said.lines().count() == 1;
+    let is_clear = ["error:", "tip:", "panicked", "f64", "u32"]
+        .iter()
+        .all(|word| !said.contains(word));
+    if !is_one_line || !is_clear || !said.starts_with("koseki: ") || words.iter().any(|word| !said.contains(word)) {
+        wrong.push(format!("{command}: {:?} {said}\n", output.status.code()));
     }
 }
 
@@ -170,16 +523,6 @@ fn folder_of_inputs() -> Folder {
     folder
 }
 
-/// Adds the command to `wrong` unless its refusal is one line that begins so.
-fn refused(folder: &Folder, command: &str, begin: &str, wrong: &mut Vec<String>) {
-    let output = folder.run(command);
-    let said = String::from_utf8_lossy(&output.stderr);
-    let is_right = output.status.code() == Some(2) && output.stdout.is_empty() && said.lines().count() == 1;
-    if !is_right || !said.starts_with(begin) {
-        wrong.push(format!("{command}: {:?} {said}", output.status.code()));
-    }
-}
-
 #[test]
 fn a_file_that_cannot_be_used_is_wrong_usage_of_every_command() {
     let folder = folder_of_inputs();
@@ -192,7 +535,7 @@ fn a_file_that_cannot_be_used_is_wrong_usage_of_every_command() {
             refused(
                 &folder,
                 &command.replace("FILE", file),
-                &format!("koseki: {file}:"),
+                &[&format!("koseki: {file}:")],
                 &mut wrong,
             );
         }
@@ -218,7 +561,7 @@ fn an_instance_that_does_not_run_is_wrong_usage_of_every_command() {
         "adapter --instance none --config CONFIG --name radar-west",
     ] {
         let command = command.replace("CONFIG", config.to_str().unwrap());
-        refused(&folder, &command, "koseki: ", &mut wrong);
+        refused(&folder, &command, &["none"], &mut wrong);
     }
     assert!(wrong.is_empty(), "{}", wrong.concat());
 }
@@ -232,7 +575,7 @@ fn a_place_where_nothing_can_be_written_is_wrong_usage_of_every_command() {
             // `simulate` makes the folder.
             if !(command.starts_with("simulate") && place == "absent/o") {
                 let begin = format!("koseki: {place}: cannot be written: ");
-                refused(&folder, &command.replace("PLACE", place), &begin, &mut wrong);
+                refused(&folder, &command.replace("PLACE", place), &[&begin], &mut wrong);
             }
         }
     }

@@ -47,7 +47,7 @@ fn main() -> ExitCode {
     };
     match done.and_then(|()| run(cli.command)) {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error) => command_line::end_with(exit_code(&error), format_args!("{error:#}")),
+        Err(error) => command_line::end_with(exit_code(&error), command_line::reason(error.as_ref())),
     }
 }
 

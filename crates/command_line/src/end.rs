@@ -1,5 +1,6 @@
 //! Ends of a program: exit codes, and the one line on standard error that explains the code (FM-16).
 
+use std::error::Error;
 use std::fmt::Display;
 use std::process::ExitCode;
 
@@ -24,6 +25,21 @@ pub fn refuse_usage(error: &clap::Error, program: &Command) -> ExitCode {
     }
     let words: Vec<String> = std::env::args().collect();
     end_with(CODE_REFUSED, usage_line(error, program, &words))
+}
+
+/// Joins an error and its causes. A cause that its error names already is not repeated.
+pub fn reason(error: &dyn Error) -> String {
+    let mut text = error.to_string();
+    let mut next = error.source();
+    while let Some(cause) = next {
+        let words = cause.to_string();
+        if !text.ends_with(&words) {
+            text.push_str(": ");
+            text.push_str(&words);
+        }
+        next = cause.source();
+    }
+    text
 }
 
 /// Writes the reason in one line, and returns the exit code.

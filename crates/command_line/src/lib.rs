@@ -10,6 +10,6 @@ mod root;
 mod usage;
 pub mod values;
 
-pub use end::{CODE_FAILED, CODE_REFUSED, end_with, refuse_usage};
+pub use end::{CODE_FAILED, CODE_REFUSED, end_with, reason, refuse_usage};
 pub use root::with_root;
 pub use usage::{one_line, refusal, usage_line};

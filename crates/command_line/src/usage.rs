@@ -11,14 +11,49 @@ pub fn one_line(text: &str) -> String {
 /// Returns the reason for rejected command words, on one line.
 pub fn refusal(error: &clap::Error) -> String {
     let text = error.to_string();
-    let words: Vec<&str> = text
+    let words: Vec<String> = text
         .lines()
         .take_while(|line| !line.starts_with("Usage:"))
         .filter(|line| !line.trim().is_empty() && !line.starts_with("For more information"))
-        .map(str::trim)
+        .filter_map(|line| match line.trim().strip_prefix("tip: ") {
+            Some(tip) => similar(tip),
+            None => Some(plain(line.trim())),
+        })
         .collect();
-    let words = words.join(" ");
+    let words = words.join(" ").replace(" did you mean", "; did you mean");
     words.strip_prefix("error: ").unwrap_or(&words).to_owned()
+}
+
+/// Returns the similar words of a tip; other tips are about the syntax of arguments, which is rarely the fault.
+fn similar(tip: &str) -> Option<String> {
+    let (what, words) = tip.split_once(": ").unwrap_or_default();
+    what.contains("similar").then(|| format!("did you mean {words}?"))
+}
+
+/// Replaces the reasons of the standard library by the values that are possible.
+fn plain(line: &str) -> String {
+    const REASONS: [(&str, &str); 4] = [
+        ("invalid digit found in string", "write a whole number, 0 or greater"),
+        (
+            "cannot parse integer from empty string",
+            "write a whole number, 0 or greater",
+        ),
+        ("number too large to fit in target type", "the number is too large"),
+        (
+            "invalid socket address syntax",
+            "write an address and a port, as in 127.0.0.1:8600",
+        ),
+    ];
+    let replaced = |line: String, (reason, words): (&str, &str)| line.replace(reason, words);
+    let line = REASONS.into_iter().fold(line.to_owned(), replaced);
+    // A number outside a range: `-1 is not in 0..=255`.
+    match line
+        .rsplit_once(" is not in ")
+        .and_then(|(head, range)| Some((head.rsplit_once(": ")?.0, range.split_once("..=")?)))
+    {
+        Some((head, (low, high))) => format!("{head}: it must lie between {low} and {high}"),
+        None => line,
+    }
 }
 
 /// Returns clap's message about wrong usage of `program` in one line. `words` are the command line, with the program.
@@ -40,10 +75,7 @@ pub fn usage_line(error: &clap::Error, program: &Command, words: &[String]) -> S
     let what = negative_value(error, program, words)
         .or_else(|| unknown_option(error, program, words))
         .unwrap_or_else(|| refusal(error));
-    match first {
-        Some(command) => format!("{what} (see `koseki {} --help`)", command.get_name()),
-        None => format!("{what} (see `koseki --help`)"),
-    }
+    format!("{what} (see `{} --help`)", command_of(program, words).0)
 }
 
 /// Returns the message about a negative number after an option. clap takes such a word for an option; joined to the

@@ -126,7 +126,11 @@ pub fn text(path: &Path) -> Result<String, ConfigError> {
         } else {
             String::new()
         };
-        in_file(path, SettingsError::new("", format!("cannot be read: {error}{meant}")))
+        let what = match error.kind() {
+            std::io::ErrorKind::InvalidData => "is no text in UTF-8".to_owned(),
+            _ => format!("cannot be read: {error}{meant}"),
+        };
+        in_file(path, SettingsError::new("", what))
     })
 }
 
@@ -137,8 +141,17 @@ fn read_deployment(
     services: Vec<&mut dyn KeyTable>,
 ) -> Checked<(Deployment, fusion::Settings, Vec<Processing>)> {
     let mut table = DeploymentTable::default();
-    document.read_into(&mut Shared::new(&mut table, services))?;
+    let read = document.read_into(&mut Shared::new(&mut table, services));
+    read.map_err(with_place_of_sensors)?;
     check::check(path, table)
+}
+
+/// Adds to an unknown key like `sensor`, which the files of commands on tables have, what it is in a deployment.
+fn with_place_of_sensors(mut error: SettingsError) -> SettingsError {
+    if error.what.starts_with("unknown key") && settings::nearest(&error.key, &["sensor"]).is_some() {
+        error.what.push_str("; a sensor of a deployment is a [[source]]");
+    }
+    error
 }
 
 impl<P: Parts> ConfigWith<P> {

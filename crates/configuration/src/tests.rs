@@ -203,7 +203,11 @@ fn mistakes_are_named_with_file_line_value_and_remedy() {
             "\"22\" = \"1.0\"",
             "there are: CAT001 ed 1.4, CAT002 ed 1.2, ",
         ),
-        ("period_s = 1.0", "period_s = \"1 s\"", "expected f64"),
+        (
+            "period_s = 1.0",
+            "period_s = \"1 s\"",
+            "\"1 s\" is no number; write the number alone",
+        ),
         (
             "reorder_s = 0.5",
             "truncated = \"yes\"",

@@ -118,7 +118,11 @@ fn mistakes_are_named_with_line_value_and_remedy() {
             2,
             "there are: off, computed, a whole number",
         ),
-        ("[splitting]\nparents_motion = -1", 2, "expected usize"),
+        (
+            "[splitting]\nparents_motion = -1",
+            2,
+            "-1 is out of range; it must lie between 1 and 256",
+        ),
         (
             "[motion]\nprocess_noise_m2ps3 = [1.0]",
             2,

@@ -201,11 +201,11 @@ fn mistakes_are_named_with_line_key_value_and_remedy() {
         ),
         (
             "[wide_area]\ncorrection = 0.6",
-            "2: wide_area.correction: invalid type: float, expected a table",
+            "2: wide_area.correction: 0.6 is no table; write its keys below [wide_area.correction]",
         ),
         (
             "[wide_area]\ncorrection = \"on\"",
-            "2: wide_area.correction: invalid type: string, expected a table, or \"off\"",
+            "2: wide_area.correction: \"on\" is no table; write its keys below [wide_area.correction], or \"off\"",
         ),
         (
             "[wide_area]\ncorrection = { shar = 0.6 }",
@@ -326,7 +326,7 @@ fn mistakes_are_named_with_line_key_value_and_remedy() {
         ),
         (
             &format!("{of_type}{of_place}types = {{ A = 0.5, A = 0.4 }}"),
-            "5: duplicate key",
+            "5: A: is given twice; remove one of the two",
         ),
         (
             &format!("{of_type}[[wide_area.type]]\nname = \"B\"\n{of_place}types = {{ A = 0.7, B = 0.5 }}"),

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use toml::de::DeValue;
 
-use crate::leaves::wrong_type;
+use crate::leaves::found;
 use crate::{KeyTable, KeyValue, Node, Place, Range, SettingsError};
 
 /// The word that stands for `None`.
@@ -46,7 +46,11 @@ impl<T: KeyValue + Default> KeyValue for Option<T> {
 impl<T: KeyValue + Default> KeyValue for Vec<T> {
     fn read(&mut self, node: &Node<'_>, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
         let DeValue::Array(items) = node.get_ref() else {
-            return Err(wrong_type(node, &self.kind(), at));
+            let (found, is_of_tables) = (found(node), T::default().table().is_some());
+            return Err(at.error(match is_of_tables {
+                true => format!("{found} is no list of tables; write each below [[{at}]]"),
+                false => format!("{found} is no list; write it in brackets: [{}]", T::default().kind()),
+            }));
         };
         self.clear();
         for (index, item) in items.iter().enumerate() {
@@ -86,7 +90,11 @@ impl<T: KeyValue + Default, const N: usize> KeyValue for [T; N] {
                 let (found, like) = (items.len(), list(self));
                 Err(at.error(format!("{found} values; write {N}, like {like}")))
             }
-            _ => Err(wrong_type(node, &self.kind(), at)),
+            _ => Err(at.error(format!(
+                "{} is no list; write {N} values, like {}",
+                found(node),
+                list(self)
+            ))),
         }
     }
 
@@ -106,7 +114,8 @@ impl<T: KeyValue + Default, const N: usize> KeyValue for [T; N] {
 impl<T: KeyValue + Default> KeyValue for BTreeMap<String, T> {
     fn read(&mut self, node: &Node<'_>, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
         let DeValue::Table(table) = node.get_ref() else {
-            return Err(wrong_type(node, &self.kind(), at));
+            let what = format!("{} is no table; write names with values below [{at}]", found(node));
+            return Err(at.error(what));
         };
         self.clear();
         for (name, item) in table {

@@ -3,6 +3,7 @@
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use crate::syntax;
 use crate::{KeyTable, KeyValue, Node, Place, SettingsError, read_table};
 
 /// Offset that a value has which is not in the text.
@@ -23,7 +24,7 @@ impl<'a> Document<'a> {
     pub fn parse(text: &'a str, overrides: &'a [String]) -> Result<Self, SettingsError> {
         let root = DeTable::parse(text).map_err(|error| SettingsError {
             line: error.span().map(|span| line_at(text, span.start)),
-            ..SettingsError::new("", error.message().replace('\n', " "))
+            ..SettingsError::new("", syntax::fault(text, &error))
         })?;
         let (span, mut root) = (root.span(), root.into_inner());
         for each in overrides {

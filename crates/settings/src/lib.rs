@@ -51,6 +51,7 @@ mod quantities;
 mod reference;
 mod shared;
 mod spelling;
+mod syntax;
 mod table;
 mod value;
 mod words;

@@ -37,6 +37,11 @@ impl<'a> Place<'a> {
         }
     }
 
+    /// Name of the key that stands here, or of the list with the item.
+    pub(crate) fn name(&self) -> &str {
+        self.name
+    }
+
     /// An error of the value that stands here.
     pub fn error(&self, what: impl Into<String>) -> SettingsError {
         SettingsError::new(self.to_string(), what)

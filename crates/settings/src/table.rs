@@ -2,7 +2,7 @@
 
 use toml::de::DeValue;
 
-use crate::leaves::wrong_type;
+use crate::leaves::found;
 use crate::{Key, KeyTable, Node, Place, SettingsError};
 
 /// Reads the table at `at`; keys missing in the file keep their values.
@@ -11,7 +11,8 @@ use crate::{Key, KeyTable, Node, Place, SettingsError};
 /// If the node is no table, has unknown keys, lacks a mandatory key, or has invalid values.
 pub fn read_table(table: &mut dyn KeyTable, node: &Node<'_>, at: &Place<'_>) -> Result<(), SettingsError> {
     let DeValue::Table(given) = node.get_ref() else {
-        return Err(wrong_type(node, "a table", at));
+        let what = format!("{} is no table; write its keys below [{at}]", found(node));
+        return Err(at.error(what));
     };
     for (name, node) in given {
         let name = name.get_ref();

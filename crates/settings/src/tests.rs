@@ -94,11 +94,7 @@ fn what_is_given_is_taken_and_the_rest_is_as_usual() {
 fn mistakes_are_named_with_path_line_value_and_remedy() {
     for (text, line, expected) in [
         ("period_s = 1", None, "name: missing; the key is mandatory"),
-        (
-            "name = 3",
-            Some(1),
-            "name: invalid type: integer `3`, expected a string",
-        ),
+        ("name = 3", Some(1), "name: 3 is no text; write a text in quotes"),
         (
             "name = \"a\"\nperiod_s = 0",
             Some(2),
@@ -113,7 +109,7 @@ fn mistakes_are_named_with_path_line_value_and_remedy() {
         (
             "name = \"a\"\nwait_s = \"of\"",
             Some(2),
-            "wait_s: invalid type: string \"of\", expected f64, or \"off\"",
+            "wait_s: \"of\" is no number; write the number alone (the unit, s, is in the name of the key), or \"off\"",
         ),
         (
             "name = \"a\"\nwait_s = 5",
@@ -144,7 +140,7 @@ fn mistakes_are_named_with_path_line_value_and_remedy() {
         (
             "name = \"a\"\npart = 3",
             Some(2),
-            "part: invalid type: integer, expected list of: table",
+            "part: 3 is no list of tables; write each below [[part]]",
         ),
         (
             "name = \"a\"\n[spare]\ncont = 1",
@@ -156,7 +152,67 @@ fn mistakes_are_named_with_path_line_value_and_remedy() {
             Some(2),
             "bearing: unknown key; there are: name, period_s, ",
         ),
-        ("name = \"a\"\nname = \"b\"", Some(2), "duplicate key"),
+        (
+            "name = \"a\"\nname = \"b\"",
+            Some(2),
+            "name: is given twice; remove one of the two",
+        ),
+        (
+            "name = \"a\"\n[spare]\n[spare]",
+            Some(3),
+            "spare: is given twice; write all its keys below one [spare]",
+        ),
+        (
+            "name = \"a\"\n[[part]]\n[part]",
+            Some(3),
+            "part: is given twice; each table of a list stands below [[part]]",
+        ),
+        (
+            "name = \"a\"\nperiod_s = 4 s # four",
+            Some(2),
+            "period_s: 4 s is no value; write the number alone (the unit, s, is in the name of the key)",
+        ),
+        (
+            "name = \"a\"\nway = slow",
+            Some(2),
+            "way: slow is no value; write a number, true, false, or a text in quotes",
+        ),
+        ("name =", Some(1), "name: the value is missing; write it behind the '='"),
+        (
+            "name = \"a\"\nperiod_s = \"4\"",
+            Some(2),
+            "period_s: \"4\" is a text; write 4 without quotes",
+        ),
+        (
+            "name = \"a\"\nperiod_s = \"4 s\"",
+            Some(2),
+            "period_s: \"4 s\" is no number; write the number alone (the unit, s, is in the name of the key)",
+        ),
+        (
+            "name = \"a\"\nfactors = 3",
+            Some(2),
+            "factors: 3 is no list; write 2 values, like [1.0, 2.0]",
+        ),
+        (
+            "name = \"a\"\nspare = true",
+            Some(2),
+            "spare: true is no table; write its keys below [spare]",
+        ),
+        (
+            "name = \"a\"\nspare = {count = -1}",
+            Some(2),
+            "spare.count: -1 is out of range; it must lie between 1 and 9",
+        ),
+        (
+            "name = \"a\"\nspare = {count = 1.5}",
+            Some(2),
+            "spare.count: 1.5 is no whole number; write one like 3",
+        ),
+        (
+            "name = \"a\"\nshares = [1]",
+            Some(2),
+            "shares: a list is no table; write names with values below [shares]",
+        ),
     ] {
         let error = read(text, &[]).unwrap_err();
         assert!(error.to_string().starts_with(expected), "{text}: {error}");

@@ -63,13 +63,20 @@ fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => return command_line::refuse_usage(&error, &Cli::command()),
     };
-    let done = match cli.root {
-        Some(root) => command_line::with_root(&root).map_err(|refused| Usage(refused).into()),
+    let root = cli.root;
+    let done = match &root {
+        Some(root) => command_line::with_root(root).map_err(|refused| Usage(refused).into()),
         None => Ok(()),
     };
     match done.and_then(|()| run(cli.command)) {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error) => command_line::end_with(exit_code(&error), format_args!("{error:#}")),
+        Err(error) => {
+            let code = match root.is_some_and(|root| is_about(&root, &error)) {
+                true => CODE_REFUSED,
+                false => exit_code(&error),
+            };
+            command_line::end_with(code, command_line::reason(error.as_ref()))
+        }
     }
 }
 
@@ -266,6 +273,16 @@ fn process_name(kind: ProcessKind, given: Option<String>, config: &Config) -> Re
 fn exit_code(error: &anyhow::Error) -> u8 {
     let refused = offline::is_refused(error) || error.is::<UnusableRecording>() || error.is::<launcher::ChildRefused>();
     if refused { CODE_REFUSED } else { CODE_FAILED }
+}
+
+/// Whether the folder of `--root` cannot be used.
+fn is_about(root: &Path, error: &anyhow::Error) -> bool {
+    let root = std::path::absolute(root).unwrap_or_default();
+    match error.downcast_ref() {
+        Some(BusError::Io { path, .. }) => root.starts_with(path) || path.parent() == Some(&root),
+        Some(BusError::BaseNotPrivate { .. }) => true,
+        _ => false,
+    }
 }
 
 /// Prints an answer.

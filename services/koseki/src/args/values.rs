@@ -10,9 +10,8 @@ use runtime::Speed;
 
 /// Parses a UTC time in the form of the recordings; returns nanoseconds since 1970.
 pub(super) fn utc(text: &str) -> Result<i64, String> {
-    let Utc(time_ns) = text
-        .parse()
-        .map_err(|error| format!("{error}; write it as in 2026-05-01T10:00:00Z"))?;
+    let form = "write a time as in 2026-05-01T10:00:00Z";
+    let Utc(time_ns) = text.parse().map_err(|_| form.to_owned())?;
     Ok(time_ns)
 }
 
