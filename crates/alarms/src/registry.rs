@@ -164,7 +164,7 @@ alarms! {
         "The clock of another host is {offset} off, as compared by {process}: {note}.",
         "Synchronise the clocks of both hosts (NTP, PTP): fusion uses the times stated in reports.";
     TrackerIdle = 26, "tracker-idle", Warning, raise 0 s, clear 5 s,
-        "The tracker of {source} made {reports} of tracks from its last {detections}, in {scans} of {period}.",
+        "The tracker of {source} made {reports} of tracks from its last {detections}, in {scans}{period}.",
         "Compare `period_s` with the duration of an antenna turn: `koseki check` prints the duration in a recording, \
          and without the key the adapter measures it. Compare the sigmas, `detection_probability` and \
          `clutter_density` with the sensor. If all detections are clutter, there is no fault.";

@@ -90,9 +90,9 @@ pub enum CounterClass {
     Flow,
     /// Levels: present numbers, not totals.
     Level,
-    /// Reports rejected by an adapter, by reason.
+    /// Input rejected by an adapter, by reason: reports, or the blocks, sentences, snapshots and bearings before them.
     Rejection,
-    /// Records that an adapter converts to reports partly or not at all.
+    /// Properties of an adapter's input that cost no report.
     AdapterRemark,
     /// Work of an adapter that forms tracks from detections.
     Tracking,
@@ -177,7 +177,7 @@ counters! {
         "Records about the sensor itself, not about a target.";
     BytesRejected = "bytes_rejected", AdapterRemark by [Adapter],
         "Bytes of blocks that could not be decoded and were skipped.";
-    BlocksRejected = "blocks_rejected", AdapterRemark by [Adapter],
+    BlocksRejected = "blocks_rejected", Rejection by [Adapter],
         "Blocks that could not be decoded completely.";
     Published = "published", Flow by [Adapter, Fusion, Link],
         "Samples published.";
@@ -399,13 +399,13 @@ counters! {
         "States of a platform that differ from the states before by more than any motion.";
     PlatformSilentMs = "platform_silent_ms", Level by [],
         "Level: time since the latest state of a platform beyond its limit, milliseconds.";
-    SentencesPartial = "sentences_partial", AdapterRemark by [Adapter],
+    SentencesPartial = "sentences_partial", Rejection by [Adapter],
         "Sentences of NMEA 0183 rejected because they were cut or too long.";
-    SentencesChecksum = "sentences_checksum", AdapterRemark by [Adapter],
+    SentencesChecksum = "sentences_checksum", Rejection by [Adapter],
         "Sentences of NMEA 0183 rejected because of their checksum.";
-    SentencesTalker = "sentences_talker", AdapterRemark by [Adapter],
+    SentencesTalker = "sentences_talker", Rejection by [Adapter],
         "Sentences of NMEA 0183 rejected because their talker is not known.";
-    SentencesWithoutFix = "sentences_without_fix", AdapterRemark by [Adapter],
+    SentencesWithoutFix = "sentences_without_fix", Rejection by [Adapter],
         "Sentences of NMEA 0183 without a fix, or marked as invalid.";
     SentencesOther = "sentences_other", AdapterRemark by [Adapter],
         "Sentences of NMEA 0183 of kinds that are not read.";
@@ -415,30 +415,34 @@ counters! {
         "Detections rejected because no state of the sensor's platform belongs to their time.";
     DesignationsFollowed = "designations_followed", AdapterRemark by [Adapter],
         "Designations of targets that the tracker followed already; they change nothing.";
-    SnapshotsForeign = "snapshots_foreign", AdapterRemark by [Adapter],
+    SnapshotsForeign = "snapshots_foreign", Rejection by [Adapter],
         "Datagrams of array snapshots rejected because they have another layout or version.";
-    SnapshotsLength = "snapshots_length", AdapterRemark by [Adapter],
+    SnapshotsLength = "snapshots_length", Rejection by [Adapter],
         "Datagrams of array snapshots rejected because their length is not the one that they state.";
-    SnapshotsValue = "snapshots_value", AdapterRemark by [Adapter],
+    SnapshotsValue = "snapshots_value", Rejection by [Adapter],
         "Datagrams of array snapshots rejected because of an impossible value, or one unlike the rest of their measurement.";
-    SnapshotsAntennas = "snapshots_antennas", AdapterRemark by [Adapter],
+    SnapshotsAntennas = "snapshots_antennas", Rejection by [Adapter],
         "Datagrams of array snapshots rejected because the configured array has another number of antennas.";
-    SnapshotsRepeated = "snapshots_repeated", AdapterRemark by [Adapter],
+    SnapshotsRepeated = "snapshots_repeated", Rejection by [Adapter],
         "Datagrams of array snapshots rejected because they came twice, or after a later measurement.";
     SnapshotsMissing = "snapshots_missing", AdapterRemark by [Adapter],
         "Array snapshots that did not come; their measurement was made without them.";
-    MeasurementsUnusable = "measurements_unusable", AdapterRemark by [Adapter],
+    MeasurementsUnusable = "measurements_unusable", Rejection by [Adapter],
         "Measurements of an antenna array without a result: too few snapshots, no power, or too high a frequency.";
-    BearingsAmbiguous = "bearings_ambiguous", AdapterRemark by [Adapter],
+    BearingsAmbiguous = "bearings_ambiguous", Rejection by [Adapter],
         "Bearings not used because the antenna array cannot distinguish them from others.";
-    BearingsOutsideSector = "bearings_outside_sector", AdapterRemark by [Adapter],
+    BearingsOutsideSector = "bearings_outside_sector", Rejection by [Adapter],
         "Bearings not used because they are outside the sector of the antenna array.";
-    BearingsUncertain = "bearings_uncertain", AdapterRemark by [Adapter],
+    BearingsUncertain = "bearings_uncertain", Rejection by [Adapter],
         "Bearings not used because their standard deviation exceeds 1 rad.";
     WavesUnresolved = "waves_unresolved", AdapterRemark by [Adapter],
         "Waves received by an antenna array that have no bearing of their own.";
     CopiesFailing = "copies_failing", Level by [],
         "Level: 1 while the memory for successors cannot be copied to disk.";
+    ReportsAhead = "reports_ahead", Level by [],
+        "Level: reports that a recorded source has made and that are not due yet.";
+    LiveTracksMax = "live_tracks_max", Level by [],
+        "Level: greatest number of system tracks that were confirmed or coasted at a time.";
 }
 
 #[cfg(test)]

@@ -123,7 +123,7 @@ impl Deployment {
         self.book.take(health);
         let Some(kind) = health.kind() else { return };
         if kind == ProcessKind::Fusion && health.source == NO_SOURCE {
-            self.live_max = self.live_max.max(health.counters[Counter::LiveTracks]);
+            self.live_max = self.live_max.max(health.counters[Counter::LiveTracksMax]);
         }
         let is_alive = health.life() == Some(LifeState::Running);
         // The standby of a fusion has another name.

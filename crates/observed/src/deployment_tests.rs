@@ -205,7 +205,8 @@ fn an_origin_that_is_no_place_changes_nothing() {
 #[test]
 fn latencies_count_in_the_time_of_the_sources() {
     let mut observed = Deployment::default();
-    let mut fusion = health(FUSION, "fusion", NO_SOURCE, 1, &[(Counter::LiveTracks, 9)]);
+    let counters = [(Counter::LiveTracks, 3), (Counter::LiveTracksMax, 9)];
+    let mut fusion = health(FUSION, "fusion", NO_SOURCE, 1, &counters);
     fusion.registration.clock_offset_s = 3.0;
     observed.take_health(&fusion);
     let utc_ns = 1_700_000_000 * S;
@@ -229,7 +230,9 @@ fn latencies_count_in_the_time_of_the_sources() {
         (1, true),
         "{age:?}"
     );
-    observed.take_health(&health(FUSION, "fusion", NO_SOURCE, 2, &[(Counter::LiveTracks, 4)]));
+    // A restarted fusion begins again.
+    let counters = [(Counter::LiveTracks, 4), (Counter::LiveTracksMax, 5)];
+    observed.take_health(&health(FUSION, "fusion", NO_SOURCE, 2, &counters));
     let counts = observed.track_counts();
     assert_eq!((counts.confirmed, counts.live_max), (4, 9));
 }

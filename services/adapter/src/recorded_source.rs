@@ -162,6 +162,10 @@ impl Replayed for RecordedSource {
         self.ready.get(ahead).map(|report| report.time_of_measurement_ns)
     }
 
+    fn ahead(&self) -> usize {
+        self.ready.len()
+    }
+
     fn next(&mut self) -> Option<(u64, SensorTrack)> {
         Iterator::next(self).map(|report| (report.sequence, report))
     }

@@ -32,6 +32,9 @@ pub(crate) trait Replayed: Debug {
     /// is no such sample. At least a slice ahead is known.
     fn due_ns(&self, ahead: usize) -> Option<i64>;
 
+    /// Number of samples that are made and not taken.
+    fn ahead(&self) -> usize;
+
     /// Takes the next sample, with its number.
     fn next(&mut self) -> Option<(u64, Self::Sample)>;
 
@@ -267,6 +270,7 @@ impl<R: Replayed> Agent for ReplayAgent<R> {
         };
         entry.set(Counter::Published, self.outlet.sent());
         entry.set(Counter::WaitedForConsumers, self.waited);
+        entry.set(Counter::ReportsAhead, self.recording.ahead() as u64);
         if self.ended {
             entry.note = "end of the recording".to_owned();
         } else if self.clock.is_none() {

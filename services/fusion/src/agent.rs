@@ -72,6 +72,8 @@ pub struct FusionAgent<S: Transport> {
     /// Order `arrival`: estimates of the sources' clocks.
     clocks: Clocks,
     common: CommonOffsets,
+    /// Greatest number of system tracks that were confirmed or coasted after a turn.
+    live_max: u64,
     /// Clock offset of each source as passed to the engine, milliseconds.
     told_ms: Vec<Option<i32>>,
 }
@@ -184,6 +186,7 @@ impl<S: Transport> FusionAgent<S> {
             take_over: TakeOver::default(),
             clocks: Clocks::default(),
             common: CommonOffsets::default(),
+            live_max: 0,
             told_ms: vec![None; inputs.len()],
             full_look_ns: i64::MIN,
             full_look_every_ns: match waiter.mode() {
@@ -416,6 +419,17 @@ impl<S: Transport> FusionAgent<S> {
     }
 }
 
+impl<S: Transport> FusionAgent<S> {
+    /// Number of system tracks that are confirmed or coasted.
+    fn live(&self) -> u64 {
+        let states = [TrackState::Confirmed, TrackState::Coasted];
+        states
+            .map(|state| self.driver.engine().count_in_state(state) as u64)
+            .iter()
+            .sum()
+    }
+}
+
 impl<S: Transport> Agent for FusionAgent<S> {
     fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
         if !self.queues.orders.is_empty() {
@@ -432,6 +446,7 @@ impl<S: Transport> Agent for FusionAgent<S> {
             }
             None => self.work_on_arrival(now)?,
         };
+        self.live_max = self.live_max.max(self.live());
         if let Some(reached) = &mut self.reached {
             for (index, input) in self.inputs.iter_mut().enumerate() {
                 for (header, next_sequence) in input.passed.drain(..) {
@@ -482,10 +497,8 @@ impl<S: Transport> Agent for FusionAgent<S> {
             ..HealthEntry::default()
         };
         let level = |state| self.driver.engine().count_in_state(state) as u64;
-        whole.set(
-            Counter::LiveTracks,
-            level(TrackState::Confirmed) + level(TrackState::Coasted),
-        );
+        whole.set(Counter::LiveTracks, self.live());
+        whole.set(Counter::LiveTracksMax, self.live_max);
         whole.set(Counter::TentativeTracks, level(TrackState::Tentative));
         whole.set(Counter::CoastedTracks, level(TrackState::Coasted));
         whole.set(Counter::SuspendedTracks, level(TrackState::Suspended));

@@ -1,18 +1,7 @@
 //! Counters of one process or source, in reports.
 
-use messages::{Counter, CounterClass, Counters};
+use messages::{Counter, Counters};
 use serde::Serializer;
-
-/// Counters of a process as a whole that no other part of a report contains.
-pub(crate) fn process_remarks() -> impl Iterator<Item = Counter> {
-    Counter::of(CounterClass::Process).chain([Counter::WaitedForConsumers, Counter::WideAreaLost])
-}
-
-/// Counters that need the attention of a network's operator.
-pub(crate) fn network_trouble() -> impl Iterator<Item = Counter> {
-    let records = [Counter::RejectedSource, Counter::BlocksRejected, Counter::BytesRejected];
-    Counter::of(CounterClass::NetworkTrouble).chain(records)
-}
 
 /// Writes an object with one member per counter, by label, in the order of the codes; an absent counter is 0. A process
 /// or source has some 160 counters, of which few count anything.

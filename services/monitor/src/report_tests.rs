@@ -252,10 +252,24 @@ fn polled() -> Report {
         .with(Counter::RejectedOutOfOrder, 5)
         .with(Counter::CovariancesRepaired, 2);
     report.sources[1].recorder = Counters::default().with(Counter::RejectedSchema, 1);
-    report.others = vec![ProcessCounters {
-        process: "recorder".to_owned(),
-        counters: Counters::default().with(Counter::RowsWritten, 12_345),
-    }];
+    let adapter = report.sources[0].adapter;
+    report.sources[0].adapter = adapter
+        .with(Counter::BlocksRejected, 4)
+        .with(Counter::BytesRejected, 180)
+        .with(Counter::ServiceMessages, 7)
+        .with(Counter::TracksEnded, 2);
+    let others = [
+        ("recorder", Counter::RowsWritten, 12_345),
+        ("adapter ship", Counter::SentencesOther, 12),
+        ("adapter ship", Counter::SentencesChecksum, 3),
+        ("gateway picture", Counter::RejectedNoTrackNumber, 1),
+    ];
+    report.others = others
+        .map(|(process, counter, count)| ProcessCounters {
+            process: process.to_owned(),
+            counters: Counters::default().with(counter, count),
+        })
+        .to_vec();
     report.monitor = report.monitor.with(Counter::RejectedOutOfOrder, 9);
     judged(report)
 }

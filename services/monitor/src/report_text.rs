@@ -8,7 +8,6 @@ use scoring::AccuracyReport;
 use telemetry::Stage;
 use telemetry::table::{self, Align, TextTable, count};
 
-use crate::counters::{network_trouble, process_remarks};
 use crate::report::{NOT_MEASURED, Report, RunSettings, SourceReport, StageReport};
 use crate::text::{date_time, percent, several, time_of_day, times, wrapped};
 use crate::truth_watch::WARM_UP_NS;
@@ -106,13 +105,13 @@ impl Report {
             ];
             let cells = shown.map(|counter| count(of(counter)));
             rows.row([report.process.clone()].into_iter().chain(cells));
-            for counter in network_trouble().filter(|counter| of(*counter) > 0) {
+            for counter in Counter::of(CounterClass::NetworkTrouble).filter(|counter| of(*counter) > 0) {
                 let line = format!("{}: {}: {}", report.process, count(of(counter)), counter.sentence());
                 trouble.push_str(&(line + "\n"));
             }
         }
         if trouble.is_empty() {
-            trouble.push_str("Nothing was rejected or dropped.\n");
+            trouble.push_str("No datagram was rejected or dropped.\n");
         }
         format!("NETWORK\n{rows}{trouble}")
     }
@@ -127,7 +126,6 @@ impl Report {
             ("not used", Align::Right),
         ]);
         for source in &self.sources {
-            let unread = source.adapter[Counter::BlocksRejected];
             let [taken, unused] = match source.sensor_of {
                 Some(_) => ["-", "-"].map(str::to_owned),
                 None => {
@@ -138,7 +136,7 @@ impl Report {
             rows.row([
                 source.name.clone(),
                 count(source.adapter[Counter::Records]),
-                count(source.adapter.sum_of(CounterClass::Rejection) + unread),
+                count(source.adapter.sum_of(CounterClass::Rejection)),
                 count(source.adapter[Counter::Published]),
                 taken,
                 unused,
@@ -153,89 +151,43 @@ impl Report {
     }
 
     fn not_used(&self) -> String {
-        let mut rows = TextTable::new(&[
-            ("source", Align::Left),
-            ("by", Align::Left),
-            ("count", Align::Right),
-            ("what", Align::Left),
-        ]);
-        let mut some = false;
+        let mut rows = CounterRows::new("source");
         for source in &self.sources {
-            let adapter = Counter::of(CounterClass::Rejection).chain(Counter::of(CounterClass::AdapterRemark));
-            let adapter = adapter.map(|counter| ("adapter", counter, source.adapter[counter]));
-            let fusion = Counter::of(CounterClass::FusionRejection);
-            let fusion = fusion.map(|counter| ("fusion", counter, source.fusion[counter]));
-            for (by, counter, value) in adapter.chain(fusion).filter(|(_, _, value)| *value > 0) {
-                some = true;
-                rows.row([source.name.as_str(), by, &count(value), counter.sentence()]);
-            }
+            rows.list(&source.name, "adapter", &source.adapter, &[CounterClass::Rejection]);
+            rows.list(&source.name, "fusion", &source.fusion, &[CounterClass::FusionRejection]);
         }
-        // An adapter as a whole speaks of what is of no source: a wide-area sensor's reports.
+        // Input of no source: blocks of unknown senders, sentences of a platform, a wide-area sensor's reports.
         for process in &self.others {
-            let own = Counter::of(CounterClass::Rejection).filter(|counter| *counter != Counter::RejectedSource);
-            for (counter, value) in own.map(|counter| (counter, process.counters[counter])) {
-                if value > 0 {
-                    some = true;
-                    rows.row([process.process.as_str(), "adapter", &count(value), counter.sentence()]);
-                }
-            }
+            rows.list("all", &process.process, &process.counters, &[CounterClass::Rejection]);
         }
         let lines = self
             .refused
             .iter()
             .map(|refused| format!("latest of {}: {}\n", refused.of, refused.text));
-        if some {
-            format!("REJECTED OR NOT USED, and why\n{rows}{}", lines.collect::<String>())
-        } else {
-            "REJECTED OR NOT USED: nothing\n".to_owned()
+        match rows.text() {
+            Some(rows) => format!("REJECTED OR NOT USED, and why\n{rows}{}", lines.collect::<String>()),
+            None => "REJECTED OR NOT USED: nothing\n".to_owned(),
         }
     }
 
     /// Other counts, if there are any: nothing that a process says is kept back.
     fn also_counted(&self) -> Option<String> {
-        let mut rows = TextTable::new(&[
-            ("of", Align::Left),
-            ("by", Align::Left),
-            ("count", Align::Right),
-            ("what", Align::Left),
-        ]);
-        let mut some = false;
-        let mut list = |of: &str, by: &str, counters: &Counters, which: Vec<Counter>| {
-            for counter in which.into_iter().filter(|counter| counters[*counter] > 0) {
-                some = true;
-                rows.row([of, by, &count(counters[counter]), counter.sentence()]);
-            }
-        };
-        let class = |class| Counter::of(class).collect::<Vec<_>>();
-        let of_process = || process_remarks().collect::<Vec<_>>();
+        use CounterClass::{AdapterRemark, FusionRejection, FusionRemark, Process, Tracking};
+        let mut rows = CounterRows::new("of");
         for source in &self.sources {
-            let mut of_adapter = class(CounterClass::Tracking);
-            of_adapter.push(Counter::WaitedForConsumers);
-            list(&source.name, "adapter", &source.adapter, of_adapter);
-            list(
-                &source.name,
-                "fusion",
-                &source.fusion,
-                class(CounterClass::FusionRemark),
-            );
-            list(
-                &source.name,
-                "recorder",
-                &source.recorder,
-                class(CounterClass::FusionRejection),
-            );
+            rows.list(&source.name, "adapter", &source.adapter, &[AdapterRemark, Tracking]);
+            rows.waited(&source.name, "adapter", &source.adapter);
+            rows.list(&source.name, "fusion", &source.fusion, &[FusionRemark]);
+            rows.list(&source.name, "recorder", &source.recorder, &[FusionRejection]);
         }
-        list("all", "fusion", &self.fusion, of_process());
+        rows.list("all", "fusion", &self.fusion, &[Process]);
         for process in &self.others {
-            list("all", &process.process, &process.counters, of_process());
+            let classes = [AdapterRemark, Tracking, FusionRejection, Process];
+            rows.list("all", &process.process, &process.counters, &classes);
+            rows.waited("all", &process.process, &process.counters);
         }
-        list(
-            "system tracks",
-            "monitor",
-            &self.monitor,
-            class(CounterClass::FusionRejection),
-        );
-        some.then(|| format!("ALSO COUNTED\n{rows}"))
+        rows.list("system tracks", "monitor", &self.monitor, &[FusionRejection]);
+        rows.text().map(|rows| format!("ALSO COUNTED\n{rows}"))
     }
 
     fn arrivals(&self) -> String {
@@ -386,7 +338,8 @@ impl Report {
         }
         let own = self.fusion[Counter::DeadlineMisses];
         Some(format!(
-            "DEADLINES, among the states that the monitor saw\n{rows}By its own count, fusion was late with {} of {}.\n",
+            "DEADLINES, among the states that the monitor saw\n{rows}By its own count, fusion was late with {} of {}.\n\
+             The wait of a new track's first report for the end of its scan is no delay, and is left out.\n",
             several(own, "state"),
             count(self.fusion[Counter::Published])
         ))
@@ -460,6 +413,49 @@ impl Report {
             text.push_str(&format!("{rejected} could not be understood and were rejected.\n"));
         }
         text
+    }
+}
+
+/// Table of counters that have counted something.
+struct CounterRows {
+    rows: TextTable,
+    is_empty: bool,
+}
+
+impl CounterRows {
+    fn new(of: &'static str) -> Self {
+        let columns = [
+            (of, Align::Left),
+            ("by", Align::Left),
+            ("count", Align::Right),
+            ("what", Align::Left),
+        ];
+        Self {
+            rows: TextTable::new(&columns),
+            is_empty: true,
+        }
+    }
+
+    fn list(&mut self, of: &str, by: &str, counters: &Counters, classes: &[CounterClass]) {
+        let listed = classes.iter().flat_map(|class| Counter::of(*class));
+        listed.for_each(|counter| self.row(of, by, counter, counters[counter]));
+    }
+
+    /// The one flow that is no step of a report's way.
+    fn waited(&mut self, of: &str, by: &str, counters: &Counters) {
+        let counter = Counter::WaitedForConsumers;
+        self.row(of, by, counter, counters[counter]);
+    }
+
+    fn row(&mut self, of: &str, by: &str, counter: Counter, value: u64) {
+        if value > 0 {
+            self.is_empty = false;
+            self.rows.row([of, by, &count(value), counter.sentence()]);
+        }
+    }
+
+    fn text(self) -> Option<String> {
+        (!self.is_empty).then(|| self.rows.to_string())
     }
 }
 

@@ -108,15 +108,14 @@ impl SourceShares {
             let worked = self.scans.grown(kind, subject, work(&adapter), now_ns);
             if is_idle(worked) {
                 let [detections, scans, reports] = worked;
+                let period_ms = adapter[Counter::ScanPeriodMs];
+                let period = (period_ms > 0).then(|| format!(" of {:.2} s", period_ms as f64 / 1e3));
                 let values = [
                     ("source", name.clone()),
                     ("detections", several(detections, "detection")),
                     ("scans", several(scans, "scan")),
                     ("reports", several(reports, "report")),
-                    (
-                        "period",
-                        format!("{:.2} s", adapter[Counter::ScanPeriodMs] as f64 / 1e3),
-                    ),
+                    ("period", period.unwrap_or_default()),
                 ];
                 round.find(kind, subject, Finding::Bad, &values);
             }
@@ -138,18 +137,21 @@ pub(crate) fn concerns(name: &str, adapter: &Counters, is_sensor: bool) -> impl 
     });
     let worked = work(adapter);
     let idle = (is_idle(worked) && !is_sensor).then(|| {
-        let detections = several(worked[0], "detection");
+        let [detections, scans, reports] = worked;
+        let (reports, scans) = (several(reports, "report"), several(scans, "scan"));
+        let detections = several(detections, "detection");
         (
             AlarmKind::TrackerIdle,
-            format!("the tracker of {name} made no tracks of {detections}"),
+            format!("the tracker of {name} made {reports} of tracks from {detections} in {scans}"),
         )
     });
     are_late.into_iter().chain(idle)
 }
 
-/// Detections, scans, and reports of tracks that were made of them.
+/// Detections, scans, and reports of tracks that were made of them. A recorded source is ahead of what it publishes.
 fn work(adapter: &Counters) -> [u64; 3] {
-    [Counter::Detections, Counter::Scans, Counter::Published].map(|counter| adapter[counter])
+    let reports = adapter[Counter::Published] + adapter[Counter::ReportsAhead];
+    [adapter[Counter::Detections], adapter[Counter::Scans], reports]
 }
 
 /// Whether these many detections in so many scans should have given more reports of tracks.

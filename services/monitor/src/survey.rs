@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 
 use bus::SubscriberCounts;
-use deployment::{Input, ReportOrder};
+use deployment::{Input, ReceiverTransport, ReportOrder, Source};
 use messages::{Alarm, BatchHeader, Counter, CounterClass, Counters, NO_SOURCE, ProcessKind, SystemTrack};
 use observed::{Deployment, ObservedProcess, ProcessState, SourceFacts, process_title as title};
 use runtime::{Now, Options, Speed};
@@ -413,10 +413,29 @@ fn restarts(processes: &[ObservedProcess]) -> Restarts {
     }
 }
 
+/// Whether a sensor is simulated; a radar of a tracker is live behind a receiver of the simulator.
+fn is_simulated(config: &deployment::Deployment, sensor: &Source) -> bool {
+    match &sensor.input {
+        Input::Simulated(_) => true,
+        Input::Live(live) => config.receivers.iter().any(|receiver| {
+            receiver.name == live.receiver && matches!(receiver.transport, ReceiverTransport::Loopback { .. })
+        }),
+        _ => false,
+    }
+}
+
 fn run_settings(config: &deployment::Deployment, monitor: &Settings, options: &Options) -> RunSettings {
-    let count = |of: fn(&Input) -> bool| config.sources.iter().filter(|source| of(&source.input)).count();
-    let recorded = count(Input::is_recorded);
-    let simulated = count(|input| matches!(input, Input::Simulated(_)));
+    // A tracker stands for its sensors; operators' orders are none.
+    let sources = config
+        .sources
+        .iter()
+        .flat_map(|source| match config.sensors_of(source) {
+            [] => std::slice::from_ref(source),
+            sensors => sensors,
+        });
+    let sensors: Vec<&Source> = sources.filter(|source| !source.takes_orders).collect();
+    let recorded = sensors.iter().filter(|sensor| sensor.input.is_recorded()).count();
+    let simulated = sensors.iter().filter(|sensor| is_simulated(config, sensor)).count();
     let speed = match options.speed {
         Speed::Factor(factor) => factor.to_string(),
         Speed::Max => "max".to_owned(),
@@ -432,7 +451,7 @@ fn run_settings(config: &deployment::Deployment, monitor: &Settings, options: &O
         wait: config.fusion.wait.word(),
         recorded_sources: recorded,
         simulated_sources: simulated,
-        live_sources: config.sources.len() - recorded - simulated,
+        live_sources: sensors.len() - recorded - simulated,
         speed: (recorded > 0).then_some(speed),
         latencies_measured: recorded == 0 || options.speed != Speed::Max,
         seed: (simulated > 0).then_some(options.seed),

@@ -229,6 +229,10 @@ impl Replayed for RecordedTracker {
         self.ready.get(ahead).map(|track| track.time_of_measurement_ns)
     }
 
+    fn ahead(&self) -> usize {
+        self.ready.len()
+    }
+
     fn next(&mut self) -> Option<(u64, SensorTrack)> {
         let track = self.ready.pop_front()?;
         self.track_ahead();

@@ -57,6 +57,10 @@ impl Replayed for RecordedReports {
         self.reports.get(self.next + ahead).map(|report| report.arrival_ns)
     }
 
+    fn ahead(&self) -> usize {
+        self.reports.len() - self.next
+    }
+
     fn next(&mut self) -> Option<(u64, WideArea)> {
         let report = self.reports.get(self.next)?;
         self.next += 1;

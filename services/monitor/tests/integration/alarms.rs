@@ -286,6 +286,26 @@ fn a_tracker_that_makes_no_tracks_of_many_detections_is_told() {
 }
 
 #[test]
+fn a_recorded_source_has_made_more_tracks_than_are_due() {
+    let mut site = Site::new(&["source[3].silent_periods=0"]);
+    let work = |site: &mut Site, ahead| {
+        let counters = &mut site.say(ProcessKind::Adapter, "ads-b", NO_SOURCE).counters;
+        (counters[Counter::Detections], counters[Counter::Scans]) = (7_216, 905);
+        (counters[Counter::Published], counters[Counter::ReportsAhead]) = (1, ahead);
+    };
+    work(&mut site, 128);
+    site.pass(2);
+    assert_eq!(site.standing(), [""; 0]);
+    // The duration of a turn is not known.
+    work(&mut site, 9);
+    site.pass(1);
+    assert_eq!(
+        site.standing(),
+        ["The tracker of ads-b made 10 reports of tracks from its last 7,216 detections, in 905 scans."]
+    );
+}
+
+#[test]
 fn what_had_been_counted_before_the_monitor_came_is_no_news() {
     let mut site = Site::new(&[]);
     let fusion = site.say(ProcessKind::Fusion, "fusion", 3);
