@@ -11,7 +11,7 @@ use crate::common::{Home, PLACE, Running, free_address, until, utc_ns};
 
 /// A way into the deployment, with the name that refusals state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Inlet {
+pub(crate) enum Inlet {
     RowsUdp,
     RowsTcp,
     Bearings,
@@ -236,9 +236,9 @@ const PLANTED: [(Inlet, &str, &[&str]); 46] = [
 ];
 
 /// A deployment with every inlet, and what feeds them.
-struct Site {
-    running: Running,
-    feeds: [Running; 2],
+pub(crate) struct Site {
+    pub(crate) running: Running,
+    pub(crate) feeds: [Running; 2],
     socket: UdpSocket,
     /// Addresses of the inlets for datagrams, in the order of [`INLETS`].
     ports: Vec<SocketAddr>,
@@ -246,11 +246,11 @@ struct Site {
     sbs: TcpStream,
     feed: TcpStream,
     /// Dropped after what runs in it.
-    home: Home,
+    pub(crate) home: Home,
 }
 
 impl Site {
-    fn start() -> Self {
+    pub(crate) fn start() -> Self {
         let home = Home::new();
         let ports: Vec<SocketAddr> = INLETS.iter().map(|_| free_address()).collect();
         let of = |inlet: Inlet| ports[INLETS.iter().position(|other| *other == inlet).unwrap()];
@@ -345,7 +345,7 @@ live = {{ receiver = "spotter" }}
         }
     }
 
-    fn send(&mut self, inlet: Inlet, planted: &str) {
+    pub(crate) fn send(&mut self, inlet: Inlet, planted: &str) {
         let of_day_s = utc_ns() as f64 * 1e-9 % 86_400.0;
         let text = planted.replace("NOW", &format!("{of_day_s:.3}"));
         let octets = match inlet {

@@ -14,8 +14,10 @@ use std::time::{Duration, Instant};
 
 use bus::Root;
 use rustix::process::{Pid, Signal, kill_process};
+use serde_json::Value;
 
 use super::folder::Folder;
+use super::report;
 
 /// Far longer than anything takes, so that only a real hang ends it.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(90);
@@ -280,7 +282,8 @@ impl Running {
         self.end()
     }
 
-    /// Waits for the end; and, because they share its standard error, for that of all its children.
+    /// Waits for the end; and, because they share its standard error, for that of all its children. Each report of a
+    /// deployment is checked against its counters.
     pub(crate) fn end(mut self) -> (ExitStatus, String) {
         let mut status = None;
         until("a command ends", || {
@@ -292,7 +295,23 @@ impl Running {
             until("its children end", || reader.is_finished());
             reader.join().unwrap();
         }
+        if let Some((text, report)) = self.report() {
+            let findings = report::findings(&text, &report);
+            assert!(findings.is_empty(), "{findings:#?}\n{text}\n{}", self.said());
+        }
         (status.unwrap(), self.said())
+    }
+
+    /// Text and file of the report of a deployment that has ended, if it wrote files.
+    pub(crate) fn report(&self) -> Option<(String, Value)> {
+        let printed = self.stdout.lock().unwrap();
+        let begin = printed.rfind(report::BEGIN)?;
+        let said = self.said();
+        let (_, folder) = said.rsplit_once("this start writes to ")?;
+        // Relative to the home, in which commands are started.
+        let folder = self.base.parent()?.join(folder.lines().next()?);
+        let file = fs::read(folder.join("report.json")).ok()?;
+        Some((printed[begin..].to_owned(), serde_json::from_slice(&file).unwrap()))
     }
 }
 
@@ -305,9 +324,16 @@ impl Drop for Running {
 
 pub(crate) fn read(mut from: impl std::io::Read + Send + 'static, into: Arc<Mutex<String>>) -> JoinHandle<()> {
     thread::spawn(move || {
-        let mut bytes = [0; 4096];
+        // A character may come in two pieces.
+        let (mut bytes, mut pending) = ([0; 4096], Vec::new());
         while let Ok(count @ 1..) = from.read(&mut bytes) {
-            into.lock().unwrap().push_str(&String::from_utf8_lossy(&bytes[..count]));
+            pending.extend_from_slice(&bytes[..count]);
+            let whole = match std::str::from_utf8(&pending) {
+                Err(error) if error.error_len().is_none() => error.valid_up_to(),
+                _ => pending.len(),
+            };
+            let piece: Vec<u8> = pending.drain(..whole).collect();
+            into.lock().unwrap().push_str(&String::from_utf8_lossy(&piece));
         }
     })
 }

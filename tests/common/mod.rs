@@ -4,6 +4,7 @@ pub(crate) mod counted_pair;
 pub(crate) mod documented;
 pub(crate) mod folder;
 pub(crate) mod home;
+pub(crate) mod report;
 
 use std::collections::BTreeSet;
 use std::net::{SocketAddr, UdpSocket};

@@ -238,7 +238,7 @@ counters! {
     ContributionsSplit = "contributions_split", Picture by [Fusion],
         "Sensor tracks removed from a system track because they no longer fitted.";
     RejectedDuplicate = "rejected_duplicate", FusionRejection by [Fusion],
-        "Reports of a second track of one source for the same target: recognised, not used.";
+        "Reports of a second track of one target, by one source or by sources that repeat each other: not used.";
     RejectedExtrapolated = "rejected_extrapolated", FusionRejection by [Fusion],
         "Reports extrapolated by their source: no observation, therefore not used.";
     IdentityConflicts = "identity_conflicts", FusionRemark by [Fusion],
