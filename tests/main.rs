@@ -18,6 +18,7 @@ mod encode;
 mod foreign_inputs;
 mod fuse;
 mod golden;
+mod helps;
 mod identities;
 mod late;
 mod locate;

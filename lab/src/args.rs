@@ -13,7 +13,7 @@ pub(crate) use bench::{BenchCommand, BenchRelay};
 
 /// Measures Koseki, and tests it by faults: executed by `koseki bench` and `koseki torture`.
 #[derive(Debug, Parser)]
-#[command(name = "koseki", bin_name = "koseki", version, max_term_width = 110)]
+#[command(name = "koseki", bin_name = "koseki", version, max_term_width = 80)]
 pub(crate) struct LabCli {
     /// Base folder of instances, for this command and its child processes [default: the first folder owned by this
     /// user of $KOSEKI_ROOT, /run/koseki, $XDG_RUNTIME_DIR/koseki, /tmp/koseki-UID]

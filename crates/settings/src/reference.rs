@@ -137,12 +137,16 @@ fn help_table(out: &mut String, table: &dyn KeyTable, indent: &str, path: &str) 
 }
 
 /// Column of the comments, and greatest width of a line.
-const COMMENT_AT: usize = 40;
-const LINE: usize = 120;
+const COMMENT_AT: usize = 30;
+const LINE: usize = 80;
 
 /// Writes a line in the form of a file, with a comment of as many lines as necessary.
 fn help_line(out: &mut String, indent: &str, text: &str, comment: &str) {
     let mut line = format!("{text:<COMMENT_AT$} #");
+    if text.chars().count() > COMMENT_AT {
+        let _ = writeln!(out, "{indent}{text}");
+        line = format!("{:<COMMENT_AT$} #", "");
+    }
     for word in comment.split_whitespace() {
         if indent.len() + line.chars().count() + 1 + word.chars().count() > LINE {
             let _ = writeln!(out, "{indent}{line}");

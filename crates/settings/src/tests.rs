@@ -274,8 +274,8 @@ fn keys_are_printed_for_people() {
     }
     let text = help(&site, "  ");
     for expected in [
-        "  name [must be given]                     # Name\n",
-        "  [spare]                                  # Spare part; off unless given\n",
+        "  name [must be given]           # Name\n",
+        "  [spare]                        # Spare part; off unless given\n",
     ] {
         assert!(text.contains(expected), "{expected}\n{text}");
     }

@@ -79,27 +79,42 @@ Examples:
   koseki simulate --scenario demo --seed 1 --out case1
   koseki simulate --scenario dense --seed 3 --for 60 --out case3
   koseki simulate --scenario my.toml --seed 1 --out mine
-  koseki simulate --scenario wide-area --set scenario.formation[0].count=1 --seed 1 --for 200 --out pair
+  koseki simulate --scenario wide-area --set scenario.formation[0].count=1 \\
+      --seed 1 --for 200 --out pair
 
-NAME  demo       a busy airport and its surroundings with five sensors, as in `koseki demo`
-      en-route   the same sensors; all targets fly en route, and every target meets another target
+NAME
+      demo       a busy airport and its surroundings with five sensors, as in
+                 `koseki demo`
+      en-route   the same sensors; all targets fly en route, and every target
+                 meets another target
       dense      demo with 400 targets
-      mode-s     200 targets that cross in a small space; plots of radar-south (sensor 5) have addresses, codes, levels
-      wide-area  formations not resolved by two radars but counted by a remote sensor: config/wide-area.toml
-      on-board   a ship that rolls and turns, with a radar: platform.csv, detections.csv (from the bow), at_rest.csv (the
-                 same looks from a radar at rest), truth.csv and mounting.toml for `koseki track --platform`; --set
-                 roll_deg, turn_degps, attitude_sigma_deg, error_time_s, lever_arm_m, … (docs/platform.md)
-FILE  a deployment with [scenario] and simulated sources, as config/demo.toml or config/maritime.toml
+      mode-s     200 targets that cross in a small space; plots of radar-south
+                 (sensor 5) have addresses, codes, levels
+      wide-area  formations not resolved by two radars but counted by a remote
+                 sensor: config/wide-area.toml
+      on-board   a ship that rolls and turns, with a radar: platform.csv,
+                 detections.csv (from the bow), at_rest.csv (the same looks from
+                 a radar at rest), truth.csv and mounting.toml for `koseki track
+                 --platform`; --set roll_deg, turn_degps, attitude_sigma_deg,
+                 error_time_s, lever_arm_m, … (docs/platform.md)
+FILE  a deployment with [scenario] and simulated sources, as config/demo.toml or
+      config/maritime.toml
 
 DIR/truth.csv            a row per whole second and visible target
 DIR/sensor_tracks_K.csv  reports of sensor K, for `koseki fuse`
-DIR/detections_K.csv     detections of sensor K, the input of its own tracker; truth_id -1 is a false target, merged are
-                         several targets in the same detection; columns of replies (as for `koseki track`) if a sensor has
-                         address_probability or code_probability
-DIR/asterix_K.ast        with --asterix, data sent by sensor K: for `koseki decode` and `koseki send`
-DIR/bearings_K.csv       in place of both, bearings of direction finder K, for `koseki locate`; emitter_id is the target's
-DIR/snapshots_K.csv      in place of these, if the finder has an array: for `koseki bearings --array` and `koseki send`
-DIR/wide_area_NAME.csv   counts of the wide-area sensor of this name, for `koseki track --wide-area`
+DIR/detections_K.csv     detections of sensor K, the input of its own tracker;
+                         truth_id -1 is a false target, merged are several
+                         targets in the same detection; columns of replies (as
+                         for `koseki track`) if a sensor has address_probability
+                         or code_probability
+DIR/asterix_K.ast        with --asterix, data sent by sensor K: for `koseki
+                         decode` and `koseki send`
+DIR/bearings_K.csv       in place of both, bearings of direction finder K, for
+                         `koseki locate`; emitter_id is the target's
+DIR/snapshots_K.csv      in place of these, if the finder has an array: for
+                         `koseki bearings --array` and `koseki send`
+DIR/wide_area_NAME.csv   counts of the wide-area sensor of this name, for
+                         `koseki track --wide-area`
 Times begin at 0. The same scenario and seed give the same bytes.";
 
 /// `koseki simulate`.
@@ -130,38 +145,66 @@ Examples:
   koseki fuse --tracks radar.csv adsb.csv --refresh 1 --out fused.csv
   koseki fuse --tracks all.csv --rule best-source --out fused.csv --json
   koseki fuse --tracks all.csv --config sensors.toml --out fused.csv
-  koseki fuse --tracks radar.csv adsb.csv --out fused.csv --picture seven.svg --track 7
+  koseki fuse --tracks radar.csv adsb.csv --out fused.csv --picture seven.svg \\
+      --track 7
 
-FILE     time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,P01,…,P55,state   a row per report, in the order of time
-         and, if known, address,mode_3a,callsign,method,trace,height_valid,velocity_valid, of ships mmsi,name, and from
-         `koseki track` kind,members,type,type_confidence (docs/wide-area.md). Metres, m/s, the upper triangle of the covariance row by
-         row, or instead only its trace over east and north; state is tentative, confirmed, coasted or terminated. A file
-         may contain several sensors; several files are merged by time. Unusable rows are omitted and counted; a file is
-         refused if more than 1 % of its rows are out of order. Times count on across midnight, or from 1970 (UTC) in all files.
-         With a column arrival_s (absolute, not before time_s), rows are delivered in its order, whatever their order in the
-         file, and time passes with it; a row that is late by up to fusion.late_window_s (10 s) changes the states as if it
-         had come in time.
---out    time_s,system_track_id,x,y,z,vx,vy,vz,state,sources,weights,selected,lambda,address,mode_3a,callsign,P00,…,P55
-         and more, at the end mmsi,name, a row per update. With --refresh a row per confirmed or coasted track at every whole multiple of the
-         interval. Several values in a column are joined with |.
+FILE     time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,P01,…,P55,state
+         and, if known,
+         address,mode_3a,callsign,method,trace,height_valid,velocity_valid, of
+         ships mmsi,name, and from `koseki track`
+         kind,members,type,type_confidence (docs/wide-area.md); a row per
+         report, in the order of time. Metres, m/s, the upper triangle of the
+         covariance row by row, or instead only its trace over east and north;
+         state is tentative, confirmed, coasted or terminated. A file may
+         contain several sensors; several files are merged by time. Unusable
+         rows are omitted and counted; a file is refused if more than 1 % of its
+         rows are out of order. Times count on across midnight, or from 1970
+         (UTC) in all files. With a column arrival_s (absolute, not before
+         time_s), rows are delivered in its order, whatever their order in the
+         file, and time passes with it; a row that is late by up to
+         fusion.late_window_s (10 s) changes the states as if it had come in
+         time.
+--out    time_s,system_track_id,x,y,z,vx,vy,vz,state,sources,weights,selected,
+         lambda,address,mode_3a,callsign,P00,…,P55 and more, at the end
+         mmsi,name, a row per update. With --refresh a row per confirmed or
+         coasted track at every whole multiple of the interval. Several values
+         in a column are joined with |.
 --explain {DECISION}
-         decision: started, joined, split, merged, confirmed, coasted, ended, hand_over and more; value was compared
-         with limit.
---smoothed rows as in --out. A state has the age of --smoothing-lag, or up to a quarter more. Without --refresh there are at
-         most two a second of a track.
---config a deployment as for `koseki up` (sensor_id 1 is its first source), or [fusion] and [[sensor]] alone:
+         decision: started, joined, split, merged, confirmed, coasted, ended,
+         hand_over and more; value was compared with limit.
+--smoothed rows as in --out. A state has the age of --smoothing-lag, or up to a
+         quarter more. Without --refresh there are at most two a second of a
+         track.
+--config a deployment as for `koseki up` (sensor_id 1 is its first source), or
+         [fusion] and [[sensor]] alone:
            [fusion.rule]
            name = \"best-source\"
            [[sensor]]
-{KEYS}         docs/configuration.md lists the keys of [fusion] and their permitted values.
-         A first pass over the files determines missing settings: sensors, periods, stated accuracy, sizes of tables.
+{KEYS}
+         docs/configuration.md lists the keys of [fusion] and their permitted
+         values.
+         A first pass over the files determines missing settings: sensors,
+         periods, stated accuracy, sizes of tables.
 
 The same files and options give the same bytes.";
 
+/// Divides names of columns, apart by commas, into lines behind the words of an option.
+fn in_lines(columns: &str) -> String {
+    const LINE: usize = 70;
+    let mut lines = vec![String::new()];
+    for name in columns.split_inclusive(',') {
+        match lines.last_mut() {
+            Some(line) if line.len() + name.len() <= LINE => line.push_str(name),
+            _ => lines.push(name.to_owned()),
+        }
+    }
+    lines.join("\n         ")
+}
+
 /// Returns the help of `koseki fuse`, with the keys of a sensor.
 fn fuse_examples() -> String {
-    let text = FUSE_EXAMPLES.replace("{KEYS}", &configuration::sensor_help());
-    text.replace("{DECISION}", &Decision::columns())
+    let text = FUSE_EXAMPLES.replace("{KEYS}", configuration::sensor_help().trim_end());
+    text.replace("{DECISION}", &in_lines(&Decision::columns()))
 }
 
 /// `koseki fuse`.
@@ -212,55 +255,83 @@ pub(crate) struct OfflineInput {
 const TRACK_EXAMPLES: &str = "\
 Examples:
   koseki track --detections radar.csv --out tracks.csv
-  koseki track --detections radar.csv lidar.csv camera.csv --config sensors.toml --out tracks.csv
+  koseki track --detections radar.csv lidar.csv camera.csv \\
+      --config sensors.toml --out tracks.csv
   koseki track --detections radar.csv --out tracks.csv --explain why.csv --json
   koseki track --detections radar.csv --wide-area counts.csv --out tracks.csv
-  koseki track --detections radar.csv --wide-area counts.csv --emissions heard.csv --config types.toml --out tracks.csv
-  koseki track --detections radar.csv --period 1 --cues looks.csv --out tracks.csv
-  koseki track --detections radar.csv --platform ship.csv --config mounting.toml --out tracks.csv
+  koseki track --detections radar.csv --wide-area counts.csv \\
+      --emissions heard.csv --config types.toml --out tracks.csv
+  koseki track --detections radar.csv --period 1 --cues looks.csv \\
+      --out tracks.csv
+  koseki track --detections radar.csv --platform ship.csv \\
+      --config mounting.toml --out tracks.csv
 
-FILE     time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,pz      a row per detection, in any order
-         kind: position2 (x, y), position3, range_bearing (m, rad clockwise from north), range_bearing_elevation,
-         bearing, bearing_elevation; m: values in that order, m3 the range rate, if any; s: the standard deviations of m;
-         p: position of the sensor; metres, radians, m/s; values not measured by a kind are empty.
-         Optional: address (hexadecimal), mode_3a (octal), callsign, mmsi, name, level (flight level) of the transponder's
-         reply, and address_age_s, mode_3a_age_s, callsign_age_s, level_age_s; all may be empty. With a reply in any row,
-         --out has mmsi, level, the ages of the track's values and name at the end. Optional columns of a moving platform:
+FILE     time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,
+         pz
+         a row per detection, in any order. kind: position2 (x, y), position3,
+         range_bearing (m, rad clockwise from north), range_bearing_elevation,
+         bearing, bearing_elevation; m: values in that order, m3 the range rate,
+         if any; s: the standard deviations of m; p: position of the sensor;
+         metres, radians, m/s; values not measured by a kind are empty.
+         Optional: address (hexadecimal), mode_3a (octal), callsign, mmsi, name,
+         level (flight level) of the transponder's reply, and address_age_s,
+         mode_3a_age_s, callsign_age_s, level_age_s; all may be empty. With a
+         reply in any row, --out has mmsi, level, the ages of the track's values
+         and name at the end. Optional columns of a moving platform:
          docs/platform.md.
-         Detections with the same sensor_id and scan belong to the same scan: an antenna turn or an image. A missing scan
-         number is a scan without detections. A row of the kind none, with its other values empty, is a scan without
-         detections at its time, also before the first detection and after the last one. Several files are merged by time. Unusable rows are omitted and counted. A
-         recording of the Autoferry data set (scenarioN_detections.json) can be read directly: sensors 1 lidar, 2 radar
-         (position2), 3 infrared camera, 4 camera (bearing); its standard deviations must be in --config. A recording of
-         a deployment with a [[tracker]] (MCAP) gives the tracks of this tracker again, with its recorded settings.
---platform     time_s[,px,py,pz,vx,vy,vz,heading_rad,pitch_rad,roll_rad,position_sigma_m,velocity_sigma_mps,
-         heading_sigma_rad,pitch_sigma_rad,roll_sigma_rad]    a row per state, or part of a state, of the platform that carries
-         the sensors (docs/platform.md). Detections are then as the sensors measured them: bearings from the nose, p unused.
-         [platform] and [[platform.sensor]] of --config give the mounting. Detections without a state near their time are
-         refused and counted.
---wide-area    time_s,arrival_s,x,y,z,vx,vy,vz,count[,route]    a row per report of the number of targets around a place
-         (docs/wide-area.md); arrival_s counts like time_s; route: east and north of earlier places, oldest first, joined
-         with |.
---emissions    time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz,frequency_hz[,pulse_interval_s]    a row per received
-         emission, as for `koseki locate`; with the types and priors of --config, emissions identify the tracks.
---out    time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,…,P55,state,…,kind,members,type,type_confidence,hypotheses,
-         reliability    a row for each confirmed track after each scan, or with --period at its whole multiples; state is
-         confirmed, or coasted after a scan without a detection of the target; sensor_id is 0, the tracker; kind is group for
-         unresolved targets, with their expected number; type is the target's type, if known.
---cues   {CUE}    after each scan, an
-         ellipse per sensor and confirmed track for the sensor's next look; its longer axis is clockwise from north.
---explain the results for each scan, cluster, hypothesis and track, with reasons; docs/tracking.md describes the columns
---config a deployment as for `koseki up` (sensor_id 1 is its first source; the source's [source.tracker] applies), or the
-         following keys. All keys are optional; keys of a sensor state facts, the other keys apply to all sensors:
-{KEYS}         Advice on settings: docs/tracking.md; [wide_area] and [selection]: docs/wide-area.md; permitted values:
-         docs/configuration.md.
+         Detections with the same sensor_id and scan belong to the same scan: an
+         antenna turn or an image. A missing scan number is a scan without
+         detections. A row of the kind none, with its other values empty, is a
+         scan without detections at its time, also before the first detection
+         and after the last one. Several files are merged by time. Unusable rows
+         are omitted and counted. A recording of the Autoferry data set
+         (scenarioN_detections.json) can be read directly: sensors 1 lidar, 2
+         radar (position2), 3 infrared camera, 4 camera (bearing); its standard
+         deviations must be in --config. A recording of a deployment with a
+         [[tracker]] (MCAP) gives the tracks of this tracker again, with its
+         recorded settings.
+--platform     time_s[,px,py,pz,vx,vy,vz,heading_rad,pitch_rad,roll_rad,
+         position_sigma_m,velocity_sigma_mps,
+         heading_sigma_rad,pitch_sigma_rad,roll_sigma_rad]
+         a row per state, or part of a state, of the platform that carries the
+         sensors (docs/platform.md). Detections are then as the sensors measured
+         them: bearings from the nose, p unused. [platform] and
+         [[platform.sensor]] of --config give the mounting. Detections without a
+         state near their time are refused and counted.
+--wide-area    time_s,arrival_s,x,y,z,vx,vy,vz,count[,route]
+         a row per report of the number of targets around a place
+         (docs/wide-area.md); arrival_s counts like time_s; route: east and
+         north of earlier places, oldest first, joined with |.
+--emissions    time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz,frequency_hz[,
+         pulse_interval_s]
+         a row per received emission, as for `koseki locate`; with the types and
+         priors of --config, emissions identify the tracks.
+--out    time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,…,P55,state,…,kind,
+         members,type,type_confidence,hypotheses,reliability
+         a row for each confirmed track after each scan, or with --period at its
+         whole multiples; state is confirmed, or coasted after a scan without a
+         detection of the target; sensor_id is 0, the tracker; kind is group for
+         unresolved targets, with their expected number; type is the target's
+         type, if known.
+--cues   {CUE}
+         after each scan, an ellipse per sensor and confirmed track for the
+         sensor's next look; its longer axis is clockwise from north.
+--explain the results for each scan, cluster, hypothesis and track, with
+          reasons; docs/tracking.md describes the columns
+--config a deployment as for `koseki up` (sensor_id 1 is its first source; the
+         source's [source.tracker] applies), or the following keys. All keys are
+         optional; keys of a sensor state facts, the other keys apply to all
+         sensors:
+{KEYS}
+         Advice on settings: docs/tracking.md; [wide_area] and [selection]:
+         docs/wide-area.md; permitted values: docs/configuration.md.
 
 The same files and options give the same bytes.";
 
 /// Returns the help of `koseki track`, with the keys of its configuration.
 fn track_examples() -> String {
-    let text = TRACK_EXAMPLES.replace("{KEYS}", &configuration::tracking_help());
-    text.replace("{CUE}", &CueRow::columns())
+    let text = TRACK_EXAMPLES.replace("{KEYS}", configuration::tracking_help().trim_end());
+    text.replace("{CUE}", &in_lines(&CueRow::columns()))
 }
 
 /// `koseki track`.
@@ -304,52 +375,82 @@ pub struct TrackArgs {
 const LOCATE_EXAMPLES: &str = "\
 Examples:
   koseki locate --bearings flight.csv --out fixes.csv
-  koseki locate --bearings flight.csv --filter fixed --select staged --out fixes.csv --explain why.csv
-  koseki locate --bearings flight.csv --out fixes.csv --picture emitter7.svg --emitter 7
-  koseki locate --bearings arrivals.csv --out fixes.csv                          rows of kind toa or tdoa
-  koseki locate --fixes radar.csv --select interval --out smooth.csv             fixes as they are, selected
-  koseki locate --bearings flight.csv --fixes radar.csv --out fixes.csv          both in one filter
-  koseki locate --bearings bearings_a.csv --bearings arrivals_a.csv --out f.csv  as a deployment has recorded them
+  koseki locate --bearings flight.csv --filter fixed --select staged \\
+      --out fixes.csv --explain why.csv
+  koseki locate --bearings flight.csv --out fixes.csv --picture emitter7.svg \\
+      --emitter 7
+  koseki locate --bearings arrivals.csv --out fixes.csv
+      rows of kind toa or tdoa
+  koseki locate --fixes radar.csv --select interval --out smooth.csv
+      fixes as they are, selected
+  koseki locate --bearings flight.csv --fixes radar.csv --out fixes.csv
+      both in one filter
+  koseki locate --bearings bearings_a.csv --bearings arrivals_a.csv --out f.csv
+      as a deployment has recorded them
 
---bearings time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz[,heading_rad,frequency_hz]   a row per bearing, in the order of time
-         Radians clockwise from north, metres east, north and up; p is the position of the platform. A file may contain any
-         number of emitters. If emitter_id is empty, frequency and direction identify the emitter, numbered from 1000001
-         on. Unusable rows are omitted and counted.
-         With a column kind, a file mixes kinds of rows; values that a kind does not use may be empty:
+--bearings time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz[,heading_rad,
+         frequency_hz]
+         a row per bearing, in the order of time. Radians clockwise from north,
+         metres east, north and up; p is the position of the platform. A file
+         may contain any number of emitters. If emitter_id is empty, frequency
+         and direction identify the emitter, numbered from 1000001 on. Unusable
+         rows are omitted and counted.
+         With a column kind, a file mixes kinds of rows; values that a kind does
+         not use may be empty:
          bearing   as above; also if kind is empty
-         toa       receiver,t_s,sigma_s,px,py,pz: seconds since midnight at which a transmission arrived at a receiver, by
-                   its clock, the standard deviation in seconds, and the receiver's position. Rows of one emitter_id with
-                   the same time_s (to a millisecond) are one transmission, of 2 to 8 receivers.
-         tdoa      receiver,receiver_2,tdoa_s,sigma_s,px,py,pz,px_2,py_2,pz_2: arrival at receiver minus arrival at
-                   receiver_2. Rows count as independent; of more than two receivers, toa rows locate better.
-         Both need emitter_id. receiver is a name of 1 to 16 characters. With reference_x,reference_y,reference_z the place
-         of the emitter is known; such rows show how far the receivers' clocks are ahead and drift, and are not located.
-         In a file with such a row, arrivals before the clocks are known are omitted; in others, clocks are exact.
---fixes  time_s,emitter_id,x,y,z and Pxx,Pxy,Pyy (m²), or variance_m2, the sum of both   a row per fix, in the order of time
---filter auto      by the data: fixed point, straight motion or manoeuvring, the simplest model that explains the bearings
+         toa       receiver,t_s,sigma_s,px,py,pz: seconds since midnight at
+                   which a transmission arrived at a receiver, by its clock, the
+                   standard deviation in seconds, and the receiver's position.
+                   Rows of one emitter_id with the same time_s (to a
+                   millisecond) are one transmission, of 2 to 8 receivers.
+         tdoa      receiver,receiver_2,tdoa_s,sigma_s,px,py,pz,px_2,py_2,pz_2:
+                   arrival at receiver minus arrival at receiver_2. Rows count
+                   as independent; of more than two receivers, toa rows locate
+                   better.
+         Both need emitter_id. receiver is a name of 1 to 16 characters. With
+         reference_x,reference_y,reference_z the place of the emitter is known;
+         such rows show how far the receivers' clocks are ahead and drift, and
+         are not located. In a file with such a row, arrivals before the clocks
+         are known are omitted; in others, clocks are exact.
+--fixes  time_s,emitter_id,x,y,z and Pxx,Pxy,Pyy (m²), or variance_m2, the sum
+         of both
+         a row per fix, in the order of time
+--filter
+         auto      by the data: fixed point, straight motion or manoeuvring, the
+                   simplest model that explains the bearings
          fixed     a fixed or wandering point
          straight  straight motion, or manoeuvring
-         none      fixes of --fixes as they are; the default without --bearings. Other rows as with auto.
---select auto      every fix steers the output, which never jumps: the best choice for unknown data
+         none      fixes of --fixes as they are; the default without --bearings.
+                   Other rows as with auto.
+--select
+         auto      every fix steers the output, which never jumps: the best
+                   choice for unknown data
          none      fixes without selection
-         interval  a fix per interval sets the direction of the output, which moves in straight lines
+         interval  a fix per interval sets the direction of the output, which
+                   moves in straight lines
          minimum   … a fix at each minimum of the variance
          staged    intervals at first, later minima if they are frequent enough
---dropped 7:36000:100,-200:50   emitter 7 was dropped at this time of the day (seconds, UTC), at this place (metres east and
-         north, with its standard deviation): the first fix comes with the first bearing
+--dropped 7:36000:100,-200:50
+         emitter 7 was dropped at this time of the day (seconds, UTC), at this
+         place (metres east and north, with its standard deviation): the first
+         fix comes with the first bearing
 --out    {FIX}
-         a row per bearing, transmission or fix as soon as the geometry allows a fix: the output; the trace of the filter's covariance; the
-         filter's own fix (raw) with its covariance; the most likely model; 0 in agreed while its bearings are not used.
---explain {DECISION}    value was compared with limit
+         a row per bearing, transmission or fix as soon as the geometry allows a
+         fix: the output; the trace of the filter's covariance; the filter's own
+         fix (raw) with its covariance; the most likely model; 0 in agreed while
+         its bearings are not used.
+--explain {DECISION}
+         value was compared with limit
 --config a TOML file; every key has a default:
 {KEYS}
-The same file and options give the same bytes. `koseki score fixes` scores the output against a truth.";
+The same file and options give the same bytes. `koseki score fixes` scores the
+output against a truth.";
 
 /// Returns the help of `koseki locate`, with the keys of its configuration.
 fn locate_examples() -> String {
     let text = LOCATE_EXAMPLES.replace("{KEYS}", &configuration::locating_help());
-    text.replace("{FIX}", FIX_COLUMNS)
-        .replace("{DECISION}", DECISION_COLUMNS)
+    text.replace("{FIX}", &in_lines(FIX_COLUMNS))
+        .replace("{DECISION}", &in_lines(DECISION_COLUMNS))
 }
 
 /// `koseki locate`.
@@ -426,8 +527,10 @@ Examples:
   koseki compare --tracks all.csv --truth truth.csv --c 100 --gate 50 --markdown
   koseki compare --tracks all.csv --config sensors.toml --json
 
-Inputs as for `koseki fuse`, figures as from `koseki score` (see the --help of both); without --truth only figures that
-need no truth. us_per_report is the time of the engine alone. Every rule has a separate engine. There are no output files.";
+Inputs as for `koseki fuse`, figures as from `koseki score` (see the --help of
+both); without --truth only figures that need no truth. us_per_report is the
+time of the engine alone. Every rule has a separate engine. There are no output
+files.";
 
 /// `koseki compare`.
 #[derive(Debug, Args)]
@@ -475,9 +578,11 @@ Examples:
   koseki compare pictures records/tower/latest other.csv
   koseki compare pictures before.csv after.csv --max-age 5 --json
 
-The first picture serves as the truth: its confirmed and coasted tracks are the targets for the comparison at each whole
-second, with the figures of `koseki score`. A missed target is a track only in the first picture, a false target a track
-only in the second picture. Columns are found by name: time_s,system_track_id,x,y,z,vx,vy,vz,state.";
+The first picture serves as the truth: its confirmed and coasted tracks are the
+targets for the comparison at each whole second, with the figures of `koseki
+score`. A missed target is a track only in the first picture, a false target a
+track only in the second picture. Columns are found by name:
+time_s,system_track_id,x,y,z,vx,vy,vz,state.";
 
 /// `koseki compare pictures`.
 #[derive(Debug, Args)]

@@ -14,33 +14,47 @@ pub(crate) const SCORE_EXAMPLES: &str = "\
 Examples:
   koseki score --truth truth.csv --tracks fused.csv
   koseki score --truth truth.csv --tracks fused.csv --c 100 --gate 50 --json
-  koseki score --truth truth.csv --tracks fused.csv --standard ed-142,esassp --html card.html
-  koseki score --truth smoothed.csv --tracks fused.csv --reference smoothed --standard ed-87 \
-    --areas airport.geojson --origin 41.297063,2.078447
-  koseki score tracks --truth run1/truth.csv run2/truth.csv --tracks run1/tracks.csv run2/tracks.csv --since 40
+  koseki score --truth truth.csv --tracks fused.csv --standard ed-142,esassp \\
+      --html card.html
+  koseki score --truth smoothed.csv --tracks fused.csv --reference smoothed \\
+      --standard ed-87 --areas airport.geojson --origin 41.297063,2.078447
+  koseki score tracks --truth run1/truth.csv run2/truth.csv \\
+      --tracks run1/tracks.csv run2/tracks.csv --since 40
   koseki score fixes --truth case/truth.csv --fixes case/fixes.csv
 
-At each whole second for which the truth has a row, the newest state of each track is extrapolated to this second and
-compared with the targets. Heights and velocities count where both sides know them (height_valid, velocity_valid). The
-first lines state what was compared. GOSPA, its parts and OSPA measure the distance between the picture and the truth. A target keeps its track from second to second
-while the track is nearer than the gate; switches, breaks, completeness and spurious tracks follow from these pairs.
+At each whole second for which the truth has a row, the newest state of each
+track is extrapolated to this second and compared with the targets. Heights and
+velocities count where both sides know them (height_valid, velocity_valid). The
+first lines state what was compared. GOSPA, its parts and OSPA measure the
+distance between the picture and the truth. A target keeps its track from second
+to second while the track is nearer than the gate; switches, breaks,
+completeness and spurious tracks follow from these pairs.
 
-A scorecard follows: errors by phase of movement (straight, entry, turn, exit, after; level, climb; changes of the climb
-rate). Position errors have RMS, 50, 90, 95 and 99 %, the others RMS and 95 %; --json and --html have everything. nees is
-1 for an honest covariance. A target counts from --settle seconds after its first row on. --standard adds the lines of a
-standard: figure, limit and verdict. Against a truth a line passes or fails; against an independent instrument, too, and
-the figures contain the errors of the instrument; against trajectories smoothed from the same data every line with a limit
-is \"precision only\". Without a source for its limit a line has \"no limit known\". --areas adds a card for each area.
+A scorecard follows: errors by phase of movement (straight, entry, turn, exit,
+after; level, climb; changes of the climb rate). Position errors have RMS, 50,
+90, 95 and 99 %, the others RMS and 95 %; --json and --html have everything.
+nees is 1 for an honest covariance. A target counts from --settle seconds after
+its first row on. --standard adds the lines of a standard: figure, limit and
+verdict. Against a truth a line passes or fails; against an independent
+instrument, too, and the figures contain the errors of the instrument; against
+trajectories smoothed from the same data every line with a limit is \"precision
+only\". Without a source for its limit a line has \"no limit known\". --areas adds
+a card for each area.
 
-truth:   time_s,target_id (or system_track_id),x,y,z,vx,vy,vz[,address]  a row per target and whole second
-tracks:  time_s,system_track_id (or sensor_track_id),x,y,z,vx,vy,vz[,state,address,P00 ... P55,height_valid]
+truth:   time_s,target_id (or system_track_id),x,y,z,vx,vy,vz[,address]
+         a row per target and whole second
+tracks:  time_s,system_track_id (or sensor_track_id),x,y,z,vx,vy,vz
+         [,state,address,P00 ... P55,height_valid]
          rows with state tentative or terminated are ignored
-         time_s of either file may count from a midnight or from 1970 (UTC). In place of x,y,z: latitude,longitude in
-         degrees and height_m above the ellipsoid; vx,vy,vz are optional there. The frame of x,y,z has its origin at
-         --origin, or the tracks state both (recorded tables do)
-areas:   GeoJSON: polygons with a name and, for lines of certain areas, a kind: manoeuvring, runway, taxiway, apron,
-         stand, approach, outer-approach, terminal or en-route
-Columns are found by name, other columns are ignored. A figure that cannot be computed is null in JSON.";
+         time_s of either file may count from a midnight or from 1970 (UTC). In
+         place of x,y,z: latitude,longitude in degrees and height_m above the
+         ellipsoid; vx,vy,vz are optional there. The frame of x,y,z has its
+         origin at --origin, or the tracks state both (recorded tables do)
+areas:   GeoJSON: polygons with a name and, for lines of certain areas, a kind:
+         manoeuvring, runway, taxiway, apron, stand, approach, outer-approach,
+         terminal or en-route
+Columns are found by name, other columns are ignored. A figure that cannot be
+computed is null in JSON.";
 
 /// `koseki score`.
 #[derive(Debug, Args)]
@@ -148,14 +162,19 @@ Examples:
   koseki score tracks --truth truth_0.csv --tracks tracks_0.csv --since 60
   koseki score tracks --truth truth_*.csv --tracks tracks_*.csv --json
 
-At each time of the truth from --since on, exactly as many confirmed tracks should be near targets as there are targets,
-each track near another target. Before --since the targets are not separable, and several tracks are too many. Positions
-are compared in the plane; a track counts for 4 s after its newest row, extrapolated with its velocity.
+At each time of the truth from --since on, exactly as many confirmed tracks
+should be near targets as there are targets, each track near another target.
+Before --since the targets are not separable, and several tracks are too many.
+Positions are compared in the plane; a track counts for 4 s after its newest
+row, extrapolated with its velocity.
 
-truth:   time_s,x,y                                         a row per target and time
-tracks:  time_s,sensor_track_id,x,y,vx,vy,state             rows with state confirmed or coasted count
-Several runs: as many --tracks as --truth, in the same order. Shares and delay_s are then means over runs, tracks are
-summed, and JSON has the figures of each run under \"each\".";
+truth:   time_s,x,y
+         a row per target and time
+tracks:  time_s,sensor_track_id,x,y,vx,vy,state
+         rows with state confirmed or coasted count
+Several runs: as many --tracks as --truth, in the same order. Shares and delay_s
+are then means over runs, tracks are summed, and JSON has the figures of each
+run under \"each\".";
 
 /// `koseki score tracks`.
 #[derive(Debug, Args)]
@@ -180,16 +199,25 @@ pub(crate) struct ScoreTracks {
 const SCORE_FIXES_EXAMPLES: &str = "\
 Examples:
   koseki score fixes --truth fixed/truth.csv --fixes fixed/fixes.csv
-  koseki score fixes --truth seed1/truth.csv seed2/truth.csv --fixes seed1/fixes.csv seed2/fixes.csv --json
+  koseki score fixes --truth seed1/truth.csv seed2/truth.csv \\
+      --fixes seed1/fixes.csv seed2/fixes.csv --json
 
-Cases: fixed   an emitter 50 km broadside of a straight baseline; the last raw fixes beside their Cramer-Rao bound
-       drop    a dropped transmitter drifts in a straight line while the aircraft circles; the second half counts
-       turn    the aircraft turns by 180 degrees with wrong bearings; the time from 500 s on counts
-The file meta.json beside each truth names the case, with the baseline (m), sigma_deg and number of runs.
+Cases: fixed
+an emitter 50 km broadside of a straight baseline; the last raw fixes beside
+their Cramer-Rao bound
+       drop    a dropped transmitter drifts in a straight line while the
+               aircraft circles; the second half counts
+       turn    the aircraft turns by 180 degrees with wrong bearings; the time
+               from 500 s on counts
+The file meta.json beside each truth names the case, with the baseline (m),
+sigma_deg and number of runs.
 
-truth:   time_s,emitter_id,x,y                              a row per emitter and bearing
-fixes:   time_s,emitter_id,x,y,vx,vy,raw_x,raw_y            rows with a time missing in the truth are ignored
-Several sets of runs of a case are pooled: as many --fixes as --truth, in the same order.";
+truth:   time_s,emitter_id,x,y
+         a row per emitter and bearing
+fixes:   time_s,emitter_id,x,y,vx,vy,raw_x,raw_y
+         rows with a time missing in the truth are ignored
+Several sets of runs of a case are pooled: as many --fixes as --truth, in the
+same order.";
 
 /// `koseki score fixes`.
 #[derive(Debug, Args)]

@@ -15,13 +15,15 @@ Examples:
   koseki decode adsb.ast --edition 21=0.23 --out - | head -1
   koseki decode night.ff --json night.json
 
-FILE contains bare data blocks, is a capture (pcap, pcapng), or has frames of the final format; its first bytes identify
-the kind. A line of output has the item numbers of a record as keys, \"_c\" for the category and \"_ts\" for the second
+FILE contains bare data blocks, is a capture (pcap, pcapng), or has frames of
+the final format; its first bytes identify the kind. A line of output has the
+item numbers of a record as keys, \"_c\" for the category and \"_ts\" for the second
 of the recording, if known.
 
-A summary of undecodable blocks goes to standard error; such blocks are no failure. The output has only blocks that fit
-their edition to the last byte, and only categories with at least half of their blocks fitting: other categories were
-encoded with another edition. The whole file is read into memory.";
+A summary of undecodable blocks goes to standard error; such blocks are no
+failure. The output has only blocks that fit their edition to the last byte, and
+only categories with at least half of their blocks fitting: other categories
+were encoded with another edition. The whole file is read into memory.";
 
 /// `koseki decode`.
 #[derive(Debug, Args)]

@@ -10,16 +10,22 @@ use super::values::editions_help;
 pub(super) const ENCODE_EXAMPLES: &str = "\
 Examples:
   koseki encode radar.jsonl --out radar.ast
-  koseki decode old.ast --edition 21=0.23 --out - | koseki encode - --edition 21=0.23 --out copy.ast
-  echo '{\"_c\":10,\"010\":{\"SAC\":0,\"SIC\":7},\"000\":1,\"140\":43200.5}' | koseki encode - --out one.ast
+  koseki decode old.ast --edition 21=0.23 --out - | koseki encode - \\
+      --edition 21=0.23 --out copy.ast
+  echo '{\"_c\":10,\"010\":{\"SAC\":0,\"SIC\":7},\"000\":1,\"140\":43200.5}' | \\
+      koseki encode - --out one.ast
 
-FILE     a record per line in the form of `koseki decode`: a JSON object with the item numbers of the category as keys and
-         \"_c\" for the category. Numbers are in the document's units and rounded to the LSB; items may come in any order.
-         The output contains data blocks only, without \"_ts\", the time of the recording. - is standard input.
---out    data blocks of at most 1,400 bytes, which fit a datagram; a longer record has a block of its own.
+FILE     a record per line in the form of `koseki decode`: a JSON object with
+         the item numbers of the category as keys and \"_c\" for the category.
+         Numbers are in the document's units and rounded to the LSB; items may
+         come in any order. The output contains data blocks only, without \"_ts\",
+         the time of the recording. - is standard input.
+--out    data blocks of at most 1,400 bytes, which fit a datagram; a longer
+         record has a block of its own.
 
-Records with an unknown name, a missing element, a value of another kind, or a value too large for its bits are omitted.
-Standard error reports their number, and the first record of each place. With --strict the first such record ends the
+Records with an unknown name, a missing element, a value of another kind, or a
+value too large for its bits are omitted. Standard error reports their number,
+and the first record of each place. With --strict the first such record ends the
 command with exit code 2, without output.";
 
 /// `koseki encode`.

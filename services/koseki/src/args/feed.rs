@@ -10,36 +10,51 @@ use offline::values::seconds;
 use super::tap::mode;
 
 pub(super) const FEED_EXAMPLES: &str = r#"Examples:
-  echo '{"latitude": 41.35, "longitude": 2.15, "sigma_m": 20}' | koseki feed --instance demo --source own
+  echo '{"latitude": 41.35, "longitude": 2.15, "sigma_m": 20}' | \
+      koseki feed --instance demo --source own
   koseki feed --instance demo --source own --tcp 9000 &
   nc 127.0.0.1 9000 < detections.jsonl
   koseki feed --udp 192.0.2.1:9001 --remote --senders 192.0.2.16/28 --json
   koseki feed --unix /run/feed.sock --mode 660 --group 1001
 
-Each line is a JSON object for one external source, which --source or the field `source` names. Angles are
-degrees with names in _deg, or radians with names in _rad. Fields:
-  any source       time (2026-05-01T10:00:00.5Z), time_s or time_ns (UTC since 1970) [default: time of receipt];
-                   latitude, longitude (WGS-84, degrees) and height_m (above the ellipsoid), or position_m
-                   (east, north, up in the system frame) or east_m, north_m, up_m; sigma_m and height_sigma_m (standard deviations);
-                   address ("3C6589": hexadecimal) or mmsi ("211234560"), callsign, mode_3a ("7000": octal), name
-  of detections    in place of a position: range_m and bearing_deg, or bearing_deg alone, each with elevation_deg if
-                   measured; range_sigma_m, bearing_sigma_deg, elevation_sigma_deg; the sensor's place as
-                   sensor_latitude, sensor_longitude and sensor_height_m (directions are from its true north), or sensor_m
-                   (from the system frame's north); range_rate_mps with range_rate_sigma_mps; scan [default: lines with one time are one scan]
-  of tracks        track (number); velocity_mps (east, north, up), or speed_mps, course_deg (from true north) and
-                   climb_mps; velocity_sigma_mps; state (tentative, confirmed, terminated) [default: confirmed]
+Each line is a JSON object for one external source, which --source or the field
+`source` names. Angles are degrees with names in _deg, or radians with names in
+_rad. Fields:
+  any source     time (2026-05-01T10:00:00.5Z), time_s or time_ns (UTC since
+                 1970) [default: time of receipt]; latitude, longitude (WGS-84,
+                 degrees) and height_m (above the ellipsoid), or position_m
+                 (east, north, up in the system frame) or east_m, north_m,
+                 up_m; sigma_m and height_sigma_m (standard deviations);
+                 address ("3C6589": hexadecimal) or mmsi ("211234560"),
+                 callsign, mode_3a ("7000": octal), name
+  of detections  in place of a position: range_m and bearing_deg, or
+                 bearing_deg alone, each with elevation_deg if measured;
+                 range_sigma_m, bearing_sigma_deg, elevation_sigma_deg; the
+                 sensor's place as sensor_latitude, sensor_longitude and
+                 sensor_height_m (directions are from its true north), or
+                 sensor_m (from the system frame's north); range_rate_mps with
+                 range_rate_sigma_mps; scan [default: lines with one time are
+                 one scan]
+  of tracks      track (number); velocity_mps (east, north, up), or speed_mps,
+                 course_deg (from true north) and climb_mps;
+                 velocity_sigma_mps; state (tentative, confirmed, terminated)
+                 [default: confirmed]
 
-Lines of koseki tap are accepted as they are: of sensor tracks and detections with every field, of system tracks as
-reports of another centre. --source then names the fed source, if there are several.
+Lines of koseki tap are accepted as they are: of sensor tracks and detections
+with every field, of system tracks as reports of another centre. --source then
+names the fed source, if there are several.
 
-A refused line is not published. A connection and standard output get a JSON object for each refused line, with
-line, field, value, limit and remedy. All refused lines are counted by field in the summary and in the alarm
+A refused line is not published. A connection and standard output get a JSON
+object for each refused line, with line, field, value, limit and remedy. All
+refused lines are counted by field in the summary and in the alarm
 lines-refused, which names the latest.
 
-At most 64 connections are served at a time, 32 of them from one address. A connection must send its first line within
-10 s, and one each 10 minutes. While places are short, a connection without a line gives way to a new one at once, and
-another after a silence of 1 minute. The reason is answered before a connection is closed; the summary, standard error
-and the alarm lines-refused have the counts."#;
+At most 64 connections are served at a time, 32 of them from one address. A
+connection must send its first line within 10 s, and one each 10 minutes. While
+places are short, a connection without a line gives way to a new one at once,
+and another after a silence of 1 minute. The reason is answered before a
+connection is closed; the summary, standard error and the alarm lines-refused
+have the counts."#;
 
 /// `koseki feed`.
 #[derive(Debug, Args)]

@@ -56,10 +56,9 @@ const OUT_DEFAULT: &str = "records";
 /// Koseki is a set of processes that share memory: an adapter for each sensor, fusion, a monitor, a recorder and
 /// gateways. This executable contains all of them, and the launcher that starts, watches, restarts and stops them.
 #[derive(Debug, Parser)]
-#[command(name = "koseki", version = VERSION, max_term_width = 110, after_help = EXAMPLES, after_long_help = EXAMPLES)]
+#[command(name = "koseki", version = VERSION, max_term_width = 80, after_help = EXAMPLES, after_long_help = EXAMPLES)]
 pub(crate) struct Cli {
-    /// Base folder of instances, for this command and its child processes [default: the first folder owned by this
-    /// user of $KOSEKI_ROOT, /run/koseki, $XDG_RUNTIME_DIR/koseki, /tmp/koseki-UID]
+    /// Base folder of instances [default: see `koseki --help`]
     #[arg(long, value_name = "DIR", global = true)]
     pub(crate) root: Option<PathBuf>,
     #[command(subcommand)]
@@ -68,17 +67,35 @@ pub(crate) struct Cli {
 
 const EXAMPLES: &str = "\
 Examples:
-  koseki demo --for 20                          simulated sensors, a live table, a report at the end
-  koseki check config/barcelona.toml            validates a configuration and its recordings
-  koseki up config/barcelona.toml --speed max   the recorded airport, at the highest speed of this machine
-  koseki status                                 running instances, in another terminal
-  koseki top                                    rates, losses and latencies, live
-  koseki decode radar.pcap --out radar.jsonl    the ASTERIX records of a recording, a JSON object per line
-  koseki bench latency --rate 20000             time of a report through fusion, and the machine's part of the time
-  koseki fuse --tracks a.csv b.csv --refresh 1 --out fused.csv    files of sensor tracks into system tracks
-  koseki smooth --tracks a.csv b.csv --refresh 1 --out after.csv  the same system tracks, with later measurements too
-  koseki track --detections radar.csv --out tracks.csv            files of detections into tracks
-  koseki locate --bearings flight.csv --out fixes.csv             bearings into positions of transmitters
+  koseki demo --for 20                        simulated sensors, a live table, a
+                                              report at the end
+  koseki check config/barcelona.toml          validates a configuration and its
+                                              recordings
+  koseki up config/barcelona.toml --speed max
+                                              the recorded airport, at the
+                                              highest speed of this machine
+  koseki status                               running instances, in another
+                                              terminal
+  koseki top                                  rates, losses and latencies, live
+  koseki decode radar.pcap --out radar.jsonl  the ASTERIX records of a
+                                              recording, a JSON object per line
+  koseki bench latency --rate 20000           time of a report through fusion,
+                                              and the machine's part of the time
+  koseki fuse --tracks a.csv b.csv --refresh 1 --out fused.csv
+                                              files of sensor tracks into system
+                                              tracks
+  koseki smooth --tracks a.csv b.csv --refresh 1 --out after.csv
+                                              the same system tracks, with later
+                                              measurements too
+  koseki track --detections radar.csv --out tracks.csv
+                                              files of detections into tracks
+  koseki locate --bearings flight.csv --out fixes.csv
+                                              bearings into positions of
+                                              transmitters
+
+The base folder of instances, for a command and its child processes, is that of
+--root, or the first folder owned by this user of $KOSEKI_ROOT, /run/koseki,
+$XDG_RUNTIME_DIR/koseki and /tmp/koseki-UID.
 
 Exit codes: 0 success; 1 failure while running, or an unusable result (no report
 received, the recorder failed, reports of a measurement lost); 2 wrong usage or
@@ -101,7 +118,11 @@ pub(crate) enum Command {
     /// Check whether this machine is fit for a deployment, and print remedies
     #[command(after_help = DOCTOR_EXAMPLES)]
     Doctor(Doctor),
-    /// Write rules for Prometheus; for packages, completions for shells and man pages
+    #[cfg_attr(not(feature = "generate"), doc = "Write rules for Prometheus")]
+    #[cfg_attr(
+        feature = "generate",
+        doc = "Write rules for Prometheus, completions for shells, man pages"
+    )]
     #[command(after_help = GENERATE_EXAMPLES, subcommand)]
     Generate(Generate),
     /// Show the running instances of this machine
@@ -183,8 +204,8 @@ Examples:
   koseki demo --for 20 --seed 7       another traffic picture, for 20 seconds
   koseki demo --set scenario.targets=200 --set recorder.enabled=true
 
-The configuration is built in; its text is config/demo.toml. To change more than a few values, edit a copy of that file
-and start the copy with `koseki up`.";
+The configuration is built in; its text is config/demo.toml. To change more than
+a few values, edit a copy of that file and start the copy with `koseki up`.";
 
 /// `koseki demo`.
 #[derive(Debug, Args)]
@@ -212,16 +233,20 @@ pub(crate) struct Demo {
 
 const UP_EXAMPLES: &str = "\
 Examples:
-  koseki up config/barcelona.toml                        recordings at their original speed
-  koseki up config/barcelona.toml --speed 10 --for 60    ten times as fast, for a minute
-  koseki up config/barcelona.toml --speed max --data /var/recordings --out /tmp/run1
-  koseki up config/barcelona.toml --instance b --set fusion.association.use_identity=false
+  koseki up config/barcelona.toml  recordings at their original speed
+  koseki up config/barcelona.toml --speed 10 --for 60
+                                   ten times as fast, for a minute
+  koseki up config/barcelona.toml --speed max --data /var/recordings \\
+      --out /tmp/run1
+  koseki up config/barcelona.toml --instance b \\
+      --set fusion.association.use_identity=false
 
-A deployment ends with Ctrl-C (or SIGTERM), after --for, or at the end of all recordings. The launcher restarts dead
-child processes. A second Ctrl-C ends the deployment at once; the next start then removes its shared memory.
+A deployment ends with Ctrl-C (or SIGTERM), after --for, or at the end of all
+recordings. The launcher restarts dead child processes. A second Ctrl-C ends the
+deployment at once; the next start then removes its shared memory.
 
-With live inputs, the next start goes on with the track numbers, and within checkpoint.max_age_s with the tracks. With
---fresh it does not.";
+With live inputs, the next start goes on with the track numbers, and within
+checkpoint.max_age_s with the tracks. With --fresh it does not.";
 
 /// `koseki up`.
 #[derive(Debug, Args)]
@@ -246,11 +271,12 @@ Examples:
   koseki check config/barcelona.toml --json
   koseki check west/west.toml east/east.toml      both sides of a link
 
-Of two configurations, the command finds what contradicts itself between them: topics, `shares`, endpoints, certificates,
-peers, coordinates, regions. Links are checked by koseki-link; without it, two configurations are refused.
+Of two configurations, the command finds what contradicts itself between them:
+topics, `shares`, endpoints, certificates, peers, coordinates, regions. Links
+are checked by koseki-link; without it, two configurations are refused.
 
-The command starts no process. A mistake is reported in a line on standard error, with file, line or byte, value and
-remedy; the exit code is then 2.";
+The command starts no process. A mistake is reported in a line on standard
+error, with file, line or byte, value and remedy; the exit code is then 2.";
 
 /// `koseki check`.
 #[derive(Debug, Args)]
@@ -274,12 +300,14 @@ pub(crate) struct Check {
 
 const DOCTOR_EXAMPLES: &str = "\
 Examples:
-  koseki doctor                       for a deployment that waits by event, as the demonstration does
+  koseki doctor  for a deployment that waits by event, as the demonstration does
   koseki doctor /etc/koseki/site.toml
   koseki doctor site.toml --json | jq '.[] | select(.verdict != \"good\")'
 
-The output has a line per check: result, requirement, and the remedy as a command. Run the check as the user, and with
-the limits, of the later deployment. Exit code 1 if this machine cannot satisfy a requirement of the configuration.";
+The output has a line per check: result, requirement, and the remedy as a
+command. Run the check as the user, and with the limits, of the later
+deployment. Exit code 1 if this machine cannot satisfy a requirement of the
+configuration.";
 
 /// `koseki doctor`.
 #[derive(Debug, Args)]
@@ -295,13 +323,23 @@ pub(crate) struct Doctor {
     pub(crate) set: Vec<String>,
 }
 
+#[cfg(not(feature = "generate"))]
 const GENERATE_EXAMPLES: &str = "\
 Examples:
   koseki generate alerts > /etc/prometheus/rules/koseki.yml
-  koseki generate completions bash > /usr/share/bash-completion/completions/koseki
+
+Packages contain completions for shells and man pages, too; this executable does
+not write them, since it was built without `--features generate`.";
+
+#[cfg(feature = "generate")]
+const GENERATE_EXAMPLES: &str = "\
+Examples:
+  koseki generate alerts > /etc/prometheus/rules/koseki.yml
+  koseki generate completions bash > \\
+      /usr/share/bash-completion/completions/koseki
   koseki generate man --out /usr/local/share/man/man1
 
-Packages contain all of these. Only an executable built with `--features generate` writes completions and man pages.";
+Packages contain all of these.";
 
 /// `koseki generate`.
 #[derive(Debug, Subcommand)]
@@ -345,19 +383,23 @@ pub(crate) struct Status {
 
 const TOP_EXAMPLES: &str = "\
 Examples:
-  koseki top                          the only running deployment, in the terminal
+  koseki top                         the only running deployment, in the
+                                     terminal
   koseki top --instance demo --interval 0.5
-  koseki top --once | grep rejected   all tables, once
-  koseki top --once --json            the same for programs
-  koseki top > top.log                one line per interval
+  koseki top --once | grep rejected  all tables, once
+  koseki top --once --json           the same for programs
+  koseki top > top.log               one line per interval
 
-Pages: sources, tracks (number, identity, place, flight level, speed, sources, age), stages, counters, processes. Keys: h
-explains all keys; q, Esc or Ctrl-C ends; Tab, arrows and 1 to 5 turn pages; up and down select a row; i changes between
-the last interval and the total since the start; p pauses. With NO_COLOR set there are no colours.
+Pages: sources, tracks (number, identity, place, flight level, speed, sources,
+age), stages, counters, processes, alarms. Keys: h explains all keys; q, Esc or
+Ctrl-C ends; Tab, arrows and 1 to 6 turn pages; up and down select a row; i
+changes between the last interval and the total since the start; p pauses. With
+NO_COLOR set there are no colours.
 
-The command does not disturb the deployment: no process waits for `top` or wakes it. The time from fusion to a subscriber
-is therefore not measured; end to end ends at the publication by fusion. `koseki bench`, or a monitor with
-wait = \"event\", measures the rest.";
+The command does not disturb the deployment: no process waits for `top` or wakes
+it. The time from fusion to a subscriber is therefore not measured; end to end
+ends at the publication by fusion. `koseki bench`, or a monitor with wait =
+\"event\", measures the rest.";
 
 /// `koseki top`.
 #[derive(Debug, Args)]
@@ -381,8 +423,9 @@ Examples:
   koseki condition rain --instance barcelona
   koseki condition normal --instance barcelona
 
-Sources name conditions in their configuration: [source.accuracy] conditions = { rain = 3.0 } makes a sensor three times
-less accurate while it rains. \"normal\" holds at the start and has factor 1 everywhere.";
+Sources name conditions in their configuration: [source.accuracy] conditions = {
+rain = 3.0 } makes a sensor three times less accurate while it rains. \"normal\"
+holds at the start and has factor 1 everywhere.";
 
 /// `koseki condition`.
 #[derive(Debug, Args)]
@@ -399,47 +442,61 @@ Examples:
   koseki adapter --config config/barcelona.toml --name radar
   koseki monitor --config config/barcelona.toml --name second-monitor
 
-`koseki up` starts all of these processes. Run a process by hand as a second monitor, or to replace a process during an
-experiment. Use the same configuration, --instance, --set, --data and --speed as for `koseki up`, which must be running,
-because the launcher creates the shared memory.";
+`koseki up` starts all of these processes. Run a process by hand as a second
+monitor, or to replace a process during an experiment. Use the same
+configuration, --instance, --set, --data and --speed as for `koseki up`, which
+must be running, because the launcher creates the shared memory.";
 
 const DISPLAY_EXAMPLES: &str = "\
 Examples:
-  koseki display --instance tower --listen 127.0.0.1:8950     a running instance or a mirror, without its file
+  koseki display --instance tower --listen 127.0.0.1:8950
+      a running instance or a mirror, without its file
   koseki display --recording records/tower/latest
-  koseki display --config config/barcelona.toml --name second-display --listen 127.0.0.1:8950
+  koseki display --config config/barcelona.toml --name second-display \\
+      --listen 127.0.0.1:8950
 
-Without a configuration, sites of sensors, overlays, orders and the comparison of rules are missing.
+Without a configuration, sites of sensors, overlays, orders and the comparison
+of rules are missing.
 
-A recording must contain all topics: [recorder] format = [\"csv\", \"mcap\"]. The page of a recording needs no deployment;
-it is served to this machine only, at the first free port from 8900, with play, pause and a time slider. `koseki up`
+A recording must contain all topics: [recorder] format = [\"csv\", \"mcap\"]. The
+page of a recording needs no deployment; it is served to this machine only, at
+the first free port from 8900, with play, pause and a time slider. `koseki up`
 starts the display of a deployment if the configuration has [display].";
 
 const MONITOR_EXAMPLES: &str = "\
 Examples:
   koseki monitor --config config/barcelona.toml --name second-monitor
-  koseki monitor --config config/barcelona.toml --name exact --set monitor.wait=event --set monitor.files=false
+  koseki monitor --config config/barcelona.toml --name exact \\
+      --set monitor.wait=event --set monitor.files=false
 
-`koseki up` starts a monitor. For a further monitor, use the same configuration, --instance, --set, --data and --speed as
-for `koseki up`, which must be running.
+`koseki up` starts a monitor. For a further monitor, use the same configuration,
+--instance, --set, --data and --speed as for `koseki up`, which must be running.
 
-[monitor] wait in the configuration selects the kind of waiting. \"event\": fusion wakes the monitor for each slice, at a
-cost of about ten microseconds. \"poll\" (the default if fusion spins): the monitor reads every poll_ms, without cost for
-fusion; transport out is then not measured (shown as -), and end to end ends at the publication by fusion. `koseki bench`,
-or a monitor with wait = \"event\", measures transport out. prometheus = \"127.0.0.1:9464\" serves metrics at
+[monitor] wait in the configuration selects the kind of waiting. \"event\": fusion
+wakes the monitor for each slice, at a cost of about ten microseconds. \"poll\"
+(the default if fusion spins): the monitor reads every poll_ms, without cost for
+fusion; transport out is then not measured (shown as -), and end to end ends at
+the publication by fusion. `koseki bench`, or a monitor with wait = \"event\",
+measures transport out. prometheus = \"127.0.0.1:9464\" serves metrics at
 http://127.0.0.1:9464/metrics.";
 
 const LINK_EXAMPLES: &str = "\
 Examples:
-  koseki link init west=west.example east=east.example    two centres: configurations, certificates, authority
-  koseki link renew west/west.toml east/east.toml --authority authority    new certificates and keys
-  koseki link --config config/west.toml --name to-east    a link of a running deployment
+  koseki link init west=west.example east=east.example
+      two centres: configurations, certificates, authority
+  koseki link renew west/west.toml east/east.toml --authority authority
+      new certificates and keys
+  koseki link --config config/west.toml --name to-east
+      a link of a running deployment
 
-`koseki link init --help` and `koseki link renew --help` show the options of these commands.
+`koseki link init --help` and `koseki link renew --help` show the options of
+these commands.
 
-`koseki up` starts a link for each [[link]] of the configuration. The program koseki-link is built separately
-(cargo build --release --manifest-path link/Cargo.toml). Search order: $KOSEKI_LINK, the folder of koseki, link/target and
-target of the checkout in which koseki was built, PATH. docs/hosts.md describes links.";
+`koseki up` starts a link for each [[link]] of the configuration. The program
+koseki-link is built separately (cargo build --release --manifest-path
+link/Cargo.toml). Search order: $KOSEKI_LINK, the folder of koseki, link/target
+and target of the checkout in which koseki was built, PATH. docs/hosts.md
+describes links.";
 
 /// `koseki adapter`, `fusion`, `monitor`, `recorder`, `gateway`, `link`, `simulator`.
 #[derive(Debug, Args)]

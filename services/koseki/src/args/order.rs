@@ -41,10 +41,13 @@ Examples:
   koseki order eta value=0.3 source=radar --instance barcelona --for 600
   koseki order out source=mlat --instance barcelona --operator anna
   koseki order join track=12 with=15 --instance barcelona
-  koseki order designate tracker=ship place=59.4312,10.6512 sigma=300 --instance ferry
-  koseki order designate tracker=ship place=59.4312,10.6512@270/8.5 sigma=300 --instance ferry
+  koseki order designate tracker=ship place=59.4312,10.6512 sigma=300 \\
+      --instance ferry
+  koseki order designate tracker=ship place=59.4312,10.6512@270/8.5 sigma=300 \\
+      --instance ferry
   koseki order cancel number=3 --instance barcelona
 
-An order holds until cancelled, replaced by a newer order for the same subject, or expired. Orders survive kills of
-fusion, and end with the deployment. Recordings contain each order and each change of its state. The owner of the
+An order holds until cancelled, replaced by a newer order for the same subject,
+or expired. Orders survive kills of fusion, and end with the deployment.
+Recordings contain each order and each change of its state. The owner of the
 instance's folder gives orders; the file mode keeps other users out.";

@@ -8,10 +8,12 @@ use super::values;
 
 pub(super) const RECORDING_EXAMPLES: &str = "\
 Examples:
-  koseki up config/live.toml --set 'recorder.format=[\"csv\", \"mcap\"]' --out records/tower
+  koseki up config/live.toml --set 'recorder.format=[\"csv\", \"mcap\"]' \\
+      --out records/tower
   koseki recording info records/tower/latest
   koseki recording info records/tower/latest/all_topics_000002.mcap
-  koseki recording cut records/tower/latest --from 2026-05-01T10:00:00Z --to 2026-05-01T10:05:00Z --out near-miss.mcap
+  koseki recording cut records/tower/latest --from 2026-05-01T10:00:00Z \\
+      --to 2026-05-01T10:05:00Z --out near-miss.mcap
   koseki recording merge records/tower/latest --out night.mcap
   koseki recording repair damaged.mcap --out repaired.mcap
   koseki recording export near-miss.mcap --csv near-miss --asterix near-miss.ast";
@@ -28,6 +30,8 @@ pub(crate) enum RecordingCommand {
     /// Copy what can be read of a damaged recording
     Repair(RecordingRepair),
     /// Write a recording in other formats
+    #[command(override_usage = "koseki recording export [OPTIONS] <RECORDING>\n         \
+                                <--csv <DIR>|--asterix <FILE>|--foxglove <FILE>>")]
     Export(RecordingExport),
 }
 

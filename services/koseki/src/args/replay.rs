@@ -10,18 +10,22 @@ use super::values::{speed, utc};
 
 pub(super) const REPLAY_EXAMPLES: &str = "\
 Examples:
-  koseki replay records/tower/latest --verify                  compares with the recorded states
+  koseki replay records/tower/latest --verify
+      compares with the recorded states
   koseki replay records/tower/latest --out again.csv
   koseki replay records/tower/latest --config other.toml --out other.csv
   koseki replay records/tower/latest --sources radar --out radar-alone.csv
-  koseki replay records/tower/latest --live --instance again   the sensor tracks again, at the present time
+  koseki replay records/tower/latest --live --instance again
+      the sensor tracks again, at the present time
 
-The recording must contain all topics: [recorder] format = [\"csv\", \"mcap\"]. Reports are processed in fusion's order,
-from a recorded start or snapshot on. After a missing report, for example during an outage of the recorder, states are
-not verified until the next start or snapshot; the summary states this time. Bits are equal for the same build on
-processors of the same family. --verify prints the first difference, and fails with a difference, without any verified
-state, or with damaged parts in the recording. With --config sources are matched by name. With --live at another
-speed than 1, targets move faster accordingly.";
+The recording must contain all topics: [recorder] format = [\"csv\", \"mcap\"].
+Reports are processed in fusion's order, from a recorded start or snapshot on.
+After a missing report, for example during an outage of the recorder, states are
+not verified until the next start or snapshot; the summary states this time.
+Bits are equal for the same build on processors of the same family. --verify
+prints the first difference, and fails with a difference, without any verified
+state, or with damaged parts in the recording. With --config sources are matched
+by name. With --live at another speed than 1, targets move faster accordingly.";
 
 /// `koseki replay`.
 #[derive(Debug, Args)]

@@ -13,19 +13,27 @@ use super::values::{editions_help, speed};
 pub(super) const SEND_EXAMPLES: &str = "\
 Examples:
   koseki send radar.pcap --to 127.0.0.1:8600 --retime now
-  koseki send north.ast south.ast mlat.ast=239.255.20.1:8600 --to 239.255.48.1:8600 --interface 127.0.0.1 --retime now
+  koseki send north.ast south.ast mlat.ast=239.255.20.1:8600 \\
+      --to 239.255.48.1:8600 --interface 127.0.0.1 --retime now
   koseki send radar.ast --to 239.255.48.1:8600 --interface eth1 --speed 4
-  koseki send aircraft.sbs --to 127.0.0.1:30003 --retime now      lines, to each client
-  koseki send flight.csv --to 127.0.0.1:8701 --retime now         array snapshots, for [source.array]
+  koseki send aircraft.sbs --to 127.0.0.1:30003 --retime now
+      lines, to each client
+  koseki send flight.csv --to 127.0.0.1:8701 --retime now
+      array snapshots, for [source.array]
 
-FILE     data blocks of ASTERIX, bare, in a capture (pcap, pcapng) or in the final format, sent in their original
-         datagrams (bare: a datagram per block); or lines of a transponder receiver (SBS-1), served over TCP from the
-         first connection on; or array snapshots, as rows for `koseki bearings` or captured datagrams. Recordings of several sensors keep their relative times.
---retime with `now` all times are moved by the same number of whole seconds. Without --retime records keep their times,
-         and a live deployment isolates the source, because its clock seems wrong by years.
+FILE     data blocks of ASTERIX, bare, in a capture (pcap, pcapng) or in the
+         final format, sent in their original datagrams (bare: a datagram per
+         block); or lines of a transponder receiver (SBS-1), served over TCP
+         from the first connection on; or array snapshots, as rows for `koseki
+         bearings` or captured datagrams. Recordings of several sensors keep
+         their relative times.
+--retime with `now` all times are moved by the same number of whole seconds.
+         Without --retime records keep their times, and a live deployment
+         isolates the source, because its clock seems wrong by years.
 
-The times of the recording, relative to the first time, set the times of sending; a recording without times uses the
-times of day in its records. Ctrl-C ends the command. Failures to send are counted, without a repetition.";
+The times of the recording, relative to the first time, set the times of
+sending; a recording without times uses the times of day in its records. Ctrl-C
+ends the command. Failures to send are counted, without a repetition.";
 
 /// `koseki send`.
 #[derive(Debug, Args)]

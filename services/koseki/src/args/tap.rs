@@ -17,13 +17,15 @@ Examples:
   koseki tap --instance demo --tcp 127.0.0.1:9000 &
   curl -sN telnet://127.0.0.1:9000
 
-Each sample is a line with its fields by name, in the units of docs/integrate.md; codes, bits and
-sources are words, and positions are also written as latitude, longitude (WGS-84) and height. An
-unknown value is null in JSON and empty in CSV. Identities are text: an address in hexadecimal, a Mode 3/A
-code in octal, an MMSI in decimal digits. Nested samples are JSON objects; in CSV they are
-columns such as stages.fused_ns, and lists are omitted. CAT062 has the items of a gateway, except
-the kinds of contributing sensors. A socket's reader that is too slow is disconnected, and may
-connect again; samples lost by this program are reported on standard error.";
+Each sample is a line with its fields by name, in the units of
+docs/integrate.md; codes, bits and sources are words, and positions are also
+written as latitude, longitude (WGS-84) and height. An unknown value is null in
+JSON and empty in CSV. Identities are text: an address in hexadecimal, a Mode
+3/A code in octal, an MMSI in decimal digits. Nested samples are JSON objects;
+in CSV they are columns such as stages.fused_ns, and lists are omitted. CAT062
+has the items of a gateway, except the kinds of contributing sensors. A socket's
+reader that is too slow is disconnected, and may connect again; samples lost by
+this program are reported on standard error.";
 
 /// `koseki tap`.
 #[derive(Debug, Args)]

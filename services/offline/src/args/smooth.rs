@@ -13,27 +13,37 @@ use crate::values::{heights, place, refresh};
 pub(super) const SMOOTH_EXAMPLES: &str = "\
 Examples:
   koseki smooth --tracks radar.csv adsb.csv --refresh 1 --out smoothed.csv
-  koseki smooth --tracks radar.csv adsb.csv --refresh 1 --fused fused.csv --out smoothed.csv --json
-  koseki smooth --tracks all.csv --origin 41.297,2.078 --sac 1 --sic 2 --out smoothed.csv --asterix smoothed.ast
+  koseki smooth --tracks radar.csv adsb.csv --refresh 1 --fused fused.csv \\
+      --out smoothed.csv --json
+  koseki smooth --tracks all.csv --origin 41.297,2.078 --sac 1 --sic 2 \\
+      --out smoothed.csv --asterix smoothed.ast
   koseki smooth records/tower/latest --out smoothed.csv --asterix smoothed.ast
 
-A live track knows the past only. Afterwards, the measurements of both sides of each moment are known: positions are about
-twice as accurate, velocities three to four times, and turns begin where they began. Fusion runs once more, exactly as
-before: the tracks, numbers, times and all other columns are those of `koseki fuse` with the same options, or of the
-recorded fusion. Only position, velocity and covariance are replaced. The errors of the sensors (offsets, azimuths,
+A live track knows the past only. Afterwards, the measurements of both sides of
+each moment are known: positions are about twice as accurate, velocities three
+to four times, and turns begin where they began. Fusion runs once more, exactly
+as before: the tracks, numbers, times and all other columns are those of `koseki
+fuse` with the same options, or of the recorded fusion. Only position, velocity
+and covariance are replaced. The errors of the sensors (offsets, azimuths,
 clocks) are taken off as the whole recording shows them, from the first row on.
 
 --tracks  as for `koseki fuse`; so are --config, --rule and --refresh
-RECORDING the folder of a recording of all topics, or its file: [recorder] format = [\"csv\", \"mcap\"]
---fused   the output of that `koseki fuse`: the command fails, with the line, if a row is not the one that it smooths
---out     the columns of `koseki fuse`, or the form of the recorder's tables. States of a track before its first own
-          measurement, and tracks of other centres, stay as they are; the summary counts these rows.
---asterix CAT062, a record per row of --out that is confirmed, coasted or terminated. Positions on the Earth need --origin
-          or a deployment in --config; a recording has its own, and the codes and heights of its gateway.
+RECORDING the folder of a recording of all topics, or its file: [recorder]
+          format = [\"csv\", \"mcap\"]
+--fused   the output of that `koseki fuse`: the command fails, with the line, if
+          a row is not the one that it smooths
+--out     the columns of `koseki fuse`, or the form of the recorder's tables.
+          States of a track before its first own measurement, and tracks of
+          other centres, stay as they are; the summary counts these rows.
+--asterix CAT062, a record per row of --out that is confirmed, coasted or
+          terminated. Positions on the Earth need --origin or a deployment in
+          --config; a recording has its own, and the codes and heights of its
+          gateway.
 
-A smoothed trajectory is a good reference for the live picture, but not an independent one: an error that all sensors have
-in common remains in both. `koseki score` and `koseki compare pictures` read the result.
-The same files and options give the same bytes.";
+A smoothed trajectory is a good reference for the live picture, but not an
+independent one: an error that all sensors have in common remains in both.
+`koseki score` and `koseki compare pictures` read the result. The same files and
+options give the same bytes.";
 
 /// `koseki smooth`.
 #[derive(Debug, Args)]
