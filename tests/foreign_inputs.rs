@@ -139,7 +139,7 @@ fn tables_are_read_however_they_are_written() {
         assert!(reports.contains(&format!("sensor 1 {used} reports")), "{what}: {said}");
         assert_eq!(reports.contains("left out"), used < 3, "{what}: {said}");
         for words in words {
-            assert!(said.contains(words), "{what}: {words} is missing in {said}");
+            assert!(reports.contains(words), "{what}: {words} is missing in {said}");
         }
         let fused = folder.read("fused.csv");
         if what.contains("12 decimals") {

@@ -183,25 +183,30 @@ fn a_table_of_which_the_engine_uses_nothing_is_a_failure() {
     let folder = two_sensors();
     let limits = "[[sensor]]\nid = 7\nposition_m = [50e3, 50e3]\nlimits = { range_m = 1000.0 }\n";
     let speeds = "[[sensor]]\nid = 7\nlimits = { speed_mps = 10.0 }\n";
-    let millimetres: String = folder
-        .read("a.csv")
-        .lines()
-        .map(|line| {
+    let table = folder.read("a.csv");
+    let scaled = |factor: f64| -> String {
+        let rows = table.lines().map(|line| {
             let mut values: Vec<String> = line.split(',').map(str::to_owned).collect();
             if let Ok(y) = values[4].parse::<f64>() {
-                values[4] = (1e6 * (y + 1e3)).to_string();
+                values[4] = (factor * (y + 1e3)).to_string();
             }
             values.join(",") + "\n"
-        })
-        .collect();
+        });
+        rows.collect()
+    };
     folder.write("near.toml", limits);
     folder.write("slow.toml", speeds);
-    folder.write("millimetres.csv", millimetres);
+    folder.write("centimetres.csv", scaled(5e3));
+    folder.write("millimetres.csv", scaled(1e6));
     for (arguments, expected) in [
         ("a.csv --config near.toml", "line 2, columns x and y: 25, 0 is"),
         (
             "a.csv --config slow.toml",
             "line 2, columns vx and vy: 100, 0 is 100 m/s, beyond limits.speed_mps = 10",
+        ),
+        (
+            "centimetres.csv",
+            "line 2, columns x and y: 25, 5000000 is 5000 km from the origin of the frame, beyond 2000 km; check the unit",
         ),
         ("millimetres.csv", "line 2, column y: 1000000000 is beyond 1e8 m"),
     ] {

@@ -40,7 +40,7 @@ const BEARINGS: &str = "time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz\n";
 const COUNTS: &str = "time_s,arrival_s,x,y,z,vx,vy,vz,count\n";
 
 /// Planted errors: inlet, what is sent (with `NOW` for the seconds of the day), and words of the refusal.
-const PLANTED: [(Inlet, &str, &[&str]); 46] = [
+const PLANTED: [(Inlet, &str, &[&str]); 47] = [
     (
         Inlet::RowsUdp,
         "NOW,1,1,1,range_bearing,1000,0.5,,,15,0.006,,,,,\n",
@@ -198,6 +198,16 @@ const PLANTED: [(Inlet, &str, &[&str]); 46] = [
     (Inlet::Asterix, "3000ff0102", &["length as 255 octets", "5 left"]),
     (Inlet::Asterix, "f00008010101ffff", &["no table", "240"]),
     (Inlet::Asterix, "300006800101", &["record|item|I048"]),
+    // A track of CAT062 at latitude 0, longitude 0.
+    (
+        Inlet::Asterix,
+        "3e00149908000100320000000000000000000007",
+        &[
+            "latitude 0.0000, longitude 0.0000 is 4",
+            "km from the sensor",
+            "limits.range_m, 400 km",
+        ],
+    ),
     (
         Inlet::FeedUdp,
         "{\"source\": \"own\", \"latitude\": 95, \"longitude\": 2.1, \"sigma_m\": 10}\n",

@@ -26,6 +26,7 @@ use std::path::{Path, PathBuf};
 
 use deployment::check_name;
 use fusion::settings::{AccuracyModel, AccuracyTable, Settings, SourceSettings, Weighing};
+use messages::admission::REACH_M;
 use reception::PlausibilityLimits;
 use settings::{Document, Seconds, SettingsError};
 
@@ -91,7 +92,8 @@ settings::settings! {
         name: Option<String> = None, usually "its id";
         /// East and north in the files' frame, for accuracies that depend on the distance.
         position_m: Option<[f64; 2]> = None;
-        /// Limits of the sensor's reports: speed and, for a known position, distance from the sensor.
+        /// Limits of the sensor's reports: speed and, for a known position, distance from the sensor. Without a
+        /// position, reports are at most 2,000 km from the origin of the frame.
         limits: PlausibilityLimits = PlausibilityLimits::default();
     }
 }
@@ -216,6 +218,7 @@ impl Offline {
         source.learns_period = false;
         let limits = limits(&table.limits, place_m);
         source.limits.speed_mps = limits.speed_mps;
+        source.limits.range_m = REACH_M;
         if table.position_m.is_some() {
             source.place_m = table.position_m;
             source.limits = limits;

@@ -19,6 +19,9 @@ use crate::{
 
 /// Largest coordinate that a sensor on this planet can report, metres.
 pub const POSITION_MAX_M: f64 = 1e8;
+/// Largest distance of a stated place from the origin of the system frame, metres: `limits.range_m` is no greater. A
+/// place beyond it is none of this deployment, as latitude 0, longitude 0 of a receiver without a fix.
+pub const REACH_M: f64 = 2e6;
 /// Largest component of a velocity that a sensor on this planet can report, metres per second.
 pub const SPEED_MAX_MPS: f64 = 1e5;
 /// Largest element of a covariance, m², m²/s or m²/s².

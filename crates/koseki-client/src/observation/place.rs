@@ -1,13 +1,9 @@
 //! A place in degrees or in metres to metres of the system frame.
 
 use frames::{Geodetic, SystemFrame};
-use messages::admission::Fault;
+use messages::admission::{Fault, REACH_M};
 
 use super::{fault, missing};
-
-/// Largest distance of a place from the origin of the system frame, metres: `limits.range_m` is no greater. A place
-/// beyond it is none of this deployment, as latitude 0, longitude 0 of a receiver without a fix.
-const REACH_M: f64 = 2e6;
 
 /// The fields of a place.
 #[derive(Clone, Copy, Debug)]

@@ -44,6 +44,8 @@ const REJECTIONS: [Counter; 3] = [
     Counter::RejectedTooFast,
     Counter::RejectedTooFar,
 ];
+/// Remedy for reports that are too far from the frame of a sensor without a place.
+const UNPLACED: &str = "check the unit, or choose a nearer origin";
 /// Counters of system tracks.
 const OF_TRACKS: [Counter; 6] = [
     Counter::TracksStarted,
@@ -79,7 +81,8 @@ impl FuseSummary<'_> {
     /// Returns a sentence on the value and the limit for which the first report was rejected.
     pub(crate) fn first_rejection(&self, first: &ArrivedReport) -> String {
         let report = &first.track;
-        let limits = &self.engine.settings().sources[usize::from(report.source)].limits;
+        let settings = &self.engine.settings().sources[usize::from(report.source)];
+        let limits = &settings.limits;
         let ([x, y, _], [vx, vy, _]) = (report.position_m, report.velocity_mps);
         let columns = ["x", "y", "z"]
             .into_iter()
@@ -95,6 +98,11 @@ impl FuseSummary<'_> {
             Some(((column, value), max, unit)) => {
                 format!("column {column}: {value} is beyond {max:e} {unit}, which nothing on this planet is")
             }
+            None if distance_m > limits.range_m && settings.place_m.is_none() => format!(
+                "columns x and y: {x}, {y} is {:.0} km from the origin of the frame, beyond {:.0} km; {UNPLACED}",
+                distance_m / 1e3,
+                limits.range_m / 1e3
+            ),
             None if distance_m > limits.range_m => format!(
                 "columns x and y: {x}, {y} is {distance_m:.0} m from its sensor, beyond limits.range_m = {}; raise it if \
                  the sensor sees this far",
@@ -234,7 +242,8 @@ impl FuseSummary<'_> {
 
     /// Writes which limits rejected reports of sensor `id`, with the remedy.
     fn write_limits(&self, text: &mut String, source: u16, id: u32) -> std::fmt::Result {
-        let limits = &self.engine.settings().sources[usize::from(source)].limits;
+        let settings = &self.engine.settings().sources[usize::from(source)];
+        let limits = &settings.limits;
         let keys = [
             (
                 Counter::RejectedTooFast,
@@ -251,7 +260,13 @@ impl FuseSummary<'_> {
         ];
         for (counter, key, limit, condition) in keys {
             let count = self.of_source(source, counter);
-            if count > 0 {
+            if count > 0 && counter == Counter::RejectedTooFar && settings.place_m.is_none() {
+                let limit_km = limit / 1e3;
+                writeln!(
+                    text,
+                    "sensor {id:<6} is more than {limit_km:.0} km from the origin of the frame in {count} reports; {UNPLACED}"
+                )?;
+            } else if count > 0 {
                 writeln!(
                     text,
                     "sensor {id:<6} exceeds {key} = {limit} in {count} reports; raise {key} if {condition}"
@@ -286,7 +301,7 @@ fn words(counter: Counter) -> &'static str {
         Counter::RejectedFalsePosition => "of false positions",
         Counter::RejectedInvalid => "invalid",
         Counter::RejectedTooFast => "faster than limits.speed_mps",
-        Counter::RejectedTooFar => "beyond limits.range_m",
+        Counter::RejectedTooFar => "too far away",
         Counter::RejectedOutOfOrder => "out of order",
         Counter::DroppedTable => "refused by a full table",
         Counter::LateUsed => "late and used in their place",
