@@ -1,6 +1,7 @@
-//! Reports that a link saves while it is cut, and brings in a burst: they are used, or counted as late, and the clock of
-//! their sensor is sound.
+//! Reports that a link saves while it is cut, and brings in faster than they were made: they are used, or counted as
+//! late, and the clock of their sensor is sound.
 
+use std::collections::VecDeque;
 use std::io::Write as _;
 use std::net::{TcpListener, TcpStream};
 use std::time::{Duration, Instant};
@@ -11,8 +12,10 @@ use test_support::Random;
 
 use crate::common::{Home, PLACE, counter, until, utc_ns};
 
-/// Least time between two reports of a sensor, and least length of the cut.
+/// Least time between two reports of a sensor, and between two that the link brings: five times as fast as they were
+/// made. Least length of the cut.
 const PERIOD: Duration = Duration::from_millis(100);
+const STEP: Duration = Duration::from_millis(20);
 const CUT: Duration = Duration::from_secs(4);
 /// Reports of each sensor before the cut and after the saved ones: enough to know its clock.
 const REPORTS: usize = 40;
@@ -21,9 +24,10 @@ const REPORTS: usize = 40;
 struct Feed {
     listener: TcpListener,
     stream: Option<TcpStream>,
-    saved: String,
+    saved: VecDeque<String>,
     lines: usize,
-    last: Instant,
+    made: Instant,
+    sent: Instant,
     /// Errors of its own: sources that repeat each other are one.
     random: Random,
 }
@@ -34,28 +38,35 @@ impl Feed {
             random: Random::new(seed),
             listener: TcpListener::bind("127.0.0.1:0").unwrap(),
             stream: None,
-            saved: String::new(),
+            saved: VecDeque::new(),
             lines: 0,
-            last: Instant::now(),
+            made: Instant::now(),
+            sent: Instant::now(),
         }
     }
 
-    /// Makes the next line if it is time. It is saved until there is a connection, then sent with all that was saved.
+    /// Makes the next line if it is time, and sends the first of those that wait, if it is time for that.
     fn pass(&mut self) {
-        if self.last.elapsed() < PERIOD {
-            return;
+        if self.made.elapsed() >= PERIOD {
+            self.made = Instant::now();
+            self.lines += 1;
+            let line = self.line();
+            self.saved.push_back(line);
         }
-        self.last = Instant::now();
-        self.lines += 1;
+        if let Some(stream) = self.stream.as_mut().filter(|_| self.sent.elapsed() >= STEP)
+            && let Some(line) = self.saved.pop_front()
+        {
+            self.sent = Instant::now();
+            stream.write_all(line.as_bytes()).unwrap();
+        }
+    }
+
+    fn line(&mut self) -> String {
         let ms = utc_ns() / 1_000_000 % 86_400_000;
         let (hours, minutes, ms) = (ms / 3_600_000, ms / 60_000 % 60, ms % 60_000);
         let time = format!("2026/01/01,{hours:02}:{minutes:02}:{:02}.{:03}", ms / 1000, ms % 1000);
         let [latitude, longitude] = [41.5, 2.3].map(|place| place + self.random.between(-4e-4, 4e-4));
-        self.saved += &format!("MSG,3,1,1,4CA2D6,1,{time},{time},,10000,,,{latitude:.5},{longitude:.5},,,0,0,0,0\r\n");
-        if let Some(stream) = &mut self.stream {
-            stream.write_all(self.saved.as_bytes()).unwrap();
-            self.saved.clear();
-        }
+        format!("MSG,3,1,1,4CA2D6,1,{time},{time},,10000,,,{latitude:.5},{longitude:.5},,,0,0,0,0\r\n")
     }
 
     /// Lets time pass for `feeds` until `done`.
@@ -105,6 +116,8 @@ fn reports_saved_through_a_cut_are_used_or_counted_as_late() {
     Feed::pass_until(&mut feeds, "both clocks are known", all_known);
 
     // The far link is cut for some seconds, while the near one goes on.
+    let nothing_waits = |feeds: &mut [Feed; 2]| feeds.iter().all(|feed| feed.saved.is_empty());
+    Feed::pass_until(&mut feeds, "all is sent", nothing_waits);
     let (before, begun) = (feeds[1].lines, Instant::now());
     feeds[1].stream = None;
     Feed::pass_until(&mut feeds, "the cut is over", |_| begun.elapsed() >= CUT);
@@ -113,6 +126,7 @@ fn reports_saved_through_a_cut_are_used_or_counted_as_late() {
     let last = feeds.each_ref().map(|feed| feed.lines + REPORTS);
     let all_sent = |feeds: &mut [Feed; 2]| feeds.iter().zip(last).all(|(feed, last)| feed.lines >= last);
     Feed::pass_until(&mut feeds, "the present goes on", all_sent);
+    Feed::pass_until(&mut feeds, "all is sent again", nothing_waits);
     let is_taken = |report: &Value, name: &str, lines: usize| {
         let mut sources = report["sources"].as_array().into_iter().flatten();
         sources.any(|source| source["name"] == name && source["taken"].as_u64() == Some(lines as u64))
