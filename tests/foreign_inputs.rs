@@ -1,7 +1,10 @@
 //! Inputs as other people and programs write them: spreadsheets, scripts, receivers. Each is read, or refused in one
 //! line that names the place, the value, the limit and the remedy.
 
-use crate::common::Folder;
+use std::io::Write as _;
+use std::process::Stdio;
+
+use crate::common::{Folder, Home, PLACE, S, utc_ns};
 
 /// Columns of sensor tracks, and of ships' tracks.
 const HEADER: &str = "time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,trace,state,mmsi";
@@ -195,4 +198,97 @@ fn records_are_encoded_unless_a_key_has_two_values() {
             assert!(said.contains("line 2: ") && said.contains("is given twice"), "{said}");
         }
     }
+}
+
+/// Fields of lines for `koseki feed` beside a place, and words of the answer to a refused line, of which the first is
+/// its field. `NOW` stands for the present time to the second, `SECONDS` for the same since 1970.
+const LINES: [(&str, &[&str]); 14] = [
+    ("", &[]),
+    ("\u{feff}", &[]),
+    ("\"time\": \"NOW.123456789012Z\"", &[]),
+    ("\"time_s\": SECONDS.123456789012", &[]),
+    ("\"mmsi\": \"211234560\"", &[]),
+    ("\"mmsi\": \"002275400\"", &[]),
+    ("\"mmsi\": 2275400", &[]),
+    (
+        "\"mmsi\": 1193046",
+        &["mmsi", "1193046", "an MMSI of nine digits", "211234560"],
+    ),
+    (
+        "\"mmsi\": \"1193046\"",
+        &["mmsi", "1193046", "an MMSI of nine digits", "211234560"],
+    ),
+    (
+        "\"latitude\": 41.5",
+        &["latitude", "41.5", "must be given once", "leave out all values but one"],
+    ),
+    ("\"height_m\": 5, \"height_m\": 5", &["height_m", "must be given once"]),
+    (
+        "\"time\": \"28.11.2026 15:38\"",
+        &["time", "must be a text of UTC", "2026-05-01T10:00:00.5Z"],
+    ),
+    (
+        "\"time_ns\": SECONDS",
+        &["time_of_measurement_ns", "within 600 s", "multiply it by 1000000000"],
+    ),
+    (
+        "\"sigma\": 5",
+        &["sigma", "is no field of such a source", "did you mean"],
+    ),
+];
+
+#[test]
+fn lines_are_fed_however_they_are_written() {
+    let home = Home::new();
+    let [latitude, longitude] = PLACE;
+    home.write(
+        "site.toml",
+        format!(
+            "name = \"test\"\nframe = {{ latitude_deg = {latitude}, longitude_deg = {longitude} }}\n\
+             recorder = {{ enabled = false }}\ndisplay = {{ listen = \"off\" }}\n[[source]]\nname = \"own\"\n\
+             [source.external]\ninput = \"detections\"\n"
+        ),
+    );
+    let running = home.start(&["up", "site.toml", "--instance", "test", "--out", "out"]);
+    running.until_said("instance test runs");
+    let mut feed = home.command(&["feed", "--instance", "test", "--source", "own", "--json"]);
+    let mut feed = feed.stdin(Stdio::piped()).spawn().unwrap();
+    let mut input = feed.stdin.take().unwrap();
+    let now_ns = utc_ns();
+    let now = formats::rows::Utc(now_ns / S * S).to_string();
+    for (fields, _) in LINES {
+        let fields = fields.replace("NOW", now.trim_end_matches('Z'));
+        let fields = fields.replace("SECONDS", &(now_ns / S).to_string());
+        let (mark, fields) = match fields.strip_prefix('\u{feff}') {
+            Some(fields) => ("\u{feff}", fields),
+            None => ("", fields.as_str()),
+        };
+        let comma = if fields.is_empty() { "" } else { ", " };
+        writeln!(
+            input,
+            "{mark}{{\"latitude\": 41.4, \"longitude\": 2.1, \"sigma_m\": 10{comma}{fields}}}"
+        )
+        .unwrap();
+    }
+    drop(input);
+    let output = feed.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let text = String::from_utf8(output.stdout).unwrap();
+    let mut answers: Vec<serde_json::Value> = text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let summary = answers.pop().unwrap();
+    let refused = (1..).zip(LINES).filter(|(_, (_, words))| !words.is_empty());
+    for ((line, (fields, words)), answer) in refused.clone().zip(&answers) {
+        assert_eq!(answer["line"], line, "{fields}: {text}");
+        assert_eq!(answer["field"], words[0], "{fields}: {text}");
+        for words in words {
+            assert!(
+                answer.to_string().contains(words),
+                "{fields}: {words} is missing in {answer}"
+            );
+        }
+    }
+    assert_eq!(answers.len(), refused.count(), "{text}");
+    assert_eq!(summary["published"], LINES.len() - answers.len(), "{text}");
+    running.stop();
+    home.assert_nothing_is_left("test");
 }
