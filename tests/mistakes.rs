@@ -115,6 +115,15 @@ const MISTAKES: &[(&str, &[&str])] = &[
         "demo --set scenario.targets=-3",
         &["scenario.targets: -3 is out of range", "(--set)"],
     ),
+    (
+        "demo --set source.name=a",
+        &["--set source.name=a: source is a list; name an item, as in source[0]"],
+    ),
+    ("feed --tcp port", &["\"port\" is neither a port nor an address"]),
+    (
+        "track --detections bad.csv --tracker a --out o",
+        &["--tracker a: goes with a recording", "tables have no trackers"],
+    ),
     ("demo --set source[9].name=a", &["there is no source[9]"]),
     // Files that are absent, of another kind, or contradict each other.
     ("up absent.toml", &["absent.toml", "cannot be read"]),
@@ -410,7 +419,7 @@ fn refused(folder: &Folder, command: &str, words: &[&str], wrong: &mut Vec<Strin
 }
 
 /// Commands that read FILE, which the command line names.
-const READERS: [&str; 40] = [
+const READERS: &[&str] = &[
     "up FILE",
     "check FILE",
     "doctor FILE",
@@ -447,6 +456,7 @@ const READERS: [&str; 40] = [
     "locate --fixes FILE --out o",
     "score --truth FILE --tracks tracks.csv",
     "score --truth truth.csv --tracks FILE",
+    "score --truth truth.csv --tracks tracks.csv --origin 41.3,2.1 --areas FILE",
     "score tracks --truth FILE --tracks tracks.csv",
     "score fixes --truth FILE --fixes fixes.csv",
     "bearings --snapshots FILE --array array.toml --out o",
@@ -454,7 +464,7 @@ const READERS: [&str; 40] = [
 ];
 
 /// Commands with a configuration that may be empty, or a map.
-const READERS_OF_SETTINGS: [&str; 5] = [
+const READERS_OF_SETTINGS: &[&str] = &[
     "fuse --tracks tracks.csv --config FILE --out o",
     "smooth --tracks tracks.csv --config FILE --out o",
     "compare --tracks tracks.csv --config FILE",
@@ -463,7 +473,7 @@ const READERS_OF_SETTINGS: [&str; 5] = [
 ];
 
 /// Commands that write to PLACE, which the command line names.
-const WRITERS: [&str; 18] = [
+const WRITERS: &[&str] = &[
     "fuse --tracks tracks.csv --out PLACE",
     "fuse --tracks tracks.csv --out o --explain PLACE",
     "fuse --tracks tracks.csv --out o --smoothed PLACE",
@@ -478,6 +488,7 @@ const WRITERS: [&str; 18] = [
     "locate --bearings bearings.csv --out o --picture PLACE",
     "bearings --snapshots snapshots.csv --array array.toml --out PLACE",
     "score --truth truth.csv --tracks fused.csv --html PLACE",
+    "score --truth truth.csv --tracks tracks.csv --html PLACE",
     "decode reports.ast --out PLACE",
     "decode reports.ast --statistics --json PLACE",
     "encode reports.jsonl --out PLACE",

@@ -128,6 +128,7 @@ fn set<'a>(root: &mut DeTable<'a>, assignment: &'a str) -> Result<(), String> {
         };
         table = match entry {
             Some(DeValue::Table(table)) => table,
+            Some(DeValue::Array(_)) => return Err(format!("{part} is a list; name an item, as in {part}[0]")),
             Some(_) => return Err(format!("{part} is not a table")),
             None => return Err(format!("there is no {part}")),
         };

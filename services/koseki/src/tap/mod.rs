@@ -72,11 +72,13 @@ enum LineDestination {
 
 impl LineDestination {
     fn open(tap: &Tap) -> anyhow::Result<Self> {
-        Ok(match tap.socket() {
-            Some(TapSocket::Unix(path)) => Self::Server(Box::new(LineServer::open_unix(&path, tap.mode, tap.group)?)),
-            Some(TapSocket::Tcp(address)) => Self::Server(Box::new(LineServer::open(address, reach_of(tap))?)),
-            None => Self::Out(io::stdout().lock()),
-        })
+        let opened = match tap.socket() {
+            Some(TapSocket::Unix(path)) => LineServer::open_unix(&path, tap.mode, tap.group),
+            Some(TapSocket::Tcp(address)) => LineServer::open(address, reach_of(tap)),
+            None => return Ok(Self::Out(io::stdout().lock())),
+        };
+        let server = opened.map_err(|error| Usage(format!("{error}; choose another")))?;
+        Ok(Self::Server(Box::new(server)))
     }
 
     /// Sends `octets`. Later clients receive `head` first.

@@ -22,7 +22,7 @@ use scoring::{
 };
 
 use crate::files::{InputError, Usage};
-use crate::host::Host;
+use crate::host::{Host, TableOutput};
 use crate::printed::{digits, figures_text, show};
 use crate::score_args::{Score, ScoreFixes, ScoreTracks, ScoreWhat};
 
@@ -68,6 +68,11 @@ fn picture(score: &Score, host: &dyn Host) -> anyhow::Result<()> {
     };
     let found = scoring::score_picture(&truth, &tracks, &settings);
     let found = found.map_err(|error| InputError::new(truth_file, format!("{error}; see --t0 and --t1")))?;
+    let areas = match (&score.card.areas, score.card.origin) {
+        (Some(file), Some(origin)) => areas::read(host, file, origin)?,
+        _ => Vec::new(),
+    };
+    let page = score.card.html.as_deref().map(|file| host.begin(file)).transpose()?;
     if let Some(period_s) = tracks.period_of_gaps_s() {
         host.say(&format!(
             "koseki: hint: the tracks have a state every {} s or so, which shows for {} s only (--max-age), so they are \
@@ -77,14 +82,10 @@ fn picture(score: &Score, host: &dyn Host) -> anyhow::Result<()> {
             period_s.ceil()
         ));
     }
-    let areas = match (&score.card.areas, score.card.origin) {
-        (Some(file), Some(origin)) => areas::read(host, file, origin)?,
-        _ => Vec::new(),
-    };
     let card = scorecard((score, first_s), &truth, &tracks, &areas);
     let card = card.map_err(|error| InputError::new(truth_file, error))?;
-    if let Some(file) = &score.card.html {
-        write_page((score, &found.compared), host, file, &card, &areas)?;
+    if let Some(page) = page {
+        write_page((score, &found.compared), page, &card, &areas)?;
     }
     if score.json {
         let found = card::ScoredPicture::new(&found, &card);
@@ -175,8 +176,7 @@ fn scorecard(
 
 fn write_page(
     (score, compared): (&Score, &Compared),
-    host: &dyn Host,
-    file: &Path,
+    mut out: Box<dyn TableOutput>,
     card: &Scorecard,
     areas: &[ScoredArea],
 ) -> anyhow::Result<()> {
@@ -201,9 +201,8 @@ fn write_page(
         tracks: &name(&score.tracks),
         settings: &settings,
     };
-    let mut out = host.begin(file)?;
     out.write_all(html::page(&head, card, areas).as_bytes())
-        .with_context(|| format!("{} cannot be written", file.display()))?;
+        .context("--html cannot be written")?;
     out.finish()
 }
 

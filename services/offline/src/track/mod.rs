@@ -47,6 +47,10 @@ pub(crate) fn run(track: &TrackArgs, host: &dyn Host) -> anyhow::Result<()> {
     if recorded_events::is_recording(host, &track.detections[0])? {
         return recorded_events::run(track, host);
     }
+    if let Some(name) = &track.tracker {
+        let what = format!("--tracker {name}: goes with a recording of all topics; tables have no trackers");
+        return Err(Usage(what).into());
+    }
     let config = match &track.config {
         Some(path) => TrackConfiguration::read(host, path)?,
         None => TrackConfiguration::Offline(Box::default()),
