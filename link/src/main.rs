@@ -45,7 +45,7 @@ use runtime::{Now, Options, Speed};
 
 /// Exchanges topics of Koseki deployments between hosts
 #[derive(Debug, Parser)]
-#[command(version)]
+#[command(version, max_term_width = 80)]
 struct LinkCli {
     #[command(subcommand)]
     command: LinkCommand,
