@@ -185,8 +185,8 @@ fn the_track_of_a_file_that_ends_before_another_ends_in_the_stated_time() {
     let fused = folder.read("fused.csv");
     let last_s = |north: &str| -> f64 {
         let [times_s, norths] = ["time_s", "y"].map(|name| test_support::column(&fused, name));
-        let rows = times_s.iter().zip(norths).filter(|(_, y)| y.starts_with(north));
-        rows.last().unwrap().0.parse().unwrap()
+        let mut rows = times_s.iter().zip(norths).filter(|(_, y)| y.starts_with(north));
+        rows.next_back().unwrap().0.parse().unwrap()
     };
     let (short_s, long_s) = (last_s("0"), last_s("30000"));
     assert!((19.0..=19.0 + LIFE_S as f64).contains(&short_s), "{short_s}");

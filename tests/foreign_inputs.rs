@@ -91,12 +91,8 @@ fn read_tables() -> Vec<(&'static str, String, usize, &'static [&'static str])> 
             &[],
         ),
         ("an MMSI in quotes", ship(["11", "\"002275400\""]), 3, &[]),
-        (
-            "seven digits that are no MMSI",
-            ship(["11", "1193046"]),
-            2,
-            &["line 3, column mmsi: \"1193046\" is not an MMSI", "2 to 7"],
-        ),
+        // An external program may have published it, and the recorder has written it.
+        ("seven digits that are no MMSI", ship(["11", "1193046"]), 3, &[]),
     ]
 }
 

@@ -55,7 +55,7 @@ fn number(row: Cells<'_>, column: Option<Column>, spelling: IdentityText) -> Res
     let (Some(column), Some(text)) = (column, row.text(column)?) else {
         return Ok(None);
     };
-    let number = spelling.read(text).filter(|number| spelling.is_possible(*number));
+    let number = spelling.read(text);
     let wrong = || row.error(column, format!("is not {}", spelling.form));
     number.map(Some).ok_or_else(wrong)
 }

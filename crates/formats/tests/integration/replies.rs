@@ -50,7 +50,7 @@ fn reply() -> impl Strategy<Value = TransponderReply> {
     let number = prop_oneof![
         Just(Identity::default()),
         (0u32..1 << 24).prop_map(|address| Identity::default().with_address(address)),
-        (200_000_000u32..800_000_000).prop_map(|mmsi| Identity::default().with_mmsi(mmsi)),
+        (0u32..1_000_000_000).prop_map(|mmsi| Identity::default().with_mmsi(mmsi)),
     ];
     let others = (prop::option::of(0u16..4096), prop::option::of("[A-Z0-9]{1,8}"));
     let ages = prop::array::uniform4(0u32..4_000_000);
