@@ -144,6 +144,7 @@ impl Root {
                 root: self.clone(),
                 _lock: lock,
                 wiped,
+                replaced: Vec::new(),
             }),
             Err(error) => {
                 // The lock file shows that an instance exists.
@@ -419,6 +420,8 @@ pub struct Claim {
     root: Root,
     _lock: File,
     wiped: Wiped,
+    /// Prefixes of memory that was replaced: a process that was just joining it makes files even later.
+    replaced: Vec<String>,
 }
 
 impl Claim {
@@ -437,9 +440,12 @@ impl Claim {
     ///
     /// # Errors
     /// If a file cannot be removed.
-    pub fn empty(&self) -> Result<Wiped, BusError> {
+    pub fn empty(&mut self) -> Result<Wiped, BusError> {
         let wiped = match Seal::open(&self.root.path)? {
-            Some(seal) => self.root.wipe_sealed(&seal)?,
+            Some(seal) => {
+                self.replaced.extend(seal.prefix.clone());
+                self.root.wipe_sealed(&seal)?
+            }
             None => Wiped::default(),
         };
         Seal::make(&self.root.path)?;
@@ -456,7 +462,10 @@ impl Claim {
     }
 
     fn clear(&self) -> Result<Wiped, BusError> {
-        let wiped = self.root.wipe()?;
+        let mut wiped = self.root.wipe()?;
+        for prefix in &self.replaced {
+            wipe_memory(prefix, &mut wiped)?;
+        }
         self.root.remove_lock()?;
         Ok(wiped)
     }

@@ -105,7 +105,7 @@ impl Instance {
     ///
     /// # Errors
     /// If files cannot be removed.
-    pub fn empty(&self) -> anyhow::Result<()> {
+    pub fn empty(&mut self) -> anyhow::Result<()> {
         let users = self.claim.root().processes()?;
         if !users.is_empty() {
             (self.say)(&format!(

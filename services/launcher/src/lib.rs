@@ -92,7 +92,7 @@ pub fn run(config: &Deployment, settings: &Settings, orders: &RunOptions) -> any
     let stop = Stop::on_signals().context("catching signals")?;
     let wake = wake::Wake::on_signals().context("catching signals")?;
     let processes = part::parts(config).len();
-    let instance = Instance::claim(config, &orders.options.instance, processes, &stop, say)?;
+    let mut instance = Instance::claim(config, &orders.options.instance, processes, &stop, say)?;
     let root = instance.root().clone();
     let copies = config.checkpoint.copies().map(|(folder, _)| folder);
     let keeps = config.checkpoint.enabled && !config.is_recorded();
@@ -117,7 +117,7 @@ pub fn run(config: &Deployment, settings: &Settings, orders: &RunOptions) -> any
         .and_then(|()| begin())
         .and_then(|()| with_records(config, orders.clone()))
         .and_then(|orders| {
-            supervisor::Supervisor::new((config, settings.watchdog()), &orders, &instance, stop, wake)?.run()
+            supervisor::Supervisor::new((config, settings.watchdog()), &orders, &mut instance, stop, wake)?.run()
         });
     if let Some(folder) = &copies {
         root.remove_copies(folder);

@@ -48,7 +48,7 @@ pub(crate) struct Supervisor<'a> {
     /// Time after which a child without a sign of life is replaced.
     watchdog: Duration,
     orders: &'a RunOptions,
-    instance: &'a Instance,
+    instance: &'a mut Instance,
     executable: PathBuf,
     children: Children,
     /// Connection to the keeper, while a keeper exists.
@@ -109,11 +109,12 @@ impl<'a> Supervisor<'a> {
     pub(crate) fn new(
         (config, watchdog): (&'a Deployment, Duration),
         orders: &'a RunOptions,
-        instance: &'a Instance,
+        instance: &'a mut Instance,
         stop: Stop,
         wake: Wake,
     ) -> anyhow::Result<Self> {
         let now = instant();
+        let unborn = Unborn::new(instance.root());
         Ok(Self {
             config,
             watchdog,
@@ -131,7 +132,7 @@ impl<'a> Supervisor<'a> {
             told: now,
             looked: now,
             keeper_looked: now,
-            unborn: Unborn::new(instance.root()),
+            unborn,
             swept: now,
             suspicion: Suspicion::default(),
             corrupt: None,

@@ -479,6 +479,19 @@ fn one_instance_has_one_launcher() {
 }
 
 #[test]
+fn what_a_guest_makes_in_memory_that_was_replaced_is_removed_at_the_end() {
+    let home = Home::unclaimed();
+    let mut claim = home.root().claim().unwrap();
+    let prefix = home.root().prefix().unwrap().unwrap();
+    claim.empty().unwrap();
+    assert_ne!(home.root().prefix().unwrap().unwrap(), prefix);
+    // It has joined before, and meets its publishers now.
+    std::fs::write(format!("/dev/shm/{prefix}late.connection"), "").unwrap();
+    claim.remove().unwrap();
+    assert!(memory_of(&prefix).is_empty());
+}
+
+#[test]
 fn what_a_killed_launcher_left_is_removed() {
     let mut home = Home::unclaimed();
     for _ in 0..3 {
