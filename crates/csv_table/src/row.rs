@@ -33,7 +33,7 @@ pub(crate) struct Row {
     quotes: Quotes,
 }
 
-/// What a line with quotation marks needs.
+/// Splitter of a line with quotation marks, and its input.
 #[derive(Debug)]
 struct Quotes {
     splitter: Box<csv_core::Reader>,
@@ -51,7 +51,7 @@ impl Default for Quotes {
     }
 }
 
-/// What the input has.
+/// Outcome of a read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum RowRead {
     Whole,

@@ -726,7 +726,7 @@ typedef struct KosekiSystemTrack {
     float mode_probabilities[8]; /* Probabilities of the motion models in the order of `MotionMode`; all 0: not estimated. */
     uint32_t updates; /* Number of reports in the state since the start of the track. */
     uint32_t extrapolations; /* Number of published extrapolations since the last report. */
-    uint32_t held_us; /* How long the report that caused this state waited for the end of its scan before it could be answered, */
+    uint32_t held_us; /* Wait of the report that caused this state for the end of its scan, microseconds; 0: the report did not wait. */
 } KosekiSystemTrack;
 static_assert(sizeof(KosekiSystemTrack) == 1536, "size");
 static_assert(offsetof(KosekiSystemTrack, reference_time_ns) == 0, "offset");

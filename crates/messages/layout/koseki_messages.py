@@ -874,7 +874,7 @@ class SystemTrack(ctypes.Structure):
         ("mode_probabilities", ctypes.c_float * 8),  # Probabilities of the motion models in the order of `MotionMode`; all 0: not estimated.
         ("updates", ctypes.c_uint32),  # Number of reports in the state since the start of the track.
         ("extrapolations", ctypes.c_uint32),  # Number of published extrapolations since the last report.
-        ("held_us", ctypes.c_uint32),  # How long the report that caused this state waited for the end of its scan before it could be answered,
+        ("held_us", ctypes.c_uint32),  # Wait of the report that caused this state for the end of its scan, microseconds; 0: the report did not wait.
     ]
 
     @staticmethod

@@ -168,8 +168,8 @@ sample! {
         updates: u32,
         /// Number of published extrapolations since the last report.
         extrapolations: u32,
-        /// How long the report that caused this state waited for the end of its scan before it could be answered,
-        /// microseconds; 0 if it did not wait. No deadline counts this time.
+        /// Wait of the report that caused this state for the end of its scan, microseconds; 0: the report did not wait.
+        /// No deadline counts this time.
         held_us: u32,
     }
 }

@@ -93,7 +93,7 @@ impl Deployment {
         self
     }
 
-    /// Returns the state with another extent of latencies; `None`: latencies are not recorded.
+    /// Returns this state with another extent of latencies; `None`: latencies are not recorded.
     #[must_use]
     pub fn with_latencies(mut self, journey: Journey, is_recorded: bool) -> Self {
         (self.stages, self.has_latencies) = (Stages::new(journey), is_recorded);

@@ -28,8 +28,7 @@ pub struct Survey {
     taken_ns: Option<u64>,
 }
 
-/// Minimum time without slices for a gap, nanoseconds. While a recorder runs, it records its own health twice a
-/// second.
+/// Minimum time without slices for a gap, nanoseconds. A recorder that runs records its own health every 0.4 s.
 const GAP_NS: u64 = 700_000_000;
 
 /// Contents of one topic.

@@ -1,4 +1,4 @@
-//! What is wrong with a text that is no TOML, in the words of its keys.
+//! Faults of a text that is no TOML, in the words of its keys.
 
 use toml::de::Error;
 

@@ -485,7 +485,7 @@ fn what_a_guest_makes_in_memory_that_was_replaced_is_removed_at_the_end() {
     let prefix = home.root().prefix().unwrap().unwrap();
     claim.empty().unwrap();
     assert_ne!(home.root().prefix().unwrap().unwrap(), prefix);
-    // It has joined before, and meets its publishers now.
+    // The guest has joined before, and meets its publishers now.
     std::fs::write(format!("/dev/shm/{prefix}late.connection"), "").unwrap();
     claim.remove().unwrap();
     assert!(memory_of(&prefix).is_empty());

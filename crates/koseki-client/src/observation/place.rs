@@ -73,7 +73,7 @@ impl Place {
     fn within_reach(self, placed: Placed) -> Result<Placed, Fault> {
         let [east, north, up] = placed.position_m;
         let distance_m = east.hypot(north).hypot(up);
-        // What is no number has a fault of its own.
+        // A value that is no number has a fault of its own.
         if !distance_m.is_finite() || distance_m <= REACH_M {
             return Ok(placed);
         }
