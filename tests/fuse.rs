@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use test_support::column;
+use test_support::{MIDNIGHT_S, column, since_1970};
 
 use crate::common::Folder;
 
@@ -223,35 +223,25 @@ fn a_table_of_which_the_engine_uses_nothing_is_a_failure() {
 
 #[test]
 fn times_since_1970_give_the_same_picture() {
-    const DAY_S: i64 = 20_000 * 86_400;
     let folder = two_sensors();
     folder.succeed("fuse --tracks a.csv b.csv --refresh 1 --out midnight.csv");
     for name in ["a", "b"] {
         let text = folder.read(&format!("{name}.csv"));
-        let (header, rows) = text.split_once('\n').unwrap();
-        let moved = rows.lines().map(|row| {
-            let (time_s, rest) = row.split_once(',').unwrap();
-            let (whole, decimals) = time_s.split_once('.').unwrap_or((time_s, "0"));
-            format!("{}.{decimals},{rest}\n", DAY_S + whole.parse::<i64>().unwrap())
-        });
-        folder.write(
-            &format!("{name}70.csv"),
-            format!("{header}\n{}", moved.collect::<String>()),
-        );
+        folder.write(&format!("{name}70.csv"), since_1970(&text, &["time_s"]));
     }
     folder.succeed("fuse --tracks a70.csv b70.csv --refresh 1 --out since.csv");
     let times = |name: &str, less_s: i64| -> Vec<i64> {
         let times = column(&folder.read(name), "time_s").into_iter();
         times.map(|time_s| time_s.parse::<i64>().unwrap() - less_s).collect()
     };
-    assert_eq!(times("since.csv", DAY_S), times("midnight.csv", 0));
+    assert_eq!(times("since.csv", MIDNIGHT_S), times("midnight.csv", 0));
     for name in ["x", "y", "vx", "P00", "system_track_id", "state"] {
         let of = |file: &str| column(&folder.read(file), name);
         assert_eq!(of("since.csv"), of("midnight.csv"), "{name}");
     }
     let line = folder.refusal("fuse --tracks a70.csv b.csv --out x.csv");
     assert!(
-        line.contains("a70.csv: times count from 1970, but those of b.csv from a midnight"),
+        line.contains("b.csv: times count from a midnight, but those of a70.csv from 1970"),
         "{line}"
     );
     let both = folder.read("a.csv") + folder.read("a70.csv").split_once('\n').unwrap().1;

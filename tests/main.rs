@@ -28,6 +28,7 @@ mod on_board;
 mod score;
 mod send;
 mod simulate;
+mod since_1970;
 mod smooth;
 mod track;
 mod track_ferry;

@@ -369,14 +369,6 @@ impl Cells<'_> {
         Ok(seconds)
     }
 
-    /// Nanoseconds of a time in seconds.
-    ///
-    /// # Errors
-    /// As [`Cells::time_s`].
-    pub fn time_ns(&self, column: Column) -> Result<i64, CsvError> {
-        self.time_s(column).map(frames::time::ns)
-    }
-
     /// Nanoseconds since 1970 of a time in seconds, which counts from the midnight `first_day_ns` or from 1970.
     ///
     /// # Errors
@@ -539,12 +531,13 @@ mod tests {
                 .next_row()
                 .unwrap()
                 .unwrap()
-                .time_ns(column)
+                .utc_ns(column, 0)
                 .map_err(|error| error.to_string())
         };
         assert_eq!(time("3999999.999999999"), Ok(3_999_999_999_999_999));
         assert_eq!(time("-0.000000001"), Ok(-1));
-        assert!(time("1620114891.8").unwrap_err().contains("count from midnight"));
+        assert_eq!(time("1620114891.123456789"), Ok(1_620_114_891_123_456_789));
+        assert!(time("4000001").unwrap_err().contains("from midnight"));
     }
 
     #[test]

@@ -12,6 +12,7 @@ use observations::Bearing;
 use crate::cells::Time;
 use crate::columns::columns;
 use crate::rows::{Columns, RowReader, RowWriter};
+use crate::time_base::TimeBase;
 
 /// Largest standard deviation of a usable direction, radians.
 const SIGMA_MAX_RAD: f64 = 1.0;
@@ -37,18 +38,21 @@ columns! {
 /// Columns of bearings.
 #[derive(Debug)]
 pub struct BearingColumns {
-    first_day_ns: i64,
+    base: TimeBase,
     at: BearingPlaces,
 }
 
 impl<R: Read> BearingReader<R> {
-    /// Reads the header line. The rows' times count from `first_day_ns` (UTC, nanoseconds).
+    /// Reads the header line. Times of rows count from `first_day_ns` (UTC, nanoseconds), or from 1970.
     ///
     /// # Errors
     /// [`CsvError`] if a column is missing or the input fails.
     pub fn new(input: R, first_day_ns: i64) -> Result<Self, CsvError> {
         let table = Table::new(input)?;
-        let columns = BearingColumns::find(&table, first_day_ns)?;
+        let columns = BearingColumns {
+            base: TimeBase::new(first_day_ns),
+            at: BearingPlaces::find(&table)?,
+        };
         Ok(Self { table, columns })
     }
 }
@@ -57,27 +61,30 @@ impl Columns for BearingColumns {
     type Value = Bearing;
 
     fn read(&mut self, row: Cells<'_>) -> Result<Bearing, CsvError> {
-        let time_ns = row.time_ns(self.at.time)?;
-        let emitter_id = match row.text(self.at.emitter)? {
-            Some(_) => Some(row.whole(self.at.emitter)?),
+        self.at.read(row, &mut self.base)
+    }
+}
+
+impl BearingPlaces {
+    /// Reads the bearing of a row, at a time of this base.
+    pub(crate) fn read(&self, row: Cells<'_>, base: &mut TimeBase) -> Result<Bearing, CsvError> {
+        let time_of_measurement_ns = base.utc_ns(row, self.time)?;
+        let emitter_id = match row.text(self.emitter)? {
+            Some(_) => Some(row.whole(self.emitter)?),
             None => None,
         };
-        let platform_m = row.numbers(self.at.platform)?;
-        let frequency_hz = positive(
-            row,
-            self.at.frequency,
-            "must be greater than 0; a frequency is, in hertz",
-        )?;
+        let platform_m = row.numbers(self.platform)?;
+        let frequency_hz = positive(row, self.frequency, "must be greater than 0; a frequency is, in hertz")?;
         let interval = "must be greater than 0; the time between pulses is, in seconds";
-        let pulse_interval_s = positive(row, self.at.pulse_interval, interval)?;
-        let heading_rad = match self.at.heading {
+        let pulse_interval_s = positive(row, self.pulse_interval, interval)?;
+        let heading_rad = match self.heading {
             Some(column) if row.text(column)?.is_some() => Some(angle(row, column)?),
             _ => None,
         };
         Ok(Bearing {
-            time_of_measurement_ns: self.first_day_ns.saturating_add(time_ns),
+            time_of_measurement_ns,
             emitter_id,
-            bearing_rad: angle(row, self.at.bearing)?,
+            bearing_rad: angle(row, self.bearing)?,
             sigma_rad: self.sigma(row)?,
             platform_m,
             heading_rad,
@@ -85,26 +92,13 @@ impl Columns for BearingColumns {
             pulse_interval_s,
         })
     }
-}
-
-impl BearingColumns {
-    /// Finds the columns in the header of a table.
-    ///
-    /// # Errors
-    /// [`CsvError`] if a column is missing.
-    pub(crate) fn find<R: Read>(table: &Table<R>, first_day_ns: i64) -> Result<Self, CsvError> {
-        Ok(Self {
-            first_day_ns,
-            at: BearingPlaces::find(table)?,
-        })
-    }
 
     fn sigma(&self, row: Cells<'_>) -> Result<f64, CsvError> {
-        match row.number(self.at.sigma)? {
-            ..=0.0 => Err(row.error(self.at.sigma, "must be greater than 0; a standard deviation is")),
+        match row.number(self.sigma)? {
+            ..=0.0 => Err(row.error(self.sigma, "must be greater than 0; a standard deviation is")),
             sigma if sigma > SIGMA_MAX_RAD => {
                 let reason = format!("is more than {SIGMA_MAX_RAD}, which is no direction; write radians, not degrees");
-                Err(row.error(self.at.sigma, reason))
+                Err(row.error(self.sigma, reason))
             }
             sigma => Ok(sigma),
         }

@@ -17,6 +17,7 @@ use crate::designated_velocity::VelocityPlaces;
 use crate::on_board::{OnBoardPlaces, OnBoardRow};
 use crate::replies::{ReplyPlaces, ReplyRow};
 use crate::rows::{Columns, Reference, Row, RowReader, RowWriter};
+use crate::time_base::TimeBase;
 
 /// Place of the range rate among the columns of measured values.
 const RANGE_RATE: usize = QUANTITIES_MAX;
@@ -80,7 +81,7 @@ columns! {
 /// Columns of detections.
 #[derive(Debug)]
 pub struct DetectionColumns {
-    first_day_ns: i64,
+    pub(crate) base: TimeBase,
     at: DetectionPlaces,
     on_board: OnBoardPlaces,
     velocity: VelocityPlaces,
@@ -88,7 +89,7 @@ pub struct DetectionColumns {
 }
 
 impl<R: Read> DetectionReader<R> {
-    /// Reads the header line. The rows' times count from `first_day_ns` (UTC, nanoseconds).
+    /// Reads the header line. Times of rows count from `first_day_ns` (UTC, nanoseconds), or from 1970.
     ///
     /// # Errors
     /// [`CsvError`] if a column is missing or the input fails.
@@ -103,13 +104,13 @@ impl Columns for DetectionColumns {
     type Value = Detection;
 
     fn read(&mut self, row: Cells<'_>) -> Result<Detection, CsvError> {
-        let time_ns = row.time_ns(self.at.time)?;
+        let time_of_measurement_ns = self.base.utc_ns(row, self.at.time)?;
         let kind = self.kind(row)?;
         let values = self.values(row, kind)?;
         let range_rate_mps = row.number_or_empty(self.at.values[RANGE_RATE])?;
         let platform_m = row.numbers(self.at.platform)?;
         Ok(Detection {
-            time_of_measurement_ns: self.first_day_ns.saturating_add(time_ns),
+            time_of_measurement_ns,
             sensor_id: row.whole(self.at.sensor)?,
             scan: row.whole(self.at.scan)?,
             detection_id: row.whole(self.at.number)?,
@@ -131,7 +132,7 @@ impl DetectionColumns {
     /// Finds the columns in a header.
     pub(crate) fn find<R: Read>(table: &Table<R>, first_day_ns: i64) -> Result<Self, CsvError> {
         Ok(Self {
-            first_day_ns,
+            base: TimeBase::new(first_day_ns),
             at: DetectionPlaces::find(table)?,
             on_board: OnBoardPlaces::find(table)?,
             velocity: VelocityPlaces::find(table)?,
@@ -362,8 +363,8 @@ mod tests {
                 "column truth_id: \"ghost\" is no target",
             ),
             (
-                "1620114891,1,1,7,bearing,1,,,,,,,,0,0,0,",
-                "column time_s: \"1620114891\" is more than",
+                "1620114891000,1,1,7,bearing,1,,,,,,,,0,0,0,",
+                "column time_s: \"1620114891000\" is no time",
             ),
         ] {
             let [found] = &read(row)[..] else { panic!("{row}") };

@@ -15,10 +15,11 @@ use std::io::{self, Read, Write};
 use csv_table::{Cells, Column, CsvError, Table};
 use observations::{Arrival, ArrivalTime, EmitterMeasurement, ReadyFix, Receiver, ReceiverName};
 
-use crate::bearings_csv::BearingColumns;
+use crate::bearings_csv::BearingPlaces;
 use crate::cells::{Cell, Time};
 use crate::columns::columns;
 use crate::rows::{Columns, Reference, RowReader, RowWriter};
+use crate::time_base::TimeBase;
 
 /// Largest standard deviation of a usable time, seconds.
 const SIGMA_MAX_S: f64 = 1.0;
@@ -33,9 +34,9 @@ pub type FixWriter<W> = RowWriter<ReadyFix, W>;
 /// Columns of measurements of emitters.
 #[derive(Debug)]
 pub struct EmitterColumns {
-    first_day_ns: i64,
+    base: TimeBase,
     kind: Option<Column>,
-    bearings: Option<BearingColumns>,
+    bearings: Option<BearingPlaces>,
     arrivals: Option<ArrivalPlaces>,
     fixes: Option<FixColumns>,
 }
@@ -110,7 +111,7 @@ struct FixColumns {
 }
 
 impl<R: Read> EmitterRowReader<R> {
-    /// Reads the header line. The rows' times count from `first_day_ns` (UTC, nanoseconds).
+    /// Reads the header line. Times of rows count from `first_day_ns` (UTC, nanoseconds), or from 1970.
     ///
     /// # Errors
     /// [`CsvError`] if a column is missing or the input fails.
@@ -122,11 +123,9 @@ impl<R: Read> EmitterRowReader<R> {
         let has_fixes = kind.is_none() && !has("bearing_rad")? && has("x")?;
         let has_bearings = has("bearing_rad")? || !has_arrivals && !has_fixes;
         let columns = EmitterColumns {
-            first_day_ns,
+            base: TimeBase::new(first_day_ns),
             kind,
-            bearings: has_bearings
-                .then(|| BearingColumns::find(&table, first_day_ns))
-                .transpose()?,
+            bearings: has_bearings.then(|| BearingPlaces::find(&table)).transpose()?,
             arrivals: has_arrivals.then(|| arrival_places(&table)).transpose()?,
             fixes: has_fixes.then(|| FixColumns::find(&table)).transpose()?,
         };
@@ -150,7 +149,7 @@ impl Columns for EmitterColumns {
 
     fn read(&mut self, row: Cells<'_>) -> Result<EmitterMeasurement, CsvError> {
         if let Some(fixes) = &self.fixes {
-            return Ok(EmitterMeasurement::Fix(fixes.read(row, self.first_day_ns)?));
+            return Ok(EmitterMeasurement::Fix(fixes.read(row, &mut self.base)?));
         }
         let Some(kind) = self.kind else {
             return self.bearing(row, None);
@@ -159,7 +158,7 @@ impl Columns for EmitterColumns {
             None | Some("bearing") => self.bearing(row, Some(kind)),
             Some(word @ ("toa" | "tdoa")) => {
                 let arrivals = self.arrivals.as_ref().ok_or_else(|| missing(row, kind, word))?;
-                let arrival = arrivals.read(row, word, self.first_day_ns)?;
+                let arrival = arrivals.read(row, word, &mut self.base)?;
                 Ok(EmitterMeasurement::Arrival(arrival))
             }
             Some(_) => Err(row.error(kind, "is no kind of measurement; there are bearing, toa and tdoa")),
@@ -169,9 +168,9 @@ impl Columns for EmitterColumns {
 
 impl EmitterColumns {
     fn bearing(&mut self, row: Cells<'_>, kind: Option<Column>) -> Result<EmitterMeasurement, CsvError> {
-        match (&mut self.bearings, kind) {
+        match (&self.bearings, kind) {
             (None, Some(kind)) => Err(row.error(kind, "stands for a bearing, which needs the column bearing_rad")),
-            (Some(bearings), _) => bearings.read(row).map(EmitterMeasurement::Bearing),
+            (Some(bearings), _) => bearings.read(row, &mut self.base).map(EmitterMeasurement::Bearing),
             (None, None) => unreachable!("without a kind a table has fixes or bearings"),
         }
     }
@@ -194,14 +193,14 @@ fn arrival_places<R: Read>(table: &Table<R>) -> Result<ArrivalPlaces, CsvError> 
 }
 
 impl ArrivalPlaces {
-    fn read(&self, row: Cells<'_>, kind: &str, first_day_ns: i64) -> Result<Arrival, CsvError> {
+    fn read(&self, row: Cells<'_>, kind: &str, base: &mut TimeBase) -> Result<Arrival, CsvError> {
         let time = match kind {
             "toa" => self.single(row)?,
             _ => self.difference(row)?,
         };
         let time = time.ok_or_else(|| missing(row, self.kind, kind))?;
         Ok(Arrival {
-            time_of_measurement_ns: first_day_ns.saturating_add(row.time_ns(self.time)?),
+            time_of_measurement_ns: base.utc_ns(row, self.time)?,
             emitter_id: row.whole(self.emitter)?,
             time,
             sigma_s: sigma(row, self.sigma)?,
@@ -258,9 +257,9 @@ impl FixColumns {
         })
     }
 
-    fn read(&self, row: Cells<'_>, first_day_ns: i64) -> Result<ReadyFix, CsvError> {
+    fn read(&self, row: Cells<'_>, base: &mut TimeBase) -> Result<ReadyFix, CsvError> {
         Ok(ReadyFix {
-            time_of_measurement_ns: first_day_ns.saturating_add(row.time_ns(self.time)?),
+            time_of_measurement_ns: base.utc_ns(row, self.time)?,
             emitter_id: row.whole(self.emitter)?,
             position_m: row.numbers(self.position)?,
             covariance_m2: self.covariance(row)?,

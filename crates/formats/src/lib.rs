@@ -44,5 +44,6 @@ pub mod scan_rows_csv;
 pub mod sensor_tracks_csv;
 pub mod snapshot_datagram;
 pub mod snapshots_csv;
+pub mod time_base;
 pub mod tracks_csv;
 pub mod wide_area_csv;

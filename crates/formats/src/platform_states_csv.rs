@@ -14,6 +14,7 @@ use messages::{PlatformState, platform_state_bits as bits};
 use crate::cells::{SensorId, Time};
 use crate::columns::columns;
 use crate::rows::{Columns, RowReader, RowWriter};
+use crate::time_base::TimeBase;
 
 /// Writes states of platforms.
 pub type PlatformStateWriter<W> = RowWriter<PlatformState, W>;
@@ -55,19 +56,19 @@ fn known(state: &PlatformState, bit: u16, value: f64) -> Option<f64> {
 /// Columns of states of platforms.
 #[derive(Debug)]
 pub struct PlatformStateColumns {
-    first_day_ns: i64,
+    base: TimeBase,
     at: PlatformStatePlaces,
 }
 
 impl<R: Read> PlatformStateReader<R> {
-    /// Reads the header line. The rows' times count from `first_day_ns` (UTC, nanoseconds).
+    /// Reads the header line. Times of rows count from `first_day_ns` (UTC, nanoseconds), or from 1970.
     ///
     /// # Errors
     /// [`CsvError`] if the column of the time is missing or the input fails.
     pub fn new(input: R, first_day_ns: i64) -> Result<Self, CsvError> {
         let table = Table::new(input)?;
         let columns = PlatformStateColumns {
-            first_day_ns,
+            base: TimeBase::new(first_day_ns),
             at: PlatformStatePlaces::find(&table)?,
         };
         Ok(Self { table, columns })
@@ -95,7 +96,7 @@ impl Columns for PlatformStateColumns {
         let [pitch_rad, roll_rad] = tilt.unwrap_or_default();
         let (pitch_sigma_rad, roll_sigma_rad) = tilt_sigmas.unwrap_or_default();
         Ok(PlatformState {
-            time_ns: self.first_day_ns.saturating_add(row.time_ns(at.time)?),
+            time_ns: self.base.utc_ns(row, at.time)?,
             position_m: position.unwrap_or_default(),
             velocity_mps: velocity.unwrap_or_default(),
             heading_rad: heading.unwrap_or_default(),

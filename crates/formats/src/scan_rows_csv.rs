@@ -69,7 +69,6 @@ impl Row for RepliedScanRow {
 #[derive(Debug)]
 pub struct ScanRowColumns {
     detections: DetectionColumns,
-    first_day_ns: i64,
     time: Column,
     sensor: Column,
     scan: Column,
@@ -79,7 +78,7 @@ pub struct ScanRowColumns {
 }
 
 impl<R: Read> ScanRowReader<R> {
-    /// Reads the header line. The rows' times count from `first_day_ns` (UTC, nanoseconds).
+    /// Reads the header line. Times of rows count from `first_day_ns` (UTC, nanoseconds), or from 1970.
     ///
     /// # Errors
     /// [`CsvError`] if a column is missing or the input fails.
@@ -87,7 +86,6 @@ impl<R: Read> ScanRowReader<R> {
         let table = Table::new(input)?;
         let columns = ScanRowColumns {
             detections: DetectionColumns::find(&table, first_day_ns)?,
-            first_day_ns,
             time: table.required("time_s")?,
             sensor: table.required("sensor_id")?,
             scan: table.required("scan")?,
@@ -114,7 +112,7 @@ impl Columns for ScanRowColumns {
         Ok(ScanRow::Empty(EmptyScan {
             sensor_id: row.whole(self.sensor)?,
             scan: row.whole(self.scan)?,
-            time_ns: self.first_day_ns.saturating_add(row.time_ns(self.time)?),
+            time_ns: self.detections.base.utc_ns(row, self.time)?,
         }))
     }
 }

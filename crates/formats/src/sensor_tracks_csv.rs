@@ -25,6 +25,7 @@ use crate::columns::columns;
 use crate::identity_columns::IdentityPlaces;
 use crate::parts::{KINEMATICS, ShipRow, confidence, covariance, kinematics, members, word, words};
 use crate::rows::{Columns, Reference, Row, RowReader, RowWriter};
+use crate::time_base::TimeBase;
 
 /// Excess of a covariance over the product of its standard deviations that is accepted: files round to a few decimals.
 const ROUNDING: f64 = 1e-3;
@@ -37,13 +38,6 @@ const VARIANCE_ROUNDING: f64 = 5e-5;
 pub type SensorTrackWriter<W> = RowWriter<SensorTrack, W>;
 /// Reads sensor tracks.
 pub type SensorTrackReader<R, F> = RowReader<R, SensorTrackColumns<F>>;
-
-/// Returns whether a time, nanoseconds, is beyond all times since a midnight: such a time counts from 1970.
-pub fn is_since_1970(time_ns: i64) -> bool {
-    /// As many days as seconds in 64 bits give exactly to the nanosecond.
-    const DAYS_MAX: i64 = 50;
-    time_ns > DAYS_MAX * frames::time::NS_PER_DAY
-}
 
 /// Sensor track under the id by which a file names its sensor.
 pub(crate) struct SensorTrackRow<'a> {
@@ -93,7 +87,7 @@ impl Row for SensorTrack {
 /// Columns of sensor tracks. `F` says which source a `sensor_id` is; `None` rejects the row.
 #[derive(Debug)]
 pub struct SensorTrackColumns<F> {
-    first_day_ns: i64,
+    base: TimeBase,
     source_of: F,
     at: SensorTrackPlaces,
     identity: IdentityPlaces,
@@ -102,13 +96,11 @@ pub struct SensorTrackColumns<F> {
     accurate: Option<Vec<u32>>,
     /// Time of arrival of the row read last, nanoseconds.
     arrival_ns: i64,
-    /// Base of the times: `true` if they count from 1970, and not from the first day; `None` before the first row.
-    since_1970: Option<bool>,
 }
 
 impl<R: Read, F: FnMut(u32) -> Option<u16>> SensorTrackReader<R, F> {
-    /// Reads the header line. Times of rows count from `first_day_ns` (UTC, nanoseconds). `source_of` maps a
-    /// `sensor_id` to a source; `None` rejects the row.
+    /// Reads the header line. Times of rows count from `first_day_ns` (UTC, nanoseconds), or from 1970. `source_of`
+    /// maps a `sensor_id` to a source; `None` rejects the row.
     ///
     /// # Errors
     /// [`CsvError`] if a column is missing or the input fails.
@@ -122,7 +114,7 @@ impl<R: Read, F: FnMut(u32) -> Option<u16>> SensorTrackReader<R, F> {
             table.required(COVARIANCE_COLUMNS[0])?;
         }
         let columns = SensorTrackColumns {
-            first_day_ns,
+            base: TimeBase::new(first_day_ns),
             source_of,
             identity: IdentityPlaces {
                 address: at.address,
@@ -135,7 +127,6 @@ impl<R: Read, F: FnMut(u32) -> Option<u16>> SensorTrackReader<R, F> {
             arrival: table.optional("arrival_s")?,
             accurate: Some(Vec::new()),
             arrival_ns: first_day_ns,
-            since_1970: None,
         };
         Ok(Self { table, columns })
     }
@@ -183,7 +174,7 @@ impl<F: FnMut(u32) -> Option<u16>> Columns for SensorTrackColumns<F> {
         let has_accuracy = self.accurate.as_ref().is_none_or(|ids| ids.contains(&sensor));
         let covariance = self.covariance(row, trace_m2, &state, has_accuracy)?;
         let (kind, members) = self.kind(row)?;
-        let time_ns = self.time_of(row)?;
+        let time_ns = self.base.utc_ns(row, self.at.time)?;
         self.arrival_ns = self.arrival_of(row, time_ns)?;
         Ok(SensorTrack {
             time_of_measurement_ns: time_ns,
@@ -206,24 +197,12 @@ impl<F: FnMut(u32) -> Option<u16>> Columns for SensorTrackColumns<F> {
 }
 
 impl<F> SensorTrackColumns<F> {
-    /// The time of a row, nanoseconds, on the time base of the rows before.
-    fn time_of(&mut self, row: Cells<'_>) -> Result<i64, CsvError> {
-        let time_ns = row.utc_ns(self.at.time, self.first_day_ns)?;
-        let is_far = is_since_1970(time_ns.saturating_sub(self.first_day_ns));
-        if *self.since_1970.get_or_insert(is_far) != is_far {
-            let reason =
-                "does not count from where the first row counts; count all times from midnight or all from 1970";
-            return Err(row.error(self.at.time, reason));
-        }
-        Ok(time_ns)
-    }
-
     /// When the report of `time_ns` arrived, nanoseconds.
-    fn arrival_of(&self, row: Cells<'_>, time_ns: i64) -> Result<i64, CsvError> {
+    fn arrival_of(&mut self, row: Cells<'_>, time_ns: i64) -> Result<i64, CsvError> {
         let Some(column) = self.arrival else {
             return Ok(time_ns);
         };
-        let arrival_ns = row.utc_ns(column, self.first_day_ns)?;
+        let arrival_ns = self.base.utc_ns(row, column)?;
         if arrival_ns < time_ns {
             return Err(row.error(column, "is before time_s; no report arrives before its measurement"));
         }

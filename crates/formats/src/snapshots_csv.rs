@@ -10,6 +10,7 @@ use csv_table::{Cells, Column, CsvError, Table};
 use observations::SnapshotBlock;
 
 use crate::rows::{Columns, RowReader};
+use crate::time_base::TimeBase;
 
 /// Samples of all antennas at one time.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,7 +66,7 @@ pub fn write_rows(out: &mut impl Write, block: &SnapshotBlock, first_day_ns: i64
 /// Columns of snapshots.
 #[derive(Debug)]
 pub struct SnapshotColumns {
-    first_day_ns: i64,
+    base: TimeBase,
     time: Column,
     platform: [Column; 3],
     heading: Column,
@@ -74,8 +75,8 @@ pub struct SnapshotColumns {
 }
 
 impl<R: Read> SnapshotReader<R> {
-    /// Reads the header line of snapshots of so many antennas. The rows' times count from `first_day_ns` (UTC,
-    /// nanoseconds).
+    /// Reads the header line of snapshots of so many antennas. Times of rows count from `first_day_ns` (UTC,
+    /// nanoseconds), or from 1970.
     ///
     /// # Errors
     /// [`CsvError`] if a column is missing or the input fails.
@@ -85,7 +86,7 @@ impl<R: Read> SnapshotReader<R> {
         let named = |part: &str, antenna: usize| table.required(String::leak(format!("{part}_{antenna}")));
         let samples = (1..=antennas).map(|antenna| Ok([named("re", antenna)?, named("im", antenna)?]));
         let columns = SnapshotColumns {
-            first_day_ns,
+            base: TimeBase::new(first_day_ns),
             time: table.required("time_s")?,
             platform: table.all(["px", "py", "pz"])?,
             heading: table.required("heading_rad")?,
@@ -110,7 +111,7 @@ impl Columns for SnapshotColumns {
         }
         let samples = self.samples.iter().map(|columns| row.numbers(*columns));
         Ok(ArraySnapshot {
-            time_ns: self.first_day_ns.saturating_add(row.time_ns(self.time)?),
+            time_ns: self.base.utc_ns(row, self.time)?,
             platform_m: row.numbers(self.platform)?,
             heading_rad,
             frequency_hz,

@@ -13,6 +13,7 @@ use observations::WideAreaReport;
 use crate::cells::{CellList, Time};
 use crate::columns::columns;
 use crate::rows::{Columns, RowReader, RowWriter};
+use crate::time_base::TimeBase;
 
 /// Most numbers of a route.
 const ROUTE_MAX: usize = 2000;
@@ -36,19 +37,19 @@ columns! {
 /// Columns of wide-area reports.
 #[derive(Debug)]
 pub struct WideAreaColumns {
-    first_day_ns: i64,
+    base: TimeBase,
     at: WideAreaPlaces,
 }
 
 impl<R: Read> WideAreaReader<R> {
-    /// Reads the header line. The rows' times count from `first_day_ns` (UTC, nanoseconds).
+    /// Reads the header line. Times of rows count from `first_day_ns` (UTC, nanoseconds), or from 1970.
     ///
     /// # Errors
     /// [`CsvError`] if a column is missing or the input fails.
     pub fn new(input: R, first_day_ns: i64) -> Result<Self, CsvError> {
         let table = Table::new(input)?;
         let columns = WideAreaColumns {
-            first_day_ns,
+            base: TimeBase::new(first_day_ns),
             at: WideAreaPlaces::find(&table)?,
         };
         Ok(Self { table, columns })
@@ -62,8 +63,8 @@ impl Columns for WideAreaColumns {
         let at = &self.at;
         let (position_m, velocity_mps) = (row.numbers(at.position)?, row.numbers(at.velocity)?);
         Ok(WideAreaReport {
-            time_ns: self.first_day_ns.saturating_add(row.time_ns(at.time)?),
-            arrival_ns: self.first_day_ns.saturating_add(row.time_ns(at.arrival)?),
+            time_ns: self.base.utc_ns(row, at.time)?,
+            arrival_ns: self.base.utc_ns(row, at.arrival)?,
             position_m,
             velocity_mps,
             targets: row.whole(at.count)?,

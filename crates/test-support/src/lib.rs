@@ -13,7 +13,7 @@ pub use golden::{Digest, assert_golden};
 pub use mutated::{Dice, mutated};
 pub use random::Random;
 pub use recordings::{recording, recordings};
-pub use table::{column, numbers, places, rows};
+pub use table::{MIDNIGHT_S, column, numbers, places, rows, since_1970};
 
 /// Nanoseconds in a second.
 pub const S: i64 = 1_000_000_000;

@@ -41,3 +41,25 @@ pub fn numbers(text: &str, name: &str) -> Vec<f64> {
     let values = column(text, name).into_iter();
     values.map(|value| value.parse().expect("a number")).collect()
 }
+
+/// Seconds from 1970 to the midnight to which [`since_1970`] moves times.
+pub const MIDNIGHT_S: i64 = 20_000 * 86_400;
+
+/// The table with the times of these columns, whole seconds of which count from a midnight, counted from 1970.
+///
+/// # Panics
+/// If a value begins with no whole number.
+pub fn since_1970(text: &str, columns: &[&str]) -> String {
+    let (header, rows) = text.split_once('\n').expect("a header line");
+    let is_time: Vec<bool> = header.split(',').map(|name| columns.contains(&name)).collect();
+    let moved = |(value, is_time): (&str, &bool)| match value.split_once('.').unwrap_or((value, "")) {
+        _ if !is_time || value.is_empty() => value.to_owned(),
+        (whole, decimals) => {
+            let whole: i64 = whole.parse().expect("a whole number of seconds");
+            let point = if decimals.is_empty() { "" } else { "." };
+            format!("{}{point}{decimals}", MIDNIGHT_S + whole)
+        }
+    };
+    let row = |row: &str| -> String { row.split(',').zip(&is_time).map(moved).collect::<Vec<_>>().join(",") + "\n" };
+    format!("{header}\n{}", rows.lines().map(row).collect::<String>())
+}

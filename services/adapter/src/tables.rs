@@ -10,6 +10,7 @@ use std::fmt::Display;
 
 use csv_table::CsvError;
 use formats::rows::{Columns, RowReader};
+use formats::time_base::is_since_1970;
 use frames::time::{DayUnroller, NS_PER_DAY};
 use messages::Counter;
 use runtime::HealthEntry;
@@ -75,7 +76,11 @@ impl TableCounts {
     }
 }
 
-/// UTC of a row's time, nanoseconds, on the day that brings it nearest to the time of receipt.
+/// UTC of a row's time, nanoseconds: a time that counts from a midnight, on the day that brings it nearest to the time
+/// of receipt.
 pub(crate) fn utc_ns(received_ns: i64, time_ns: i64) -> i64 {
+    if is_since_1970(time_ns) {
+        return time_ns;
+    }
     DayUnroller::near(received_ns).utc_ns(time_ns.rem_euclid(NS_PER_DAY))
 }

@@ -6,11 +6,12 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use formats::emitter_rows_csv::EmitterRowReader;
+use formats::time_base::is_since_1970;
 use observations::EmitterMeasurement;
 
 use crate::files::InputError;
 use crate::host::Host;
-use crate::reading::{CountingInput, SkippedRows};
+use crate::reading::{CountingInput, FileBases, SkippedRows};
 
 /// A measurement, and the file and line of its row.
 #[derive(Debug)]
@@ -26,6 +27,7 @@ pub(super) struct MeasurementInput<'a> {
     pub(super) octets: u64,
     pub(super) octets_read: Rc<RefCell<u64>>,
     pub(super) refusals: SkippedRows,
+    pub(super) bases: FileBases,
     /// Whether there are rows of reference emitters.
     pub(super) has_references: bool,
 }
@@ -54,6 +56,7 @@ impl<'a> MeasurementInput<'a> {
             octets: 0,
             octets_read: Rc::default(),
             refusals: SkippedRows::default(),
+            bases: FileBases::default(),
             has_references: false,
         };
         let measurements = measurements.iter().map(|path| (path.as_path(), false));
@@ -81,6 +84,9 @@ impl<'a> MeasurementInput<'a> {
         }
         for file in &mut input.files {
             file.advance(&mut input.refusals)?;
+            if let Some(row) = &file.next {
+                input.bases.add(file.path, is_since_1970(row.measured.time_ns()))?;
+            }
         }
         Ok(input)
     }

@@ -70,7 +70,7 @@ pub(crate) fn run(locate: &Locate, host: &dyn Host) -> anyhow::Result<()> {
     let ship = locate
         .platform
         .as_deref()
-        .map(|path| ship(host, path, &mut input.refusals))
+        .map(|path| ship(host, path, &mut input))
         .transpose()?;
     while let Some(mut row) = input.next()? {
         location.complete(Some(&row), &mut input.refusals)?;
@@ -199,8 +199,8 @@ fn refuse(refusal: BearingRejection, row: Option<&MeasuredRow<'_>>, is_earlier: 
 }
 
 /// Reads the states of the ship that carries the direction finder.
-fn ship(host: &dyn Host, path: &Path, refusals: &mut SkippedRows) -> Result<History, InputError> {
-    let states = platform_states(host, path, refusals)?;
+fn ship(host: &dyn Host, path: &Path, input: &mut MeasurementInput<'_>) -> Result<History, InputError> {
+    let states = platform_states(host, path, (&mut input.refusals, &mut input.bases))?;
     let mut history = History::new(Assumed::default(), states.len());
     for state in &states {
         history.add(state);

@@ -13,13 +13,15 @@ use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use formats::sensor_tracks_csv::{SensorTrackReader, is_since_1970};
+use formats::sensor_tracks_csv::SensorTrackReader;
+use formats::time_base::is_since_1970;
 use fusion::settings::SOURCES_MAX;
 
 use super::arrivals::{ArrivalOrder, ArrivedReport, RowOrder};
 use super::kept::{KeptFile, KeptReader, KeptRows};
 use super::progress::CountingInput;
 use super::refusals::{MIDNIGHT_REMEDY, MIDNIGHT_STEP_NS, SkippedRows};
+use super::time_base::FileBases;
 use crate::files::InputError;
 use crate::host::Host;
 
@@ -195,16 +197,9 @@ impl MergedRows {
     /// # Errors
     /// The first file.
     pub(crate) fn check_order(&self) -> Result<(), InputError> {
-        let used = || self.lanes.iter().filter(|lane| lane.readable > 0);
-        if let (Some(one), Some(other)) = (
-            used().find(|lane| lane.since_1970),
-            used().find(|lane| !lane.since_1970),
-        ) {
-            let what = format!(
-                "times count from 1970, but those of {} from a midnight; count both from one of them",
-                other.path.display()
-            );
-            return Err(InputError::new(&one.path, what));
+        let mut bases = FileBases::default();
+        for lane in self.lanes.iter().filter(|lane| lane.readable > 0) {
+            bases.add(&lane.path, lane.since_1970)?;
         }
         let (rows_max, percent_max) = OUT_OF_ORDER_MAX;
         let is_unsorted =

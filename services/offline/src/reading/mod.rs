@@ -10,6 +10,7 @@ mod progress;
 mod refusals;
 mod setup;
 mod survey;
+mod time_base;
 
 pub(crate) use arrivals::ArrivedReport;
 pub(crate) use drive::{DriveTotals, EngineReader, drive, drive_into};
@@ -19,3 +20,4 @@ pub(crate) use progress::{CountingInput, Progress};
 pub use refusals::SkippedRows;
 pub(crate) use refusals::{MIDNIGHT_REMEDY, MIDNIGHT_STEP_NS};
 pub(crate) use setup::{Setup, rule};
+pub(crate) use time_base::FileBases;

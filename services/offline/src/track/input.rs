@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use configuration::SeenDetections;
 use formats::autoferry;
 use formats::scan_rows_csv::{ScanRow, ScanRowReader};
+use formats::time_base::is_since_1970;
 use frames::time::{NS_PER_DAY, seconds};
 use observations::{Detection, TransponderReply};
 use tracking::Settings;
@@ -14,7 +15,7 @@ use tracking::scans::ScanOfDetections;
 
 use crate::files::InputError;
 use crate::host::{self, Host};
-use crate::reading::{MIDNIGHT_REMEDY, MIDNIGHT_STEP_NS, SkippedRows};
+use crate::reading::{FileBases, MIDNIGHT_REMEDY, MIDNIGHT_STEP_NS, SkippedRows};
 
 const BUFFER_OCTETS: usize = 1 << 18;
 
@@ -56,6 +57,7 @@ pub(super) struct DetectionInput {
     /// Scans known to have no detections: sensor, number, time in nanoseconds.
     pub(super) silent: Vec<(u32, u32, i64)>,
     pub(super) refusals: SkippedRows,
+    pub(super) bases: FileBases,
     pub(super) octets: u64,
 }
 
@@ -67,6 +69,7 @@ impl DetectionInput {
             detections: Vec::new(),
             silent: Vec::new(),
             refusals: SkippedRows::default(),
+            bases: FileBases::default(),
             octets,
         }
     }
@@ -81,6 +84,7 @@ impl DetectionInput {
             detections: Vec::new(),
             silent: Vec::new(),
             refusals: SkippedRows::default(),
+            bases: FileBases::default(),
             octets: 0,
         };
         for path in files {
@@ -125,6 +129,9 @@ impl DetectionInput {
                 }
                 ScanRow::Empty(empty) => (empty.sensor_id, empty.scan, empty.time_ns),
             };
+            if places.is_empty() {
+                self.bases.add(path, is_since_1970(time_ns))?;
+            }
             places.push(RowPlace {
                 sensor_id,
                 scan,
@@ -149,6 +156,7 @@ impl DetectionInput {
             .map_err(|error| InputError::unreadable(path, &error))?;
         let scans = autoferry::read_detections(&json).map_err(|error| InputError::new(path, error))?;
         let first_ns = scans.iter().map(|scan| scan.time_of_measurement_ns).min();
+        self.bases.add(path, false)?;
         let day_ns = first_ns.unwrap_or_default().div_euclid(NS_PER_DAY) * NS_PER_DAY;
         for scan in scans {
             if scan.detections.is_empty() {

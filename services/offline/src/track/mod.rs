@@ -60,8 +60,12 @@ pub(crate) fn run(track: &TrackArgs, host: &dyn Host) -> anyhow::Result<()> {
         Some(path) => Some(OnBoard::carry(host, path, &config, &mut input)?),
         None => OnBoard::carry_own(&track.detections[0], &config, &mut input)?,
     };
-    let (support, reports) = read(track.wide_area.as_deref(), |path| SupportInput::reports(host, path))?;
-    let (heard, emissions) = read(track.emissions.as_deref(), |path| SupportInput::emissions(host, path))?;
+    let (support, reports) = read(track.wide_area.as_deref(), |path| {
+        SupportInput::reports(host, path, &mut input.bases)
+    })?;
+    let (heard, emissions) = read(track.emissions.as_deref(), |path| {
+        SupportInput::emissions(host, path, &mut input.bases)
+    })?;
     let scans = scans_of(&mut input.detections, &input.silent);
     let settings = config.settings(&input.seen(&scans))?;
     input.check(&settings)?;
@@ -129,7 +133,7 @@ pub(crate) fn run(track: &TrackArgs, host: &dyn Host) -> anyhow::Result<()> {
 /// Reads an optional file and its rows.
 fn read<T>(
     path: Option<&Path>,
-    read: impl Fn(&Path) -> Result<(SupportInput, Vec<T>), InputError>,
+    read: impl FnOnce(&Path) -> Result<(SupportInput, Vec<T>), InputError>,
 ) -> Result<(Option<SupportInput>, Vec<T>), InputError> {
     match path {
         Some(path) => read(path).map(|(support, rows)| (Some(support), rows)),

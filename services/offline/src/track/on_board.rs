@@ -82,7 +82,7 @@ impl OnBoard {
             return Err(InputError::new(deployment, what));
         }
         let mut on_board = Self::default();
-        let states = platform_states(host, path, &mut on_board.refusals)?;
+        let states = platform_states(host, path, (&mut on_board.refusals, &mut input.bases))?;
         on_board.states = states.len() as u64;
         let carrier = Carrier {
             states_max: states.len(),

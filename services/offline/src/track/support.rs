@@ -6,6 +6,7 @@ use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use formats::bearings_csv::BearingReader;
+use formats::time_base::is_since_1970;
 use formats::wide_area_csv::WideAreaReader;
 use observations::WideAreaReport;
 use tracking::Settings;
@@ -13,7 +14,7 @@ use tracking::wide_area::Emission;
 
 use crate::files::InputError;
 use crate::host::Host;
-use crate::reading::SkippedRows;
+use crate::reading::{FileBases, SkippedRows};
 
 /// Input file and the outcome of its rows.
 #[derive(Debug)]
@@ -39,12 +40,19 @@ impl SupportInput {
     /// Reads reports of a wide-area sensor. Invalid rows are skipped and counted.
     ///
     /// # Errors
-    /// If the file cannot be read or lacks a column.
-    pub(super) fn reports(host: &dyn Host, path: &Path) -> Result<(Self, Vec<WideAreaReport>), InputError> {
+    /// If the file cannot be read, lacks a column, or counts its times from elsewhere than the files before.
+    pub(super) fn reports(
+        host: &dyn Host,
+        path: &Path,
+        bases: &mut FileBases,
+    ) -> Result<(Self, Vec<WideAreaReport>), InputError> {
         let (mut support, mut reports) = (Self::of(path), Vec::new());
         let rows = WideAreaReader::new(BufReader::new(host.open(path)?), 0);
         for row in rows.map_err(|error| InputError::new(path, error))? {
             reports.extend(support.refusals.usable(path, row)?);
+        }
+        if let Some(first) = reports.first() {
+            bases.add(path, is_since_1970(first.time_ns))?;
         }
         Ok((support, reports))
     }
@@ -52,8 +60,12 @@ impl SupportInput {
     /// Reads emissions. Invalid rows are skipped and counted.
     ///
     /// # Errors
-    /// If the file cannot be read or lacks a column.
-    pub(super) fn emissions(host: &dyn Host, path: &Path) -> Result<(Self, Vec<Emission>), InputError> {
+    /// If the file cannot be read, lacks a column, or counts its times from elsewhere than the files before.
+    pub(super) fn emissions(
+        host: &dyn Host,
+        path: &Path,
+        bases: &mut FileBases,
+    ) -> Result<(Self, Vec<Emission>), InputError> {
         let (mut support, mut emissions) = (Self::of(path), Vec::new());
         let rows = BearingReader::new(BufReader::new(host.open(path)?), 0);
         let mut rows = rows.map_err(|error| InputError::new(path, error))?;
@@ -61,6 +73,7 @@ impl SupportInput {
             let Some(bearing) = support.refusals.usable(path, row)? else {
                 continue;
             };
+            bases.add(path, is_since_1970(bearing.time_of_measurement_ns))?;
             match Emission::of(&bearing) {
                 Some(emission) => emissions.push(emission),
                 None => {
