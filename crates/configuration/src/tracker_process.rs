@@ -342,7 +342,7 @@ fn check_tracker(
     if is_recorded {
         source.silent_after_ns = None;
     }
-    weighed.takes_designations = orders > 0;
+    weighed.designates_round = (orders > 0).then(|| system.to_geodetic([0.0; 3]));
     // A tracker's tracks are looked at before they are published, as an adapter's are.
     weighed.limits = Default::default();
     let mut settings = raw.settings.clone();

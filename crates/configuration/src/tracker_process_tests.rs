@@ -292,7 +292,7 @@ fn one_sensor_of_a_tracker_may_take_orders() {
         .engine
         .sources
         .iter()
-        .map(|source| source.takes_designations)
+        .map(|source| source.designates_round.is_some())
         .collect();
     assert_eq!(ordered, [false, true]);
     let refused = |more: &str, key: &str| {

@@ -250,6 +250,7 @@
 #define KOSEKI_REFUSAL_TAKES_NO_DESIGNATIONS UINT64_C(0x17) /* The tracker has no sensor that takes orders. */
 #define KOSEKI_REFUSAL_NO_PLACE UINT64_C(0x18) /* The text is no place. */
 #define KOSEKI_REFUSAL_UNUSED_BY_RULE UINT64_C(0x19) /* The rule in force uses no such value. */
+#define KOSEKI_REFUSAL_FAR_PLACE UINT64_C(0x1a) /* The place is too far from the origin of the system frame. */
 
 typedef struct KosekiStageTimes {
     int64_t ingested_ns; /* The adapter had the report's last byte. */

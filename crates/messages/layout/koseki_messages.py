@@ -252,6 +252,7 @@ REFUSAL_UNKNOWN_QNH = 0x16  # The configuration has no `[[qnh]]` of this name.
 REFUSAL_TAKES_NO_DESIGNATIONS = 0x17  # The tracker has no sensor that takes orders.
 REFUSAL_NO_PLACE = 0x18  # The text is no place.
 REFUSAL_UNUSED_BY_RULE = 0x19  # The rule in force uses no such value.
+REFUSAL_FAR_PLACE = 0x1a  # The place is too far from the origin of the system frame.
 
 
 class StageTimes(ctypes.Structure):

@@ -3,6 +3,7 @@
 //! An order travels on the topic `orders`. Fusion writes the whole order into its event log before the effect, and
 //! publishes the order with its state on `system/order-states`. [`OrderKind`] is the registry of kinds.
 
+use crate::admission::REACH_M;
 use crate::codes;
 use crate::designated_place::DesignatedPlace;
 use crate::health::{NO_SOURCE, fill, text};
@@ -86,6 +87,8 @@ codes! {
         NoPlace = 24, "no-place";
         /// The rule in force uses no such value.
         UnusedByRule = 25, "unused-by-rule";
+        /// The place is too far from the origin of the system frame.
+        FarPlace = 26, "far-place";
     }
 }
 
@@ -375,6 +378,11 @@ impl Refusal {
                     .to_owned()
             }
             Self::NoPlace => format!("\"{}\" is no place; {}", order.name(), DesignatedPlace::FORM),
+            Self::FarPlace => format!(
+                "{} is more than {:.0} km from the origin of the system frame; check both degrees, and their order",
+                order.name(),
+                REACH_M / 1e3
+            ),
             Self::UnusedByRule => format!(
                 "the rule in force chooses no best source, so {word} would have no effect; it serves the rule \
                  \"best-source\" (order: rule name=best-source)"

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
+use frames::Geodetic;
 use messages::layout::Sample as _;
 use messages::{Decision, DecisionKind, FusionRule, Order, OrderKind, OrderState, OrderStatus, Refusal};
 
@@ -165,7 +166,7 @@ fn of_two_orders_for_one_hand_over_the_newest_holds() {
 #[test]
 fn only_a_tracker_that_takes_designations_is_ordered_to_follow_a_target() {
     let mut settings = test_settings(2);
-    settings.sources[1].takes_designations = true;
+    settings.sources[1].designates_round = Some(Geodetic::from_degrees(59.0, 10.0, 0.0).unwrap());
     let mut desk = Desk::new(settings);
     let mut order = |source: u16, place: &str| {
         let named = Order::default().with_name(place).unwrap();
@@ -176,6 +177,10 @@ fn only_a_tracker_that_takes_designations_is_ordered_to_follow_a_target() {
     assert_eq!(order(0, "0m,0m").map(|_| ()), Err(Refusal::TakesNoDesignations));
     assert_eq!(order(2, "0m,0m").map(|_| ()), Err(Refusal::UnknownSource));
     assert_eq!(order(1, "port").map(|_| ()), Err(Refusal::NoPlace));
+    // Two degrees, the other way round, and left at zero: the last lie 6,600 km away, and at the antipodes.
+    for far in ["10.6,59.4", "0,0", "-59,-170"] {
+        assert_eq!(order(1, far).map(|_| ()), Err(Refusal::FarPlace), "{far}");
+    }
     assert_eq!(order(1, "59.4,10.6").unwrap().status(), Some(OrderStatus::Done));
 }
 

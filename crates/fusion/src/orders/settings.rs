@@ -1,6 +1,8 @@
 //! Orders that change settings: condition, source in and out, eta, adjustment coefficient, rule, reset.
 
-use messages::{FusionRule, NO_SOURCE, Order, OrderKind, Refusal};
+use frames::{Geodetic, SystemFrame};
+use messages::admission::REACH_M;
+use messages::{DesignatedPlace, FusionRule, NO_SOURCE, Order, OrderKind, Refusal};
 
 use crate::engine::Engine;
 use crate::qnh::RegionalQnh;
@@ -9,6 +11,29 @@ use crate::rules::{self, RuleMethod};
 use crate::sensor_tracks::SensorSlot;
 use crate::settings::{NORMAL, RuleName};
 use crate::source_model::SourceModel;
+
+/// Returns whether the place of a designation lies where sensors see anything.
+fn is_near(order: &Order, frame: &SystemFrame) -> bool {
+    let Some((place, _)) = DesignatedPlace::read(order.name()) else {
+        return false;
+    };
+    let [east, north, up] = match place {
+        DesignatedPlace::Frame {
+            plane_m: [east, north],
+            up_m,
+        } => [east, north, up_m.unwrap_or_default()],
+        DesignatedPlace::Globe {
+            latitude_deg,
+            longitude_deg,
+            height_m,
+        } => {
+            let place = Geodetic::from_degrees(latitude_deg, longitude_deg, height_m.unwrap_or_default());
+            let Ok(place) = place else { return false };
+            frame.to_local(place)
+        }
+    };
+    east.hypot(north).hypot(up) <= REACH_M
+}
 
 /// Returns whether two orders of `kind` concern the same subject, so that the newer one replaces the older one.
 pub(super) fn is_same_subject(kind: OrderKind, old: &Order, new: &Order) -> bool {
@@ -60,8 +85,9 @@ impl Engine {
                 return is_known.then_some(()).ok_or(Refusal::UnknownQnh);
             }
             OrderKind::Designate => {
-                let takes = self.settings.sources[usize::from(order.source)].takes_designations;
-                return takes.then_some(()).ok_or(Refusal::TakesNoDesignations);
+                let origin = self.settings.sources[usize::from(order.source)].designates_round;
+                let frame = SystemFrame::at(origin.ok_or(Refusal::TakesNoDesignations)?);
+                return is_near(order, &frame).then_some(()).ok_or(Refusal::FarPlace);
             }
             OrderKind::In => self.settings.sources[usize::from(order.source)].is_out,
             _ => true,

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use frames::Geodetic;
 use messages::{AXES, BiasKind, NS_PER_S, Registration, registration_bits};
 use settings::{Degrees, KeyValue, Node, Place, Range, Seconds, SettingsError};
 
@@ -187,8 +188,9 @@ pub struct SourceSettings {
     pub adjustment: f64,
     /// True while an order keeps its reports out.
     pub is_out: bool,
-    /// Whether a tracker makes its tracks, and takes designations by order.
-    pub takes_designations: bool,
+    /// Origin of the system frame, if a tracker makes its tracks and takes designations by order: a designated target
+    /// lies near it.
+    pub designates_round: Option<Geodetic>,
     /// Priority for ties, smaller first (TI-11).
     pub priority: u32,
     /// Sources whose measurements are in its tracks too.
@@ -285,7 +287,7 @@ impl SourceSettings {
             accuracy,
             adjustment: 1.0,
             is_out: false,
-            takes_designations: false,
+            designates_round: None,
             priority: 0,
             shares: Vec::new(),
             is_centre: false,
