@@ -30,13 +30,14 @@ pub(crate) struct Row {
     octets: Vec<u8>,
     /// End of each value.
     ends: Vec<usize>,
-    quotes: Quotes,
+    /// Made at the first line with quotation marks: its tables take as long as reading a hundred lines.
+    quotes: Option<Box<Quotes>>,
 }
 
 /// Splitter of a line with quotation marks, and its input.
 #[derive(Debug)]
 struct Quotes {
-    splitter: Box<csv_core::Reader>,
+    splitter: csv_core::Reader,
     /// The line as it is in the input.
     line: Vec<u8>,
 }
@@ -45,7 +46,7 @@ impl Default for Quotes {
     fn default() -> Self {
         let feed = csv_core::Terminator::Any(b'\n');
         Self {
-            splitter: Box::new(csv_core::ReaderBuilder::new().terminator(feed).build()),
+            splitter: csv_core::ReaderBuilder::new().terminator(feed).build(),
             line: Vec::new(),
         }
     }
@@ -85,7 +86,7 @@ impl Row {
     /// Divides a line with quotation marks, and takes the quotes off (RFC 4180). `false` if quotes have no end.
     #[cold]
     fn unquote(&mut self) -> bool {
-        let Quotes { splitter, line } = &mut self.quotes;
+        let Quotes { splitter, line } = &mut **self.quotes.get_or_insert_default();
         std::mem::swap(line, &mut self.octets);
         line.push(b'\n');
         // Each value has a comma behind it.

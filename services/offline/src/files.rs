@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 
-/// Size of read and write buffers, bytes.
-const BUFFER_OCTETS: usize = 1 << 18;
+/// Size of read and write buffers, bytes. What is written in pieces of this size is not copied into one.
+pub const BUFFER_OCTETS: usize = 1 << 18;
 
 /// Output that is standard output.
 const STANDARD_OUTPUT: &str = "-";

@@ -25,7 +25,9 @@ mod track;
 pub mod values;
 
 pub use args::{Smooth, TableCommand};
-pub use files::{InputError, OutputFile, Usage, check_outputs, is_same_file, open, read, read_text, unwritable};
+pub use files::{
+    BUFFER_OCTETS, InputError, OutputFile, Usage, check_outputs, is_same_file, open, read, read_text, unwritable,
+};
 pub use host::{Host, TableInput, TableOutput};
 pub use reading::SkippedRows;
 pub use smooth::{BlockForm, SmoothTotals, TrackBlocks};

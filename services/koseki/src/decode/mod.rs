@@ -15,7 +15,7 @@ use asterix::choice::ChosenEdition;
 use asterix::{JsonLines, Mode};
 use formats::containers::TimeStamp;
 use formats::recording::{Expansions, RecordingBytes, RecordingSurvey, Statistics};
-use offline::{InputError, OutputFile, Usage, is_same_file};
+use offline::{BUFFER_OCTETS, InputError, OutputFile, Usage, is_same_file};
 
 use crate::args::DecodeArgs;
 
@@ -25,8 +25,6 @@ const STANDARD_OUTPUT: &str = "-";
 const NO_RECORD: &str = "no record of ASTERIX can be read";
 /// Recordings shorter than this are decoded before anybody wonders.
 const PROGRESS_BYTES_MIN: usize = 64 << 20;
-/// Lines are written when there are so many bytes of them.
-const LINES_BYTES: usize = 1 << 16;
 
 /// Decodes.
 ///
@@ -129,7 +127,7 @@ impl RecordLines<'_, '_> {
             let expanded = expansions.content(found.record);
             let time_stamp_s = found.time_stamp.map(TimeStamp::seconds);
             lines.write(found.record, time_stamp_s, expanded.as_ref());
-            if lines.text().len() >= LINES_BYTES {
+            if lines.text().len() >= BUFFER_OCTETS {
                 progress.at(found.record.offset());
                 out.write_all(lines.text())?;
                 lines.clear();
