@@ -217,7 +217,7 @@ fn any_scans() -> impl Strategy<Value = Vec<Vec<Detection>>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 10_000, max_global_rejects: 5_000, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 3_000, max_global_rejects: 5_000, ..ProptestConfig::default() })]
     #[test]
     fn the_same_best_hypotheses_with_the_same_reliabilities(scans in any_scans()) {
         let settings = exact_settings();

@@ -256,7 +256,7 @@ fn chunks_that_unpack_to_much_take_bounded_memory_and_the_others_are_read() {
         (LARGEST as u64, LARGEST),
         (LARGEST as u64 + 1, LARGEST + 1),
     ] {
-        let bombs = bomb(stated, contained).repeat(40);
+        let bombs = bomb(stated, contained).repeat(12);
         let file = [&sound[..next], &bombs, &sound[next..]].concat();
         assert!(file.len() < 2 << 20, "{}", file.len());
         let (read, most) = read(&file);
