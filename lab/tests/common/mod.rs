@@ -9,6 +9,9 @@ mod folder;
 #[allow(dead_code, reason = "other tests use more of it")]
 #[path = "../../../tests/common/home.rs"]
 mod home;
+#[allow(dead_code, reason = "other tests use more of it")]
+#[path = "../../../tests/common/report.rs"]
+mod report;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
