@@ -1,5 +1,7 @@
 //! What the workspace depends on, against the lists of `deny.toml`, for where cargo-deny is not installed.
 
+use std::path::Path;
+
 use cargo_metadata::MetadataCommand;
 
 use crate::common::repository;
@@ -62,16 +64,23 @@ fn licences_are_met_by_one_choice_of_each_part() {
     assert!(!is_met("MIT AND GPL-3.0", &allowed) && !is_met("", &allowed));
 }
 
-/// Texts of all Rust files in the folder of a target's root file, and of that file.
-fn sources(root: &std::path::Path) -> String {
+/// Texts of all Rust files in the folder of a target's root file, of that file, and of files elsewhere that they name.
+fn sources(root: &Path) -> String {
     let mut text = String::new();
     let mut folders = vec![root.parent().unwrap().to_owned()];
     while let Some(folder) = folders.pop() {
-        for entry in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+        for entry in std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()) {
             if entry.is_dir() {
                 folders.push(entry);
             } else if entry.extension().is_some_and(|ending| ending == "rs") {
-                text.push_str(&std::fs::read_to_string(entry).unwrap());
+                let own = std::fs::read_to_string(entry).unwrap();
+                let named = own
+                    .lines()
+                    .filter_map(|line| line.strip_prefix("#[path = \"")?.strip_suffix("\"]"));
+                for file in named.filter(|file| file.starts_with("../")) {
+                    text.push_str(&std::fs::read_to_string(folder.join(file)).unwrap());
+                }
+                text.push_str(&own);
             }
         }
     }
