@@ -47,6 +47,7 @@ pub(crate) struct Conditions {
     silence: Silence,
     shares: SourceShares,
     refusals: refused::Refusals,
+    useless: refused::Useless,
     /// Sources of lines that `koseki feed` refused, and the monotonic time of the latest, nanoseconds.
     refused_lines: BTreeMap<String, i64>,
     growth: Growth,
@@ -73,6 +74,7 @@ impl Conditions {
             silence: Silence::new(sources.len(), begun.mono_ns),
             shares: SourceShares::new(),
             refusals: refused::memory(),
+            useless: refused::memory(),
             refused_lines: BTreeMap::new(),
             growth: Growth::default(),
             companions: Companions::default(),

@@ -1,12 +1,13 @@
 //! Sources from which data arrive and none, or too few, are accepted.
 //!
 //! A silent source and one whose data are refused look alike in the picture, and differ in the remedy. The counters of
-//! refusals decide, and the latest refusal in words ([`Health::refusal`](messages::Health::refusal)) is the reason.
+//! refusals decide, and the latest refusal in words ([`Health::refusal`](messages::Health::refusal)) is the reason. Reports
+//! that no adapter has looked at, as those of `koseki feed`, are refused by fusion.
 
 use std::collections::BTreeSet;
 
 use alarms::{AlarmKind, Finding, Lately, Round, Subject};
-use messages::{Counter, Counters, NO_SOURCE, ProcessKind};
+use messages::{Counter, CounterClass, Counters, NO_SOURCE, ProcessKind};
 use observed::process_title as title;
 
 use super::{Conditions, RoundView};
@@ -47,6 +48,12 @@ const UNUSABLE: [Counter; 13] = [
     Counter::SentencesWithoutFix,
     Counter::DatagramsRejected,
 ];
+/// Counters of reports that fusion refuses for what they say, and that no other alarm is about.
+const USELESS: [Counter; 3] = [
+    Counter::RejectedTooFar,
+    Counter::RejectedTooFast,
+    Counter::RejectedInvalid,
+];
 const REFUSED: usize = UNREADABLE.len() + UNUSABLE.len();
 /// Counters of what was accepted.
 const ACCEPTED: [Counter; 5] = [
@@ -60,8 +67,11 @@ const ACCEPTED: [Counter; 5] = [
 /// Memory of the condition: what was accepted, what fits another edition, and what was refused, by reason.
 pub(super) type Refusals = Lately<{ REFUSED + 2 }>;
 
-/// Begins the memory.
-pub(super) fn memory() -> Refusals {
+/// Memory of what fusion used, and refused, by reason.
+pub(super) type Useless = Lately<{ USELESS.len() + 1 }>;
+
+/// Begins a memory.
+pub(super) fn memory<const N: usize>() -> Lately<N> {
     Lately::new(WHILE_NS)
 }
 
@@ -113,7 +123,7 @@ impl Conditions {
     /// Sources, and processes of adapters, whose data are refused. Returns the subjects of which something has arrived
     /// of late: they are not silent.
     pub(super) fn refused(&mut self, sight: RoundView<'_>, round: &mut Round<'_>) -> BTreeSet<Subject> {
-        let mut arriving = self.refused_of_feed(sight);
+        let (mut arriving, mut found) = (self.refused_of_feed(sight), BTreeSet::new());
         let book = sight.observed.book();
         let adapters = book.all().filter(|(kind, ..)| *kind == ProcessKind::Adapter);
         for (kind, source, latest) in adapters {
@@ -145,6 +155,7 @@ impl Conditions {
                 arriving.insert(Subject::source(only.facts.number));
             }
             if refused.is_bad() {
+                found.insert(subject);
                 let reason = match latest.refusal() {
                     "" => refused.most.sentence(),
                     words => words,
@@ -158,6 +169,7 @@ impl Conditions {
                 round.find(AlarmKind::SourceRefused, subject, Finding::Bad, &values);
             }
         }
+        arriving.extend(self.refused_by_fusion(sight, &found, round));
         // A tracker whose sensors' data are refused is not silent either.
         let of_sensor = |known: &super::sources::SourceWatch| {
             let is_arriving = arriving.contains(&Subject::source(known.facts.number));
@@ -165,6 +177,42 @@ impl Conditions {
         };
         let trackers: Vec<u16> = self.sources.iter().filter_map(of_sensor).collect();
         arriving.extend(trackers.into_iter().map(Subject::source));
+        arriving
+    }
+
+    /// Sources of whose reports fusion uses none. What an adapter refuses has been `found`.
+    fn refused_by_fusion(
+        &mut self,
+        sight: RoundView<'_>,
+        found: &BTreeSet<Subject>,
+        round: &mut Round<'_>,
+    ) -> Vec<Subject> {
+        let mut arriving = Vec::new();
+        for known in &self.sources {
+            let subject = Subject::source(known.facts.number);
+            let counters = sight.observed.book().service(ProcessKind::Fusion, known.facts.number);
+            let unused = counters.sum_of(CounterClass::FusionRejection);
+            let used = counters[Counter::Taken].saturating_sub(unused);
+            let reasons = USELESS.map(|counter| counters[counter]);
+            let counts = std::array::from_fn(|place| if place == 0 { used } else { reasons[place - 1] });
+            let kind = AlarmKind::SourceRefused;
+            let [used, reasons @ ..] = self.useless.grown(kind, subject, counts, sight.now.mono_ns);
+            let refused: u64 = reasons.iter().sum();
+            let most = USELESS.iter().zip(reasons).max_by_key(|(_, count)| *count);
+            let Some((most, _)) = most.filter(|_| used == 0 && refused >= REFUSED_MIN) else {
+                continue;
+            };
+            arriving.push(subject);
+            if !found.contains(&subject) {
+                let values = [
+                    ("source", known.facts.name.clone()),
+                    ("refused", telemetry::table::count(refused)),
+                    ("all", several(refused, "report")),
+                    ("reason", most.sentence().to_owned()),
+                ];
+                round.find(kind, subject, Finding::Bad, &values);
+            }
+        }
         arriving
     }
 

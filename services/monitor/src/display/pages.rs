@@ -49,6 +49,10 @@ pub(crate) fn line(overview: &Overview) -> String {
         count(picture.tentative)
     ));
     parts.push(format!("{} rejected", count(sum(|source| source.rejected))));
+    let not_used = sum(|source| source.not_used);
+    if not_used > 0 {
+        parts.push(format!("{} not used", count(not_used)));
+    }
     parts.push(format!("{} lost", count(sum(|source| source.lost))));
     parts.push(format!("{} late", count(sum(|source| source.late))));
     let end_to_end = overview.stage(Stage::EndToEnd, None, Span::Interval);
@@ -463,8 +467,8 @@ mod tests {
     fn lines() {
         assert_eq!(
             line(&overview()),
-            "22:13:20  demo | 12 s | 926 reports/s | tracks: 78 confirmed, 2 coasted, 1 tentative | 6 rejected | 7 lost | \
-             3 late | end to end p50 41.2 µs, p99 412 µs | 1 restart | adapter ads-b silent for 1.5 s | alarms: source-silent\n"
+            "22:13:20  demo | 12 s | 926 reports/s | tracks: 78 confirmed, 2 coasted, 1 tentative | 6 rejected | \
+             22 not used | 7 lost | 3 late | end to end p50 41.2 µs, p99 412 µs | 1 restart | adapter ads-b silent for 1.5 s | alarms: source-silent\n"
         );
     }
 

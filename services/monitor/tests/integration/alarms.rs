@@ -372,6 +372,37 @@ fn a_source_whose_data_are_refused_is_not_silent() {
 }
 
 #[test]
+fn a_source_of_whose_reports_fusion_uses_none_is_told_with_the_reason() {
+    let mut site = Site::new(&[]);
+    let far = |site: &mut Site, far, taken| {
+        let counters = &mut site.say(ProcessKind::Fusion, "fusion", 2).counters;
+        (counters[Counter::RejectedTooFar], counters[Counter::Taken]) = (far, taken);
+    };
+    // One in two, then all of them.
+    far(&mut site, 50, 100);
+    site.pass(2);
+    assert_eq!(site.events, []);
+    far(&mut site, 50, 100);
+    site.pass(20);
+    far(&mut site, 90, 140);
+    site.pass(1);
+    assert!(
+        site.standing().iter().any(|text| text.starts_with(
+            "multilateration: 40 of 40 reports of the last 10 s were refused. Reports further from their sensor than \
+             `limits.range_m`."
+        )),
+        "{:?}",
+        site.standing()
+    );
+    // What an order keeps out is refused by nobody.
+    let mut site = Site::new(&[]);
+    let counters = &mut site.say(ProcessKind::Fusion, "fusion", 2).counters;
+    (counters[Counter::RejectedByOrder], counters[Counter::Taken]) = (40, 40);
+    site.pass(1);
+    assert_eq!(site.events, []);
+}
+
+#[test]
 fn a_source_may_be_allowed_to_be_silent() {
     let mut site = Site::new(&["source[0].silent_periods=0"]);
     site.say(ProcessKind::Adapter, "radar-west", 0);
