@@ -1,8 +1,8 @@
 //! Sources from which data arrive and none, or too few, are accepted.
 //!
 //! A silent source and one whose data are refused look alike in the picture, and differ in the remedy. The counters of
-//! refusals decide, and the latest refusal in words ([`Health::refusal`](messages::Health::refusal)) is the reason. Reports
-//! that no adapter has looked at, as those of `koseki feed`, are refused by fusion.
+//! refusals decide, and the latest refusal in words ([`Health::refusal`](messages::Health::refusal)) is the reason.
+//! Reports that no adapter has looked at, as those of `koseki feed`, are refused by fusion.
 
 use std::collections::BTreeSet;
 
