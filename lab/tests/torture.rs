@@ -226,7 +226,7 @@ const HELD_S: u64 = 40;
 const ALWAYS_S: u64 = 3600;
 
 #[test]
-#[ignore = "takes a minute: run it by its name"]
+#[ignore = "takes a minute; `.ci/campaign torture` runs it"]
 fn a_checkpoint_whose_header_is_overwritten_is_a_defect_caused_from_outside() {
     caused_from_outside(&KILLS, "renumbered", ALWAYS_S, |outside, _| {
         if let Some(checkpoint) = outside.checkpoint() {
@@ -236,7 +236,7 @@ fn a_checkpoint_whose_header_is_overwritten_is_a_defect_caused_from_outside() {
 }
 
 #[test]
-#[ignore = "takes a minute: run it by its name"]
+#[ignore = "takes a minute; `.ci/campaign torture` runs it"]
 fn a_checkpoint_whose_link_is_removed_is_a_defect_caused_from_outside() {
     caused_from_outside(&KILLS, "renumbered", ALWAYS_S, |outside, _| {
         if let Some(link) = outside.link() {
@@ -246,7 +246,7 @@ fn a_checkpoint_whose_link_is_removed_is_a_defect_caused_from_outside() {
 }
 
 #[test]
-#[ignore = "takes a minute: run it by its name"]
+#[ignore = "takes a minute; `.ci/campaign torture` runs it"]
 fn a_checkpoint_of_which_every_second_page_is_spoilt_is_a_defect_caused_from_outside() {
     caused_from_outside(&KILLS, "renumbered", ALWAYS_S, |outside, _| {
         if let Some(checkpoint) = outside.checkpoint() {
@@ -259,7 +259,7 @@ fn a_checkpoint_of_which_every_second_page_is_spoilt_is_a_defect_caused_from_out
 }
 
 #[test]
-#[ignore = "takes a minute: run it by its name"]
+#[ignore = "takes a minute; `.ci/campaign torture` runs it"]
 fn a_fusion_that_is_held_for_too_long_is_a_defect_caused_from_outside() {
     caused_from_outside(&HARMLESS, "not-back", HELD_S, |outside, last| {
         for pid in outside.fusions() {
@@ -269,7 +269,7 @@ fn a_fusion_that_is_held_for_too_long_is_a_defect_caused_from_outside() {
 }
 
 #[test]
-#[ignore = "takes a minute: run it by its name"]
+#[ignore = "takes a minute; `.ci/campaign torture` runs it"]
 fn a_fusion_that_nobody_starts_again_is_a_defect_caused_from_outside() {
     caused_from_outside(&HARMLESS, "not-back", HELD_S, |outside, last| {
         let Some(launcher) = outside.launcher() else { return };

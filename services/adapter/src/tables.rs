@@ -84,3 +84,16 @@ pub(crate) fn utc_ns(received_ns: i64, time_ns: i64) -> i64 {
     }
     DayUnroller::near(received_ns).utc_ns(time_ns.rem_euclid(NS_PER_DAY))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_time_that_counts_from_1970_is_moved_to_no_other_day() {
+        let received_ns = 20_000 * NS_PER_DAY + 5;
+        assert_eq!(utc_ns(received_ns, 3), 20_000 * NS_PER_DAY + 3);
+        let yesterday_ns = received_ns - NS_PER_DAY;
+        assert_eq!(utc_ns(received_ns, yesterday_ns), yesterday_ns);
+    }
+}

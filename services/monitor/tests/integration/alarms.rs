@@ -394,7 +394,7 @@ fn a_source_of_whose_reports_fusion_uses_none_is_told_with_the_reason() {
         "{:?}",
         site.standing()
     );
-    // What an order keeps out is refused by nobody.
+    // Reports that an order keeps out are not refused.
     let mut site = Site::new(&[]);
     let counters = &mut site.say(ProcessKind::Fusion, "fusion", 2).counters;
     (counters[Counter::RejectedByOrder], counters[Counter::Taken]) = (40, 40);
