@@ -326,7 +326,9 @@ impl Engine {
         // The state is the only content of a centre's report, and the newest state replaces the previous state.
         let (mut content, mut correction) = (Content::none(), Correction::NONE);
         if !is_foreign {
-            self.sources.read_content(report, before, repaired, &mut content);
+            let goes_on = before.is_none() && self.tracks.goes_on(report.source, report.track_number);
+            self.sources
+                .read_content(report, (before, goes_on), repaired, &mut content);
             correction = self.sources.correction_of(&self.settings.sources, report);
         }
         let sensors = &mut self.tracks.sensors;

@@ -60,6 +60,9 @@ pub(crate) struct Sources {
     before_step: StepMemory,
 }
 
+/// Reports after which the gains of a tracker change no more.
+const OLD_REPORTS: u32 = 32;
+
 impl Sources {
     pub(crate) fn new(settings: &Settings) -> Self {
         let count = settings.sources.len();
@@ -266,12 +269,13 @@ impl Sources {
     }
 
     /// Writes the content of a report that follows a sensor track's latest report, `earlier`, that many seconds later,
-    /// into an empty one. Learns how the source filters, unless the report's covariance had to be repaired.
+    /// into an empty one. A track without an earlier report `goes_on` if it had some before a restart. Learns how the
+    /// source filters, unless the report's covariance had to be repaired.
     #[inline]
     pub(crate) fn read_content(
         &mut self,
         report: &SensorTrack,
-        earlier: Option<(&SensorEntry, f64)>,
+        (earlier, goes_on): (Option<(&SensorEntry, f64)>, bool),
         repaired: bool,
         content: &mut Content,
     ) {
@@ -298,14 +302,22 @@ impl Sources {
             return;
         }
         if !repaired && !shows_filter(&report.covariance) {
-            self.read_unfiltered(report, known, content);
+            self.read_unfiltered(report, (known, goes_on), content);
         }
     }
 
     /// The content of a report whose covariance shows no filter.
     #[inline(never)]
-    fn read_unfiltered(&mut self, report: &SensorTrack, earlier: Option<(&SensorEntry, f64)>, content: &mut Content) {
+    fn read_unfiltered(
+        &mut self,
+        report: &SensorTrack,
+        (earlier, goes_on): (Option<(&SensorEntry, f64)>, bool),
+        content: &mut Content,
+    ) {
         let mut evidence = earlier.map_or(GainEvidence::NONE, |(entry, _)| entry.evidence);
+        if goes_on {
+            evidence.grow_to(OLD_REPORTS);
+        }
         if let Some((entry, _)) = earlier
             && self.models[usize::from(report.source)].gain().is_hopeless()
         {

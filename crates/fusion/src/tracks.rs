@@ -117,6 +117,20 @@ impl Tracks {
         self.kept.forget(system);
     }
 
+    /// Whether a sensor track without an entry was a member of a system track that a checkpoint goes on with: to its
+    /// source it is an old one.
+    #[inline]
+    pub(crate) fn goes_on(&self, source: u16, track_number: u32) -> bool {
+        if self.remembered.is_empty() {
+            return false;
+        }
+        self.remembered.get(source, track_number).is_some_and(|former| {
+            let entry = self.systems.get(former.slot);
+            let is_over = matches!(entry.life, TrackState::Suspended | TrackState::Terminated);
+            entry.number == former.number && !is_over
+        })
+    }
+
     /// The system track that a sensor track, which has just reported for the first time, belonged to
     /// before, if that lives. It is asked once; where it was never shown, only if it is the last that is asked.
     pub(crate) fn recall(&mut self, sensor: SensorSlot, is_last: bool) -> Option<SystemSlot> {

@@ -5,8 +5,10 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 use std::sync::atomic::Ordering::Relaxed;
 
+use estimation::{FirstVelocity, Gaussian, NearlyConstantVelocity};
 use messages::layout::Sample as _;
 use messages::{Bias, BiasKind};
+use test_support::Random;
 
 use super::*;
 use crate::checkpoint::{CheckpointClock, Memory, MemoryRefusal, Snapshot};
@@ -221,6 +223,52 @@ fn what_was_learned_goes_on() {
         (before.errors, before.samples, before.removed),
         (after.errors, after.samples, after.removed)
     );
+}
+
+/// A fusion that is killed every fourth scan takes no track of its sources for a young one: the gains of a young track
+/// say nothing of the measurements of an old one.
+#[test]
+fn a_sources_tracker_stays_known_over_many_restarts() {
+    const SIGMA_M: f64 = 20.0;
+    let mut random = Random::new(11);
+    let mut normal = || SIGMA_M * ((0..12).map(|_| random.unit()).sum::<f64>() - 6.0);
+    let model = NearlyConstantVelocity::new(5.0, 1.0);
+    let variances = [SIGMA_M * SIGMA_M, 0.0, 0.0, SIGMA_M * SIGMA_M, 0.0, 100.0];
+    let first = FirstVelocity {
+        horizontal_sigma_mps: 150.0,
+        vertical_sigma_mps: 5.0,
+    };
+    let mut tracks: Vec<Option<Gaussian>> = vec![None; TARGETS as usize];
+    let (mut harness, mut memory) = kept(Harness::new(test_settings(1)));
+    for scan in 0..400 {
+        for target in 0..TARGETS {
+            let mut report = traffic(scan, 0, target);
+            let [x, y, z] = report.position_m;
+            let measured = [x + normal(), y + normal(), z];
+            let track = &mut tracks[target as usize];
+            let updated = match track {
+                None => Gaussian::from_first_position::<3>(measured, &variances, first),
+                Some(before) => {
+                    let mut predicted = model.predicted(before, 1.0);
+                    predicted.update_position::<3>(measured, &variances).unwrap();
+                    predicted
+                }
+            };
+            *track = Some(updated);
+            report.position_m = updated.position_m();
+            report.velocity_mps = updated.velocity_mps();
+            report.covariance = Covariance::diagonal([30.0, 30.0, 100.0], [5.0; 3]);
+            harness.take(&report);
+        }
+        if scan >= 40 && scan % 4 == 0 {
+            harness.engine.keep_learned(harness.engine.learned_records());
+            (harness, memory) = successor(harness, &memory, false);
+        }
+    }
+    let learned = harness.engine.learned(0).unwrap();
+    let [long_m, short_m] = learned.measurement_sigma_m.expect("the tracker is undone");
+    assert!((0.8 * SIGMA_M..1.25 * SIGMA_M).contains(&long_m), "{long_m}");
+    assert!((0.8 * SIGMA_M..1.25 * SIGMA_M).contains(&short_m), "{short_m}");
 }
 
 proptest! {
