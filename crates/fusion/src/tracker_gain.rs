@@ -82,6 +82,10 @@ const AXES_UPDATES: u32 = 5;
 const NOISE_UPDATES: u32 = 8;
 /// Share of a young track's gain up to which the gain teaches the noise.
 const NOISE_YOUTH: f64 = 0.2;
+/// Changes that show the gains of a track of which earlier ones are not known.
+const CHANGES_MIN: u32 = 3;
+/// Halvings of the range of ratios.
+const HALVINGS: u32 = 20;
 /// Least variance of a velocity relative to the part that its position explains.
 const COMMON_MIN: f64 = 1.05;
 /// Bound of a gain below 1: a report is never a measurement alone.
@@ -96,9 +100,11 @@ pub(crate) struct GainEvidence {
     product: [f64; 3],
     /// The same of the height: square and product.
     vertical: [f64; 2],
-    /// Measurements seen, and time before the latest one, seconds.
+    /// Measurements of the track, and time before the latest one, seconds.
     updates: u32,
     seconds: f64,
+    /// Measurements in the sums: fewer, if the track is older than what is known of it.
+    changes: u32,
 }
 
 kept! {
@@ -218,6 +224,23 @@ fn steady_gain(ratio: f64) -> f64 {
     2.0 * ratio / ((1.0 + 0.5 * ratio) * (1.0 + 0.5 * ratio) - ratio * ratio / 12.0)
 }
 
+/// Returns the ratio of the gains that a tracker has in its steady state if it assumes this noise (m²/s³), with
+/// measurements of this variance (m²); `None` while one of them is not known.
+fn usual_ratio(noise: MeanSquare, variance_m2: MeanSquare, seconds: f64) -> Option<f64> {
+    if !noise.is_known() || !variance_m2.is_known() {
+        return None;
+    }
+    let (mut least, mut most) = (RATIO_MIN, RATIO_MAX);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (least + most);
+        let gains = gains_of(middle, u32::MAX);
+        // The larger the gains, the smaller the variance that they imply.
+        let is_larger = noise.value() * gains.implied_s3(seconds) > variance_m2.value();
+        (least, most) = if is_larger { (middle, most) } else { (least, middle) };
+    }
+    Some(0.5 * (least + most))
+}
+
 /// Returns how young a track appears whose report number `n` shows this `ratio` of the gains: 1 where the report uses
 /// all measurements of the track alike, 0 in the steady state of a filter.
 fn youth(ratio: f64, n: f64) -> f64 {
@@ -285,6 +308,7 @@ impl GainEvidence {
         vertical: [0.0; 2],
         updates: 0,
         seconds: 0.0,
+        changes: 0,
     };
 
     /// Returns M (xx, xy, yy) by least squares; equal ratios on all axes, `ratio`, have a small weight.
@@ -304,6 +328,11 @@ impl GainEvidence {
     /// Makes a track as old as its number of `reports`: those that taught nothing had measurements, too.
     pub(crate) fn grow_to(&mut self, reports: u32) {
         self.updates = self.updates.max(reports.saturating_sub(1));
+    }
+
+    /// Whether too few changes of an old track were seen: its gains, which divide, could be anything.
+    fn is_thin(&self) -> bool {
+        self.changes < self.updates.min(CHANGES_MIN)
     }
 
     /// Weight of what earlier reports showed: the gains of a young track change from report to report.
@@ -418,26 +447,33 @@ impl TrackerGain {
             if product > RATIO_IMPOSSIBLE * squared || product < RATIO_LEAST * squared {
                 // A measured velocity follows the target: it changes as much as the position, or not at all.
                 self.fit.add(1.0);
-            } else if evidence.updates >= 2 && (seconds - evidence.seconds).abs() > IRREGULAR * seconds {
+            } else if evidence.changes >= 2 && (seconds - evidence.seconds).abs() > IRREGULAR * seconds {
                 // After a look without a detection the gains differ.
-            } else if evidence.updates >= 2 {
+            } else if evidence.changes >= 2 {
                 let change = youth_change(ratio, f64::from(evidence.updates) + 2.0);
                 let [xx, xy, yy] = evidence.matrix(ratio, seconds).map(|value| change * value);
                 let (ex, ey) = (vx - xx * x - xy * y, vy - xy * x - yy * y);
                 self.fit.add((ex * ex + ey * ey) / moved);
-            } else if evidence.updates == 1 {
+            } else if evidence.changes == 1 {
                 // One former change shows no matrix yet, but both changes have nearly one direction.
                 self.fit.add(1.0 - product * product.abs() / (squared * moved));
-            } else {
+            } else if evidence.updates == 0 {
                 self.first_m2ps2.add(0.5 * (vx * vx + vy * vy) / (seconds * seconds));
             }
             evidence.updates = evidence.updates.saturating_add(1);
+            evidence.changes = evidence.changes.saturating_add(1);
             evidence.add([x, y], [vx / seconds, vy / seconds], ratio);
             evidence.seconds = seconds;
         }
+        let is_thin = evidence.is_thin();
         // The first report has no change.
         let number = evidence.updates.saturating_add(1).max(2);
-        let matrix = evidence.matrix(ratio, seconds);
+        let matrix = if is_thin {
+            let usual = usual_ratio(self.noise, self.both_m2, seconds)?;
+            [usual, 0.0, usual]
+        } else {
+            evidence.matrix(ratio, seconds)
+        };
         let mut principal = Principal::of(matrix);
         let contrast_min = CONTRAST_MIN[usize::from(number >= NOISE_UPDATES)];
         let has_axes = number >= AXES_UPDATES - 1 && principal.contrast() > contrast_min;
@@ -449,17 +485,18 @@ impl TrackerGain {
             };
             principal.values = [middle; 2];
         }
-        let least = RATIO_MIN.max(RATIO_MIN_RELATIVE * ratio);
+        let least = RATIO_MIN.max(if is_thin { 0.0 } else { RATIO_MIN_RELATIVE * ratio });
         let gain = |value: f64| gains_of(value.clamp(least, RATIO_MAX), number);
         let gains = [gain(principal.values[0]), gain(principal.values[1])];
         let components = principal.along([x, y]);
         let innovation: [f64; 2] = std::array::from_fn(|axis| components[axis] / gains[axis].position);
-        if is_update {
+        if is_update && !is_thin {
             self.learn(&gains, innovation, has_axes, seconds);
         }
         let height = change
             .has_height
-            .then(|| self.take_height(evidence, (z, vz), number, seconds));
+            .then(|| self.take_height(evidence, (z, vz), number, seconds))
+            .flatten();
         self.decide();
         if !self.is_undone {
             return None;
@@ -547,10 +584,11 @@ impl TrackerGain {
         (z, vz): (f64, f64),
         number: u32,
         seconds: f64,
-    ) -> (Gains, f64) {
+    ) -> Option<(Gains, f64)> {
         let [square, product] = evidence.vertical;
         let is_update = z * z > REPEATED * ROUNDING_M2;
-        if is_update && square > 0.0 {
+        let is_thin = evidence.is_thin();
+        if is_update && square > 0.0 && !is_thin {
             let error = vz - product / square * z;
             self.vertical_fit.add(error * error / (vz * vz + ROUNDING_M2));
         }
@@ -558,17 +596,21 @@ impl TrackerGain {
             evidence.add_height(z, vz);
         }
         let [square, product] = evidence.vertical;
-        let ratio = if square > 0.0 { product / square } else { RATIO_MAX };
+        let ratio = match square > 0.0 {
+            _ if is_thin => usual_ratio(self.vertical_noise, self.vertical_m2, seconds)?,
+            true => product / square,
+            false => RATIO_MAX,
+        };
         let gains = gains_of(ratio.clamp(RATIO_MIN, RATIO_MAX), number);
         let innovation = z / gains.position;
-        if is_update && number >= VARIANCE_UPDATES {
+        if is_update && !is_thin && number >= VARIANCE_UPDATES {
             let square = innovation * innovation / gains.innovation();
             self.vertical_m2.add(square);
             if number >= NOISE_UPDATES && gains.youth < NOISE_YOUTH {
                 self.vertical_noise.add(square / gains.implied_s3(seconds));
             }
         }
-        (gains, innovation)
+        Some((gains, innovation))
     }
 }
 
