@@ -4,7 +4,7 @@ use std::path::Path;
 
 use configuration::{BUILT_IN_TORTURE, Config};
 use messages::NS_PER_S;
-use torture::{Tested, Torture};
+use torture::{Engines, Tested, Torture};
 
 use crate::product;
 
@@ -26,5 +26,9 @@ fn read(torture: &Torture) -> anyhow::Result<Tested> {
         path: path.to_owned(),
         terminate_s: settings.life.terminate_ns(fresh_ns.unwrap_or_default()) as f64 / NS_PER_S,
         deployment: config.deployment,
+        engines: Engines {
+            fusion: config.engine,
+            processing: config.processing,
+        },
     })
 }

@@ -20,7 +20,7 @@ use super::folder::Folder;
 use super::report;
 
 /// Far longer than anything takes, so that only a real hang ends it.
-pub(crate) const PATIENCE: Duration = Duration::from_secs(90);
+pub(crate) const PATIENCE: Duration = Duration::from_secs(300);
 /// Between two looks at whether a condition holds: many tests wait at once, and looking costs them processor time.
 const PAUSE: Duration = Duration::from_millis(10);
 

@@ -17,19 +17,17 @@ Examples:
 
 The command starts a separate deployment in a separate folder; other deployments are not affected. The seed alone
 determines kind, time and victim of each fault. As root, disk and shared memory are separate file systems, which are
-sometimes full. The judge keeps a ledger of each target, identified by address, over the whole run. Requirements: a
-target keeps its number until its track is terminated, and each track is terminated; no number is assigned twice; the
-shown position is correct; after each fault the target is shown again in time, and the deployment recovers.
+sometimes full.
 
-Limits on a machine without other work, in seconds, including the second or so between two reports of a target:
-                                   median   99 %   worst
-  outage of a target at a fault       2.0    4.0     8.0
-  the same, fusion.standby = true     1.5    3.0     6.0
-  outage at a restart of all            -      -    15.0
-  two tracks of one target              -      -    10.0
-  silent track, beyond terminate_s      -      -    10.0
-The margin for other work of the machine multiplies all limits (--margin, usually 2). Position errors exceed 300 m in
-fewer than three successive states; the margin does not change this limit. Output and JSON contain the resulting limits.
+The judge compares the picture of each second with the simulated world, and with the same run without faults, which is
+computed beside it: targets that are missing, second tracks, tracks without a target, addresses, errors of positions,
+heights and velocities, ages. It keeps a ledger of each target over the whole run: a target keeps its number until its
+track is terminated, each track is terminated, and no number is assigned twice. Limits of errors are ratios to the run
+without faults. A fault excuses only what it takes away itself, for the times that the output states; a fault of a
+process that only looks on excuses nothing. Without a simulated world, numbers and times are judged alone.
+
+A record (--record) is a JSON object per line: first the run; then events, among them each state that was received and
+each second of the world, with what the run without faults shows. --judge and --self-test take any such record.
 
 Exit codes: 0 sound; 1 faulty, with reasons; 2 wrong usage or configuration; 3 no verdict, because the command itself
 failed or was interrupted. The JSON file is written except with code 2, and after each fault (\"outcome\": \"running\").";
@@ -49,17 +47,13 @@ pub struct Torture {
     /// Inject this fault only (repeatable); none: no fault, to measure the use of the machine in the long run
     #[arg(long, value_name = "FAULT")]
     pub only: Vec<String>,
-    /// Factor on all limits of time, for a machine with other work
-    #[arg(long, value_name = "FACTOR", default_value_t = 2.0, value_parser = margin)]
-    pub margin: f64,
     /// Write the judge's input, a JSON object per line
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
     /// Judge a record again, without a deployment
     #[arg(long, value_name = "FILE", conflicts_with_all = ["config", "record", "json", "self_test"])]
     pub judge: Option<PathBuf>,
-    /// Test the judge: inserts many defects into a sound record (FILE, or of a simulated run); the judge must find each
-    /// defect, and none in the record itself
+    /// Test the judge: inserts many defects into a record (FILE, or of a simulated run); the judge must find each
     #[arg(long, value_name = "FILE", num_args = 0..=1, conflicts_with_all = ["config", "record", "json"])]
     pub self_test: Option<Option<PathBuf>>,
     /// Write the result
@@ -68,12 +62,4 @@ pub struct Torture {
     /// Replace a value of the configuration (repeatable)
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
-}
-
-fn margin(text: &str) -> Result<f64, String> {
-    let factor: f64 = text.parse().map_err(|error| format!("{error}"))?;
-    if (1.0..=100.0).contains(&factor) {
-        return Ok(factor);
-    }
-    Err("it must lie between 1 and 100".to_owned())
 }

@@ -1,6 +1,5 @@
 //! How each fault is caused.
 
-use std::path::Path;
 use std::sync::atomic::Ordering::Relaxed;
 
 use bus::Mark;
@@ -12,14 +11,28 @@ use runtime::instance::CHECKPOINT;
 use rustix::process::Signal;
 
 use super::deployment::Deployment;
-use super::own_file_systems::SHARED_MEMORY;
+use super::judge::event::Part;
+use super::own_file_systems;
 use super::schedule::Act;
 
-/// Causes a fault; whether the cause itself kept the picture from going on until now.
+/// What a fault takes away by its nature.
+pub(super) fn takes(act: &Act, deployment: &Deployment) -> Vec<Part> {
+    let of = |names: &[&String]| names.iter().filter_map(|name| deployment.part(name)).collect();
+    match act {
+        Act::Kill { name } | Act::KillWhileStarting { name, .. } | Act::Stop { name, .. } => of(&[name]),
+        Act::KillTwo { one, other } => of(&[one, other]),
+        Act::FloodOfOrders | Act::HostileReports { .. } | Act::WildClock { .. } | Act::FullDisk { .. } => Vec::new(),
+        Act::DamagedCheckpoint { .. } => vec![Part::Fusion, Part::Numbers],
+        // Every process that writes without room is killed, perhaps all; what has to be read anew may be anything.
+        Act::KillLauncher | Act::FullSharedMemory { .. } | Act::CorruptMemory { .. } => vec![Part::Memory],
+    }
+}
+
+/// Causes a fault.
 ///
 /// # Errors
 /// If it cannot be caused.
-pub(super) fn cause(act: &Act, deployment: &mut Deployment) -> anyhow::Result<bool> {
+pub(super) fn cause(act: &Act, deployment: &mut Deployment) -> anyhow::Result<()> {
     match act {
         Act::Kill { name } => {
             deployment.signal(name, Signal::KILL)?;
@@ -38,28 +51,25 @@ pub(super) fn cause(act: &Act, deployment: &mut Deployment) -> anyhow::Result<bo
         }
         Act::KillLauncher => deployment.restart()?,
         Act::Stop { name, time } => {
-            let holds = deployment.picture_needs(name);
             let pid = deployment.signal(name, Signal::STOP)?;
             deployment.watch(*time)?;
             // A standby that took over has killed it, unless the take-over was too late.
             deployment.signal_process(pid, Signal::CONT);
-            return Ok(holds);
         }
         Act::FloodOfOrders => flood(deployment)?,
         Act::HostileReports { source, seed } => hostile_reports(deployment, source, *seed)?,
         Act::DamagedCheckpoint { seed } => damage_checkpoint(deployment, *seed)?,
         Act::FullDisk { time } => {
-            deployment.full(&deployment.out(), *time)?;
-            return Ok(true);
+            let out = deployment.out();
+            own_file_systems::fill(&out)?;
+            deployment.watch(*time)?;
+            own_file_systems::make_room(&out)?;
         }
-        Act::FullSharedMemory { time } => {
-            deployment.full(Path::new(SHARED_MEMORY), *time)?;
-            return Ok(true);
-        }
+        Act::FullSharedMemory { time } => deployment.full_memory(*time)?,
         Act::WildClock { source, off_s, seed } => wild_clock(deployment, source, *off_s, *seed)?,
         Act::CorruptMemory { seed } => deployment.corrupt(&mut ChaCha8Rng::seed_from_u64(*seed))?,
     }
-    Ok(false)
+    Ok(())
 }
 
 fn flood(deployment: &mut Deployment) -> anyhow::Result<()> {

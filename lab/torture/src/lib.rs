@@ -23,6 +23,7 @@ mod report;
 mod resources;
 mod schedule;
 mod self_test;
+mod undisturbed;
 mod world;
 
 use std::fmt;
@@ -36,9 +37,10 @@ use runtime::signals::Stop;
 use crate::deployment::{Broken, Deployment, Interrupted};
 pub use args::{EXAMPLES, Torture};
 use judge::Judge;
-use judge::event::What;
+use judge::event::{Part, What};
 use report::{Happened, Outcome, Report};
 use schedule::{FAULTS, Fault, Planned, Schedule};
+pub use undisturbed::Engines;
 
 /// Time after a fault within which everything must be back: a process that dies again and again is started ever later.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -56,6 +58,8 @@ pub struct Tested {
     pub path: PathBuf,
     /// The deployment.
     pub deployment: ::deployment::Deployment,
+    /// Engines of the deployment's processes.
+    pub engines: Engines,
     /// Time without a report after which a track ends, seconds.
     pub terminate_s: f64,
 }
@@ -115,8 +119,8 @@ pub fn run(torture: &Torture, read: ReadTested) -> anyhow::Result<()> {
 
 fn judge_again(record: &std::path::Path) -> anyhow::Result<()> {
     let (conditions, events) = ledger::read(record)?;
-    let limits = conditions.limits;
     let mut judge = Judge::new(conditions);
+    let limits = judge.limits();
     events.iter().for_each(|event| judge.take(event));
     let verdict = judge.verdict();
     print!("{}", report::verdict_text(&verdict, &limits));
@@ -135,7 +139,7 @@ impl Run<'_> {
     fn whole(&mut self) -> anyhow::Result<()> {
         let mut deployment = Deployment::start(self.torture, (self.read)(self.torture)?, Stop::on_signals()?)?;
         self.begun = instant();
-        self.report.limits = Some(*deployment.ledger().judge().limits());
+        self.report.limits = Some(deployment.ledger().judge().limits());
         println!("limits: {}", deployment.ledger().judge().limits());
         let mut ended = self.faults(&mut deployment);
         if ended.is_ok() {
@@ -185,11 +189,11 @@ impl Run<'_> {
         let caused = instant();
         let at_s = (caused - self.begun).as_secs_f64();
         let wrong = deployment.ledger().judge().findings().total();
+        let takes = faults::takes(&planned.act, deployment);
         deployment.ledger().now(What::FaultBegins {
             fault: fault.name.to_owned(),
             act: act.clone(),
-            keeps_numbers: fault.keeps_numbers,
-            rebuilds: fault.rebuilds,
+            takes: takes.clone(),
         });
         self.report.faults.push(Happened {
             at_s,
@@ -197,9 +201,11 @@ impl Run<'_> {
             act: act.clone(),
             back_s: None,
         });
-        let held = faults::cause(&planned.act, deployment)?;
-        deployment.ledger().now(What::FaultEnds { held });
-        let back = match deployment.until_back(PATIENCE, !fault.keeps_numbers)? {
+        faults::cause(&planned.act, deployment)?;
+        deployment.ledger().now(What::FaultEnds);
+        // Spoilt memory may end processes later, too.
+        let is_steady = takes.contains(&Part::Memory) || takes.contains(&Part::Numbers);
+        let back = match deployment.until_back(PATIENCE, is_steady)? {
             None => {
                 deployment.ledger().now(What::Back);
                 let back_s = (instant() - caused).as_secs_f64();

@@ -9,7 +9,6 @@ use runtime::clock::mono_ns;
 use super::judge::event::{Event, Life, State, What};
 use super::ledger::Ledger;
 use super::resources::Latencies;
-use super::world::World;
 
 /// Time between two looks whether the deployment has replaced its memory, nanoseconds.
 const LOOK_NS: i64 = 250_000_000;
@@ -60,7 +59,6 @@ impl Onlooker {
     /// If the memory cannot be read.
     pub(super) fn look(
         &mut self,
-        world: &World,
         ledger: &mut Ledger,
         latencies: &mut Latencies,
         take_overs: &mut TakeOvers,
@@ -69,7 +67,7 @@ impl Onlooker {
         self.tracks.take(usize::MAX, |header, tracks| {
             for track in tracks {
                 latencies.add(track.stages.fused_ns - track.stages.ingested_ns);
-                let what = What::State(state(header, track, world));
+                let what = What::State(state(header, track));
                 // A state may have been sent after the look began.
                 let at_ns = at_ns.max(mono_ns());
                 ledger.take(&Event { at_ns, what });
@@ -109,20 +107,15 @@ impl Onlooker {
 }
 
 /// Part of a system track that the judge looks at.
-fn state(header: &BatchHeader, track: &SystemTrack, world: &World) -> State {
-    let [east_m, north_m, up_m] = track.position_m;
-    let upper = track.covariance.upper.iter();
-    let is_finite = [up_m]
-        .iter()
-        .chain(&track.velocity_mps)
-        .chain(upper)
-        .all(|value| value.is_finite());
-    let address = track.identity.address();
+fn state(header: &BatchHeader, track: &SystemTrack) -> State {
+    let place = track.position_m.iter().chain(&track.velocity_mps);
+    let is_finite = place.chain(&track.covariance.upper).all(|value| value.is_finite());
     State {
         sent_ns: track.stages.fused_ns,
         incarnation: header.incarnation,
         sequence: track.sequence,
         epoch: header.epoch,
+        continues: header.flags & BatchHeader::GOES_ON != 0,
         number: track.track_number,
         life: match track.state {
             state if state == TrackState::Confirmed as u8 => Life::Confirmed,
@@ -133,9 +126,10 @@ fn state(header: &BatchHeader, track: &SystemTrack, world: &World) -> State {
         },
         merged_into: track.merged_into,
         of_report: track.trigger_source != NO_SOURCE,
-        address,
-        position_m: Some([east_m, north_m])
-            .filter(|place_m| is_finite && place_m.iter().all(|value| value.is_finite())),
-        truth_m: address.and_then(|address| world.place_m(address, track.reference_time_ns)),
+        address: track.identity.address(),
+        time_ns: track.reference_time_ns,
+        position_m: is_finite.then_some(track.position_m),
+        velocity_mps: (is_finite && track.velocity_valid != 0).then_some(track.velocity_mps),
+        has_height: track.height_valid != 0,
     }
 }

@@ -6,7 +6,6 @@ use anyhow::Context as _;
 use serde::Serialize;
 
 use super::judge::Verdict;
-use super::judge::limits::Limits;
 use super::resources::{self, Resources};
 
 /// How a run ended.
@@ -34,8 +33,8 @@ pub(super) struct Report {
     pub(super) failure: Option<String>,
     pub(super) seed: u64,
     pub(super) seconds: f64,
-    /// Limits with the margin in them.
-    pub(super) limits: Option<Limits>,
+    /// Limits in words.
+    pub(super) limits: Option<String>,
     pub(super) faults: Vec<Happened>,
     /// Number of take-overs by a standby, and of take-overs from a process that did not advance.
     pub(super) take_overs: u64,
@@ -112,7 +111,8 @@ fn summary(verdict: &Verdict, (faults, seconds, take_overs, from_still): (usize,
          take-overs ({from_still} from one that stood still): {} targets renumbered, {} numbers given twice, {} tracks \
          never terminated, {} times started again by this command\n\
          {} outages of targets, s: {}; {} at rebuilds: {}\n\
-         errors of positions, m: {}\n",
+         {} targets times {} seconds: missing {}, second tracks {}, tracks without a target {}\n\
+         errors of positions, m: {}; without faults: {}\n",
         figures.states,
         figures.targets,
         figures.epochs,
@@ -125,12 +125,18 @@ fn summary(verdict: &Verdict, (faults, seconds, take_overs, from_still): (usize,
         spread(&figures.outage_s),
         figures.rebuild_outages,
         spread(&figures.rebuild_outage_s),
-        spread(&figures.position_error_m),
+        figures.targets,
+        figures.picture.seconds,
+        figures.picture.missing_s,
+        figures.picture.double_s,
+        figures.picture.ghosts_s,
+        spread(&figures.position_error_m[0]),
+        spread(&figures.position_error_m[1]),
     )
 }
 
 /// A verdict on its own, as text.
-pub(super) fn verdict_text(verdict: &Verdict, limits: &Limits) -> String {
+pub(super) fn verdict_text(verdict: &Verdict, limits: &str) -> String {
     let figures = &verdict.figures;
     summary(verdict, (figures.faults, figures.seconds, 0, 0)) + &format!("limits: {limits}\n")
 }

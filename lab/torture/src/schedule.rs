@@ -89,10 +89,6 @@ impl fmt::Display for Act {
 pub(super) struct Fault {
     pub(super) name: &'static str,
     pub(super) needs: Needs,
-    /// Whether every target must keep its number.
-    pub(super) keeps_numbers: bool,
-    /// Whether the whole deployment has to start again.
-    pub(super) rebuilds: bool,
     draw: fn(&Cast, &mut ChaCha8Rng) -> Act,
 }
 
@@ -100,8 +96,6 @@ const fn fault(name: &'static str, draw: fn(&Cast, &mut ChaCha8Rng) -> Act) -> F
     Fault {
         name,
         needs: Needs::Nothing,
-        keeps_numbers: true,
-        rebuilds: false,
         draw,
     }
 }
@@ -128,10 +122,7 @@ pub(super) const FAULTS: [Fault; 15] = [
             name: "standby".to_owned(),
         })
     },
-    Fault {
-        rebuilds: true,
-        ..fault("kill-launcher", |_, _| Act::KillLauncher)
-    },
+    fault("kill-launcher", |_, _| Act::KillLauncher),
     fault("stop", |cast, random| Act::Stop {
         name: cast.process(random),
         time: milliseconds(random, 50, 2500),
@@ -148,13 +139,9 @@ pub(super) const FAULTS: [Fault; 15] = [
         source: cast.source(random),
         seed: random.next_u64(),
     }),
-    Fault {
-        // The numbers are lost with the checkpoint.
-        keeps_numbers: false,
-        ..fault("damaged-checkpoint", |_, random| Act::DamagedCheckpoint {
-            seed: random.next_u64(),
-        })
-    },
+    fault("damaged-checkpoint", |_, random| Act::DamagedCheckpoint {
+        seed: random.next_u64(),
+    }),
     Fault {
         needs: Needs::OwnFileSystems,
         ..fault("full-disk", |_, random| Act::FullDisk {
@@ -163,9 +150,6 @@ pub(super) const FAULTS: [Fault; 15] = [
     },
     Fault {
         needs: Needs::OwnFileSystems,
-        // Every process that writes without room is killed, perhaps all.
-        keeps_numbers: false,
-        rebuilds: true,
         ..fault("full-shared-memory", |_, random| Act::FullSharedMemory {
             time: milliseconds(random, 500, 4000),
         })
@@ -175,14 +159,9 @@ pub(super) const FAULTS: [Fault; 15] = [
         off_s: random.random_range(-7200.0..7200.0),
         seed: random.next_u64(),
     }),
-    Fault {
-        // The deployment may read anything there; but it must come back.
-        keeps_numbers: false,
-        rebuilds: true,
-        ..fault("corrupt-memory", |_, random| Act::CorruptMemory {
-            seed: random.next_u64(),
-        })
-    },
+    fault("corrupt-memory", |_, random| Act::CorruptMemory {
+        seed: random.next_u64(),
+    }),
 ];
 
 fn milliseconds(random: &mut ChaCha8Rng, from: u64, to: u64) -> Duration {

@@ -1,45 +1,62 @@
-//! The simulated world in which the deployment lives, as the truth that the judge compares with.
-
-use std::collections::BTreeMap;
+//! The simulated world in which the deployment lives, and the run without faults that the judge compares with.
 
 use messages::NS_PER_S;
+use runtime::clock::Now;
 use scenario::Truth;
 
 use ::deployment::Deployment;
 
+use super::judge::event::{Second, Target};
+use super::undisturbed::{Engines, UndisturbedRun};
+
 /// Seed of the traffic, independent of the faults: other faults must not change the victims.
 pub(super) const SEED: u64 = 1;
+/// How long before a second the world is known at that second, nanoseconds.
+const AHEAD_NS: i64 = 1_000_000_000;
 
-/// Where every target is at any time; empty where the configuration has no simulated world.
+/// Where every target is at any time, and what a run without faults shows.
 pub(super) struct World {
-    truth: Option<Truth>,
-    start_utc_ns: i64,
-    by_address: BTreeMap<u32, usize>,
+    truth: Truth,
+    undisturbed: UndisturbedRun,
+    begin_mono_ns: i64,
+    next: u32,
 }
 
 impl World {
-    /// The world that `config` describes, from `start_utc_ns` on.
+    /// The world that `config` describes, from `begin` on; `None` where the configuration has no simulated world.
     ///
     /// # Errors
     /// If its settings cannot be used.
-    pub(super) fn new(config: &Deployment, start_utc_ns: i64) -> anyhow::Result<Self> {
-        let truth = match &config.scenario {
-            Some(settings) => Some(Truth::new(settings, SEED)?),
-            None => None,
+    pub(super) fn new(config: &Deployment, engines: Engines, begin: Now) -> anyhow::Result<Option<Self>> {
+        let Some(settings) = &config.scenario else {
+            return Ok(None);
         };
-        let targets = truth.iter().flat_map(|truth| truth.at(0.0));
-        Ok(Self {
-            by_address: targets.map(|target| target.address).zip(0..).collect(),
-            truth,
-            start_utc_ns,
-        })
+        Ok(Some(Self {
+            truth: Truth::new(settings, SEED)?.round(config.frame),
+            undisturbed: UndisturbedRun::new(config, engines, begin)?,
+            begin_mono_ns: begin.mono_ns,
+            next: 0,
+        }))
     }
 
-    /// East and north of the target of this address at a time, metres.
-    pub(super) fn place_m(&self, address: u32, utc_ns: i64) -> Option<[f64; 2]> {
-        let (truth, index) = (self.truth.as_ref()?, *self.by_address.get(&address)?);
-        let time_s = utc_ns.checked_sub(self.start_utc_ns)? as f64 / NS_PER_S;
-        let [east_m, north_m, _] = truth.target_at(index, time_s).position_m;
-        Some([east_m, north_m])
+    /// Returns the next second of the world; `None` if it is not near yet.
+    pub(super) fn next(&mut self, now_mono_ns: i64) -> Option<Second> {
+        let second = self.next;
+        if now_mono_ns < self.begin_mono_ns + (f64::from(second) * NS_PER_S) as i64 - AHEAD_NS {
+            return None;
+        }
+        self.next += 1;
+        let picture = self.undisturbed.next(second, &self.truth);
+        let targets = self.truth.at(f64::from(second)).map(|target| Target {
+            address: target.address,
+            position_m: target.position_m,
+            velocity_mps: target.velocity_mps,
+            undisturbed: picture.targets.get(&target.address).map(|(seen, _)| *seen),
+        });
+        Some(Second {
+            second,
+            targets: targets.collect(),
+            strangers_m: picture.strangers_m,
+        })
     }
 }

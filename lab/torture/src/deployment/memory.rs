@@ -40,8 +40,9 @@ impl Deployment {
             .collect())
     }
 
-    /// Fills a file system for a while without a subscriber: a full file system can kill readers of shared memory.
-    pub(crate) fn full(&mut self, folder: &Path, time: Duration) -> anyhow::Result<()> {
+    /// Fills shared memory for a while without a subscriber, which that can kill.
+    pub(crate) fn full_memory(&mut self, time: Duration) -> anyhow::Result<()> {
+        let folder = Path::new(SHARED_MEMORY);
         self.look_away(true);
         own_file_systems::fill(folder)?;
         std::thread::sleep(time);

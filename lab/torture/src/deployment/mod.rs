@@ -10,15 +10,14 @@ use std::time::{Duration, Instant};
 
 use anyhow::Context as _;
 use bus::{Bus, BusError, Payload, Publisher, Root, SharedMemory};
-use messages::Topic;
+use messages::{NS_PER_S, Topic};
 use runtime::clock::{Now, instant, mono_ns};
 use runtime::instance::{END_SUFFIX, NUMBERED, leading_fusion};
 use runtime::signals::Stop;
 use rustix::process::{Pid, Signal, kill_process};
 use tempfile::TempDir;
 
-use crate::judge::event::{Conditions, Event, What};
-use crate::judge::limits::Limits;
+use crate::judge::event::{Conditions, Event, Part, What};
 use crate::ledger::Ledger;
 use crate::onlooker::{Onlooker, TakeOvers};
 use crate::own_file_systems::{self, SHARED_MEMORY};
@@ -57,7 +56,7 @@ pub(crate) struct Deployment {
     sources: Vec<String>,
     /// Names of the children, once all run.
     expected: Vec<String>,
-    world: World,
+    world: Option<World>,
     ledger: Ledger,
     onlooker: Option<Onlooker>,
     /// Start of the names of memory of a killed launcher.
@@ -83,16 +82,18 @@ impl Deployment {
             executable,
             path,
             deployment: config,
+            engines,
             terminate_s,
         } = tested;
-        let start_utc_ns = Now::read().utc_ns;
-        let world = World::new(&config, start_utc_ns)?;
-        let standby = config.fusion.standby;
+        let begin = Now::read();
+        let world = World::new(&config, engines, begin)?;
+        let periods_ns = config.sources.iter().map(|source| source.period_ns);
         let conditions = Conditions {
             seed: torture.seed,
-            standby,
+            standby: config.fusion.standby,
             terminate_s,
-            limits: Limits::new(standby, terminate_s, torture.margin),
+            period_s: periods_ns.max().unwrap_or_default() as f64 / NS_PER_S,
+            begin_ns: [begin.mono_ns, begin.utc_ns],
         };
         let ledger = Ledger::new(conditions, torture.record.as_deref())?;
         let folder = TempDir::new().context("making a folder")?;
@@ -101,7 +102,7 @@ impl Deployment {
         command.push(format!("--instance={INSTANCE}"));
         command.push(format!("--seed={}", world::SEED));
         // The simulated world continues when the launcher is started again.
-        command.push(format!("--scenario-start={start_utc_ns}"));
+        command.push(format!("--scenario-start={}", begin.utc_ns));
         let out = folder.path().join("out");
         command.push(format!("--out={}", out.display()));
         if own_file_systems::are_there() {
@@ -162,12 +163,12 @@ impl Deployment {
         }
     }
 
-    /// Whether the picture cannot go on while this process stands still.
-    pub(crate) fn picture_needs(&self, name: &str) -> bool {
+    /// What goes with a process; `None` for those without which the picture goes on.
+    pub(crate) fn part(&self, name: &str) -> Option<Part> {
         match name {
-            "keeper" | "monitor" | "recorder" | "display" | "standby" => false,
-            "fusion" => !self.has_standby(),
-            _ => true,
+            "keeper" | "monitor" | "recorder" | "display" | "standby" => None,
+            "fusion" => Some(Part::Fusion),
+            _ => Some(Part::Sensors),
         }
     }
 
@@ -335,6 +336,11 @@ impl Deployment {
             self.noted_ns = now_ns;
             self.ledger.now(What::Passed);
         }
+        if let Some(world) = &mut self.world {
+            while let Some(second) = world.next(now_ns) {
+                self.ledger.now(What::Second(second));
+            }
+        }
         let has_memory = || {
             self.prefix()
                 .is_some_and(|prefix| Some(&prefix) != self.dead_prefix.as_ref())
@@ -348,7 +354,7 @@ impl Deployment {
         let Some(onlooker) = &mut self.onlooker else {
             return Ok(());
         };
-        match onlooker.look(&self.world, &mut self.ledger, &mut self.latencies, &mut self.take_overs) {
+        match onlooker.look(&mut self.ledger, &mut self.latencies, &mut self.take_overs) {
             Ok(true) => return Ok(()),
             Ok(false) => {}
             Err(error) => self.obstacle = format!("{error:#}"),

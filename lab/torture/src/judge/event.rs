@@ -2,9 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::limits::Limits;
-
-/// First line of a recorded input: the run, and the limits by which it is judged.
+/// First line of a recorded input: the run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Conditions {
     pub(crate) seed: u64,
@@ -12,7 +10,10 @@ pub(crate) struct Conditions {
     pub(crate) standby: bool,
     /// Time without a report after which a track ends, seconds.
     pub(crate) terminate_s: f64,
-    pub(crate) limits: Limits,
+    /// Time between two reports of a target by the slowest source, seconds.
+    pub(crate) period_s: f64,
+    /// Begin of the simulated world, monotonic and UTC, nanoseconds.
+    pub(crate) begin_ns: [i64; 2],
 }
 
 /// An event, with the monotonic time at which the subscriber or the command knew of it, nanoseconds.
@@ -31,6 +32,8 @@ pub(crate) enum What {
     Joined,
     /// A system track has come.
     State(State),
+    /// A whole second of the world; comes before that second.
+    Second(Second),
     /// Time has passed, whether anything came or not.
     Passed,
     /// The subscriber has announced that so many samples are lost.
@@ -43,13 +46,11 @@ pub(crate) enum What {
     FaultBegins {
         fault: String,
         act: String,
-        /// Whether every target must keep its number.
-        keeps_numbers: bool,
-        /// Whether the whole deployment has to start again.
-        rebuilds: bool,
+        /// What it takes away.
+        takes: Vec<Part>,
     },
-    /// The fault is caused. `held`: until now the cause itself kept the picture from going on.
-    FaultEnds { held: bool },
+    /// The cause of the fault is over.
+    FaultEnds,
     /// Every process runs, and states come again.
     Back,
     /// So much is missing, long after the fault.
@@ -58,6 +59,20 @@ pub(crate) enum What {
     Helped,
     /// The deployment was stopped.
     Stopped { left_behind: Vec<String> },
+}
+
+/// What a fault takes away by its nature.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum Part {
+    /// The fusion that leads ends, or stands still.
+    Fusion,
+    /// A sensor, or the adapter that receives it, ends or stands still.
+    Sensors,
+    /// The deployment begins anew, with other shared memory.
+    Memory,
+    /// The numbers of all targets: nothing is left that a fusion could know them from.
+    Numbers,
 }
 
 /// Part of a system track that the judge looks at.
@@ -69,6 +84,8 @@ pub(crate) struct State {
     pub(crate) incarnation: u64,
     pub(crate) sequence: u64,
     pub(crate) epoch: u64,
+    /// Whether the epoch goes on with the tracks of the epoch before.
+    pub(crate) continues: bool,
     pub(crate) number: u32,
     pub(crate) life: Life,
     /// Number of the track into which this one was merged; 0: none.
@@ -78,11 +95,55 @@ pub(crate) struct State {
     pub(crate) of_report: bool,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) address: Option<u32>,
-    /// East and north, metres; `None` if any value of the state is not finite.
-    pub(crate) position_m: Option<[f64; 2]>,
-    /// Place of the target of this address at the state's reference time; `None` where no truth is known.
+    /// Reference time, UTC, nanoseconds.
+    pub(crate) time_ns: i64,
+    /// East, north, up, metres; `None` if any value of the state is not finite.
+    pub(crate) position_m: Option<[f64; 3]>,
+    /// East, north, up, metres per second; `None` if it is unknown.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) truth_m: Option<[f64; 2]>,
+    pub(crate) velocity_mps: Option<[f64; 3]>,
+    /// Whether the third axis of both is known.
+    pub(crate) has_height: bool,
+}
+
+/// The simulated world at a whole second, and a run without faults beside it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Second {
+    /// Its number, from the begin of the world.
+    pub(crate) second: u32,
+    /// All targets, whether a sensor sees them or not.
+    pub(crate) targets: Vec<Target>,
+    /// Places of the other tracks of the run without faults: second tracks of targets, and false targets of sensors.
+    /// East, north, metres.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(crate) strangers_m: Vec<[f64; 2]>,
+}
+
+/// A target at a whole second.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Target {
+    pub(crate) address: u32,
+    /// East, north, up, metres.
+    pub(crate) position_m: [f64; 3],
+    pub(crate) velocity_mps: [f64; 3],
+    /// What a run without faults shows of it; `None`: nothing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) undisturbed: Option<Undisturbed>,
+}
+
+/// What a run without faults shows of a target at a whole second: its freshest track.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Undisturbed {
+    /// States in the second that ends.
+    pub(crate) states: u32,
+    /// Whether the newest state states the address, the height and the velocity.
+    pub(crate) has_address: bool,
+    pub(crate) has_height: bool,
+    pub(crate) has_velocity: bool,
+    /// Age of the newest state, seconds.
+    pub(crate) age_s: f64,
+    /// Errors of the newest state, moved along its velocity: position in the plane, height, velocity in the plane.
+    pub(crate) errors: [f64; 3],
 }
 
 /// State of a track.

@@ -3,36 +3,42 @@
 //! The judge does no input or output and reads no clock: the same events give the same verdict, from a live
 //! deployment or from a file. The judge trusts no process: addresses identify targets, and positions are compared
 //! with the truth of the simulated world. Counters of the launcher and of subscribers excuse nothing.
+//! - [`picture`]: the set of tracks at each second, and their errors, against the world and a run without faults;
 //! - [`numbers`]: each target keeps its number until its track is terminated, and each track is terminated;
+//! - [`times`]: epochs, and the times that states state;
 //! - [`outages`]: how long each target is away at a fault;
-//! - [`positions`]: where each target is shown, against the truth;
 //! - [`sequence_tally`]: whether every lost sample was announced.
 //!
 //! Times are those of sending by fusion, so that a delay of the judge itself is no outage. [`limits`] contains the
-//! limits.
+//! limits, [`allowances`] what a fault takes away by its nature.
 
+mod allowances;
 pub(crate) mod event;
 pub(crate) mod finding;
 pub(crate) mod limits;
 mod numbers;
 mod outages;
-mod positions;
+mod picture;
 mod sequence_tally;
-
-use std::collections::BTreeMap;
+mod times;
+pub(crate) mod world;
 
 use serde::Serialize;
 
-use event::{Conditions, Event, Life, State, What};
+use allowances::Allowances;
+use event::{Conditions, Event, Life, Part, State, What};
 use finding::{Finding, Findings, Found};
-use limits::{Limits, Spread};
+use limits::Spread;
 use numbers::Numbers;
 use outages::{Outages, Window};
-use positions::Positions;
+use picture::Picture;
 use sequence_tally::SequenceTally;
+use times::Times;
 
 /// Time between two checks for due events, nanoseconds.
 const LOOK_NS: i64 = 250_000_000;
+/// A time without any state that is found, seconds.
+const SILENCE_S: f64 = 15.0;
 /// A time without any state that breaks the picture, nanoseconds.
 const BREAK_NS: i64 = 1_000_000_000;
 /// A state that claims to be older than this was not sent then, nanoseconds.
@@ -42,11 +48,12 @@ const OLD_NS: i64 = 60_000_000_000;
 #[derive(Clone, Debug)]
 pub(crate) struct Judge {
     conditions: Conditions,
+    allowances: Allowances,
+    picture: Picture,
+    times: Times,
     findings: Findings,
     numbers: Numbers,
     outages: Outages,
-    positions: BTreeMap<u32, Positions>,
-    errors_m: Vec<f64>,
     sequences: SequenceTally,
     joined_ns: i64,
     epoch: u64,
@@ -60,14 +67,8 @@ pub(crate) struct Judge {
     is_silent: bool,
     begun_ns: Option<i64>,
     faults: usize,
-    fault: Fault,
-}
-
-/// The latest fault.
-#[derive(Clone, Debug, Default)]
-struct Fault {
-    began_ns: i64,
-    is_excused: bool,
+    /// Begin of the latest fault.
+    fault_ns: i64,
 }
 
 /// Result of a run.
@@ -98,7 +99,10 @@ pub(crate) struct Figures {
     /// Outages of targets where the deployment started again.
     pub(crate) rebuild_outages: usize,
     pub(crate) rebuild_outage_s: Option<Spread>,
-    pub(crate) position_error_m: Option<Spread>,
+    /// Sums over all seconds.
+    pub(crate) picture: picture::Counts,
+    /// Errors of positions in the plane at all seconds, and those of the run without faults.
+    pub(crate) position_error_m: [Option<Spread>; 2],
     pub(crate) renumbered: u64,
     pub(crate) given_twice: u64,
     pub(crate) never_terminated: u64,
@@ -112,7 +116,6 @@ struct TargetLedger {
     address: String,
     numbers: Vec<u32>,
     longest_absence_s: Option<f64>,
-    worst_position_error_m: Option<f64>,
 }
 
 impl Verdict {
@@ -129,12 +132,13 @@ impl Verdict {
 impl Judge {
     pub(crate) fn new(conditions: Conditions) -> Self {
         Self {
+            allowances: Allowances::default(),
+            picture: Picture::new(conditions.begin_ns, conditions.period_s),
+            times: Times::new(conditions.begin_ns, conditions.period_s),
             conditions,
             findings: Findings::default(),
             numbers: Numbers::default(),
             outages: Outages::default(),
-            positions: BTreeMap::new(),
-            errors_m: Vec::new(),
             sequences: SequenceTally::default(),
             joined_ns: 0,
             epoch: 0,
@@ -148,12 +152,13 @@ impl Judge {
             is_silent: false,
             begun_ns: None,
             faults: 0,
-            fault: Fault::default(),
+            fault_ns: 0,
         }
     }
 
-    pub(crate) fn limits(&self) -> &Limits {
-        &self.conditions.limits
+    /// The limits in words.
+    pub(crate) fn limits(&self) -> String {
+        limits::text(self.conditions.period_s)
     }
 
     /// Takes the next event.
@@ -165,40 +170,41 @@ impl Judge {
                 (self.sequences, self.joined_ns) = (SequenceTally::default(), at_ns);
                 // Between two subscribers, events are unseen.
                 self.numbers.lost(at_ns);
+                self.times.join(at_ns);
+                self.allowances.join(at_ns);
             }
             What::State(state) => self.take_state(at_ns, state),
+            What::Second(second) => self.picture.know(second),
             What::Passed => {}
             What::Lost { .. } => self.numbers.lost(at_ns),
             What::Left {
                 lost,
                 lost_at_end,
                 whole,
-            } => self.count_losses(*lost, *lost_at_end, *whole),
+            } => {
+                self.allowances.leave(at_ns);
+                self.count_losses(*lost, *lost_at_end, *whole);
+            }
             What::Rebuilt => {
                 self.rebuilds += 1;
                 self.outages.rebuilt();
             }
-            What::FaultBegins {
-                keeps_numbers,
-                rebuilds,
-                ..
-            } => self.begin_fault(at_ns, *keeps_numbers, *rebuilds),
-            What::FaultEnds { held } => {
-                if *held {
-                    self.outages.held(self.fault.began_ns, at_ns);
-                }
+            What::FaultBegins { takes, .. } => self.begin_fault(at_ns, takes),
+            What::FaultEnds => {
+                self.outages.held(self.fault_ns, at_ns);
+                self.allowances.end(at_ns);
             }
-            What::Back => self.excuse_no_longer(),
+            What::Back => self.numbers_are_known(),
             What::NotBack { missing } => self.findings.add(Finding::NotBack, || missing.clone()),
             What::Helped => {
-                let since_ns = self.fault.began_ns;
+                let since_ns = self.fault_ns;
                 self.findings.add(Finding::Helped, || {
                     format!("{:.1} s after the fault", (at_ns - since_ns) as f64 / 1e9)
                 });
-                // Changes that follow are the command's doing.
-                self.fault.is_excused = true;
+                // What follows is the command's doing.
+                self.begin_fault(at_ns, &[Part::Memory]);
+                self.allowances.end(at_ns);
                 self.outages.rebuilt();
-                self.excuse_no_longer();
             }
             What::Stopped { left_behind } => {
                 self.finish(at_ns);
@@ -209,30 +215,35 @@ impl Judge {
         }
         if at_ns - self.looked_ns > LOOK_NS && !matches!(event.what, What::Stopped { .. }) {
             self.looked_ns = at_ns;
-            self.outages.pass(at_ns, &self.conditions.limits, &mut self.findings);
+            self.outages.pass(at_ns);
+            self.picture.pass(at_ns, &self.allowances, &mut self.findings);
             self.look_for_silence(at_ns);
             if at_ns - self.latest_ns < BREAK_NS {
-                self.numbers.pass(at_ns, &self.conditions.limits, &mut self.findings);
+                self.numbers
+                    .pass(at_ns, self.conditions.terminate_s, &mut self.findings);
             }
         }
     }
 
     /// Where nothing was shown before, no target is missed; that no state comes at all is found all the same.
     fn look_for_silence(&mut self, at_ns: i64) {
-        let limit_s = self.limits().rebuild_s;
         let since_ns = self.latest_ns.max(self.begun_ns.unwrap_or(at_ns));
-        let is_silent = (at_ns - since_ns) as f64 / 1e9 > limit_s;
+        let is_silent = (at_ns - since_ns) as f64 / 1e9 > SILENCE_S;
         if is_silent && !self.is_silent {
             self.findings.add(Finding::NotBack, || {
-                format!("no state at all for {limit_s:.1} s and longer")
+                format!("no state at all for {SILENCE_S:.0} s and longer")
             });
         }
         self.is_silent = is_silent;
     }
 
     fn take_state(&mut self, at_ns: i64, state: &State) {
-        self.sequences
-            .take(state.incarnation, state.sequence, self.joined_ns as u64);
+        let joined_ns = self.joined_ns as u64;
+        if !self.sequences.take(state.incarnation, state.sequence, joined_ns) {
+            self.findings.add(Finding::Repeated, || {
+                format!("sample {} of {}", state.sequence, state.incarnation)
+            });
+        }
         if state.epoch < self.epoch {
             if state.sent_ns > self.epoch_began_ns {
                 self.findings.add(Finding::OlderEpoch, || {
@@ -251,6 +262,10 @@ impl Judge {
             self.epochs += 1;
             let whole = state.incarnation >= self.joined_ns as u64;
             self.numbers.begin_epoch(sent_ns, whole);
+            self.times.epoch(at_ns, state, &mut self.findings);
+            if !state.continues {
+                self.picture.begin_anew();
+            }
         }
         self.states += 1;
         if sent_ns - self.latest_ns > BREAK_NS {
@@ -265,38 +280,34 @@ impl Judge {
             self.findings
                 .add(Finding::NotFinite, || format!("a state of {}", state.number));
         }
-        let (Some(address), Life::Confirmed | Life::Coasted) = (state.address, state.life) else {
-            return;
-        };
-        self.outages.shown(address, sent_ns, state.life == Life::Coasted);
-        let positions = self.positions.entry(address).or_default();
-        match (state.position_m, state.truth_m) {
-            (Some(shown_m), Some(truth_m)) if state.of_report && !self.fault.is_excused => {
-                let error_m = positions.take(address, [shown_m, truth_m], &self.conditions.limits, &mut self.findings);
-                self.errors_m.push(error_m);
-            }
-            _ => positions.begin(),
+        if matches!(state.life, Life::Confirmed | Life::Coasted) {
+            self.times.take(at_ns, state, &self.allowances, &mut self.findings);
+        }
+        self.picture.take(state, &mut self.findings);
+        if let (Some(address), Life::Confirmed | Life::Coasted) = (state.address, state.life) {
+            self.outages.shown(address, sent_ns, state.life == Life::Coasted);
         }
     }
 
-    fn begin_fault(&mut self, at_ns: i64, keeps_numbers: bool, rebuilds: bool) {
+    fn begin_fault(&mut self, at_ns: i64, takes: &[Part]) {
         self.faults += 1;
+        self.fault_ns = at_ns;
         self.numbers.settle(at_ns, &mut self.findings);
-        self.fault = Fault {
-            began_ns: at_ns,
-            is_excused: !keeps_numbers,
+        self.numbers.are_excused = takes.contains(&Part::Numbers);
+        self.times.fault(takes);
+        self.allowances.begin(at_ns, takes);
+        let window = match takes.contains(&Part::Memory) {
+            true => Window::Rebuild,
+            false => Window::Fault,
         };
-        self.numbers.are_excused = !keeps_numbers;
-        let window = if rebuilds { Window::Rebuild } else { Window::Fault };
-        self.outages
-            .begin(window, at_ns, &self.conditions.limits, &mut self.findings);
+        self.outages.begin(window, at_ns);
     }
 
-    fn excuse_no_longer(&mut self) {
-        if std::mem::take(&mut self.fault.is_excused) {
+    /// From now on every target must keep its number again.
+    fn numbers_are_known(&mut self) {
+        if std::mem::take(&mut self.numbers.are_excused) {
             self.numbers.forget_carriers();
         }
-        self.numbers.are_excused = false;
     }
 
     /// A subscriber leaves: compares its own count of losses with the sequence numbers.
@@ -314,20 +325,8 @@ impl Judge {
     /// The run is over.
     fn finish(&mut self, at_ns: i64) {
         self.numbers.settle(at_ns, &mut self.findings);
-        self.outages
-            .begin(Window::Quiet, at_ns, &self.conditions.limits, &mut self.findings);
-        let limits = self.limits().outage_s;
-        if let [(_, Some(found)), _] = self.outages.spreads() {
-            for (finding, found_s, limit_s) in [
-                (Finding::OutageMedian, found.median, limits.median),
-                (Finding::Outage99, found.p99, limits.p99),
-            ] {
-                if found_s > limit_s {
-                    self.findings
-                        .add(finding, || format!("{found_s:.2} s (limit {limit_s:.1} s)"));
-                }
-            }
-        }
+        self.outages.begin(Window::Quiet, at_ns);
+        self.picture.pass(at_ns, &self.allowances, &mut self.findings);
     }
 
     /// Time at which the latest state was sent; monotonic, nanoseconds.
@@ -350,7 +349,6 @@ impl Judge {
                 address: format!("{address:06X}"),
                 numbers: self.numbers.of(address).to_vec(),
                 longest_absence_s: self.outages.worst_s(address),
-                worst_position_error_m: self.positions.get(&address).map(|positions| positions.worst_m),
             })
             .collect();
         Verdict {
@@ -367,7 +365,8 @@ impl Judge {
                 outage_s,
                 rebuild_outages,
                 rebuild_outage_s,
-                position_error_m: Spread::of(&self.errors_m),
+                picture: self.picture.counts,
+                position_error_m: self.picture.spreads(),
                 renumbered: self.findings.count(Finding::Renumbered),
                 given_twice: self.findings.count(Finding::NumberGivenTwice),
                 never_terminated: self.findings.count(Finding::NeverTerminated),

@@ -3,13 +3,13 @@
 //! Addresses identify targets, independent of their tracks. A target keeps its number until its track is terminated
 //! with cause: after a time without a report, or by a merge into another track. A suspended track is not shown, but its
 //! target keeps the number: it is the one under which the target must come back. A second number beside the first is a
-//! *rival*, permitted for a while until the two are merged.
+//! *rival* until the two are merged ([`super::picture`] limits the time).
 
 use std::collections::BTreeMap;
 
 use super::event::{Life, State};
 use super::finding::{Finding, Findings};
-use super::limits::Limits;
+use super::limits::FORGOTTEN_S;
 
 /// Share of the time without a report after which a track may be terminated: reports are stamped where they are made.
 const NEARLY: f64 = 0.9;
@@ -60,7 +60,6 @@ struct Carried {
     number: Option<u32>,
     /// Other numbers, and since when they have been shown.
     rivals: BTreeMap<u32, i64>,
-    has_two_tracks: bool,
     numbers: Vec<u32>,
 }
 
@@ -69,7 +68,7 @@ struct Carried {
 pub(crate) struct Numbers {
     tracks: BTreeMap<u32, Track>,
     targets: BTreeMap<u32, Carried>,
-    /// The present fault excuses changes of numbers.
+    /// The present fault has destroyed what a fusion could know the numbers from.
     pub(crate) are_excused: bool,
     /// Time of a loss in which there may have been the end of a track.
     loss_ns: Option<i64>,
@@ -83,6 +82,9 @@ impl Numbers {
     /// Takes a state sent at `at_ns`. Returns the address of a target with a track terminated with cause.
     pub(crate) fn take(&mut self, at_ns: i64, state: &State, terminate_s: f64, findings: &mut Findings) -> Option<u32> {
         let number = state.number;
+        if number == 0 {
+            findings.add(Finding::NoNumber, || format!("of {:06X?}", state.address));
+        }
         let track = self.tracks.entry(number).or_insert_with(|| Track {
             last_report_ns: at_ns,
             ..Track::default()
@@ -207,12 +209,12 @@ impl Numbers {
         self.break_ns = (gone_ns, at_ns);
     }
 
-    /// Time passes: rivals that should have been merged, and tracks that should have been terminated.
-    pub(crate) fn pass(&mut self, now_ns: i64, limits: &Limits, findings: &mut Findings) {
+    /// Time passes: rivals that go on alone, and tracks that should have been terminated.
+    pub(crate) fn pass(&mut self, now_ns: i64, terminate_s: f64, findings: &mut Findings) {
         if let Some(loss_ns) = self.loss_ns.take_if(|loss_ns| now_ns - *loss_ns > TOLD_AGAIN_NS) {
             self.excuse_ends_before(loss_ns);
         }
-        let two_tracks_ns = (limits.two_tracks_s * 1e9) as i64;
+        let two_tracks_ns = SETTLED_NS;
         for (address, target) in &mut self.targets {
             let Some(present) = target.number else { continue };
             let own = |number: u32| self.tracks.get(&number).filter(|track| track.may_be_of(*address));
@@ -228,12 +230,9 @@ impl Numbers {
                 target.rivals.remove(&rival);
                 target.number = Some(rival);
                 renumbered(findings, *address, present, rival);
-            } else if !target.has_two_tracks {
-                target.has_two_tracks = true;
-                findings.add(Finding::TwoTracks, || format!("{address:06X}: {present} and {rival}"));
             }
         }
-        let (silent_ns, since_ns) = ((limits.silent_track_s * 1e9) as i64, self.break_ns.1);
+        let (silent_ns, since_ns) = (((terminate_s + FORGOTTEN_S) * 1e9) as i64, self.break_ns.1);
         for (number, track) in &mut self.tracks {
             let is_live = track.is_shown && !track.has_ended && !track.is_suspended && !track.may_have_ended;
             if is_live && now_ns - track.last_ns.max(since_ns) > silent_ns {
@@ -286,7 +285,7 @@ impl Numbers {
     /// Removes the assignment of numbers to targets after a fault that excuses changes. Used numbers remain known.
     pub(crate) fn forget_carriers(&mut self) {
         for target in self.targets.values_mut() {
-            (target.number, target.has_two_tracks) = (None, false);
+            target.number = None;
             target.rivals.clear();
         }
         self.excuse_ends_before(i64::MAX);

@@ -14,8 +14,8 @@ struct Publisher {
 }
 
 impl SequenceTally {
-    /// A sample came to a subscriber that joined at `joined_ns`.
-    pub(crate) fn take(&mut self, incarnation: u64, sequence: u64, joined_ns: u64) {
+    /// A sample came to a subscriber that joined at `joined_ns`; whether its number has not come before.
+    pub(crate) fn take(&mut self, incarnation: u64, sequence: u64, joined_ns: u64) -> bool {
         // Every sample of a publisher that started later is expected.
         let first = if incarnation < joined_ns { sequence } else { 0 };
         let publisher = self.0.entry(incarnation).or_insert(Publisher {
@@ -23,8 +23,10 @@ impl SequenceTally {
             next: first,
             taken: 0,
         });
+        let is_new = sequence >= publisher.next;
         publisher.next = publisher.next.max(sequence.saturating_add(1));
         publisher.taken += 1;
+        is_new
     }
 
     /// Returns the number of missing samples with a received successor.

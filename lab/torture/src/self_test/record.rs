@@ -2,7 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use crate::judge::event::{Conditions, Event, State, What};
+use anyhow::Context as _;
+
+use crate::Refused;
+use crate::judge::event::{Conditions, Event, Life, State, What};
+use crate::judge::limits::SETTLED_S;
+use crate::judge::world::distance;
 
 /// See the module's documentation.
 #[derive(Clone, Debug)]
@@ -11,10 +16,33 @@ pub(super) struct Record {
     pub(super) events: Vec<Event>,
 }
 
+/// Where defects are planted in a record: the longest time without a fault.
+pub(super) struct Place {
+    /// A while after the begin of that time.
+    pub(super) from_ns: i64,
+    /// Targets that are shown all the time, the farthest travelled first.
+    pub(super) targets: Vec<u32>,
+}
+
 /// A second, nanoseconds.
 pub(super) const SECOND: i64 = 1_000_000_000;
 /// Numbers that no sound record has.
 pub(super) const FOREIGN: u32 = 3_000_000_000;
+/// Length of what is planted, and so of the time after [`Place::from_ns`], nanoseconds.
+pub(super) const LENGTH: i64 = 12 * SECOND;
+/// Targets that a record must show.
+const TARGETS_MIN: usize = 4;
+
+impl Place {
+    pub(super) fn target(&self) -> u32 {
+        self.targets[0]
+    }
+
+    /// Whether a time is that of the defect.
+    pub(super) fn has(&self, at_ns: i64) -> bool {
+        (self.from_ns..self.from_ns + LENGTH).contains(&at_ns)
+    }
+}
 
 impl Record {
     /// All states, with the times at which they came.
@@ -25,118 +53,133 @@ impl Record {
         })
     }
 
-    /// Changes the states of a target from a time on.
-    pub(super) fn change(&mut self, address: u32, from_ns: i64, mut change: impl FnMut(&mut State)) {
+    /// Changes all states from a time on.
+    pub(super) fn change_all(&mut self, from_ns: i64, mut change: impl FnMut(i64, &mut State)) {
         for event in self.events.iter_mut().filter(|event| event.at_ns >= from_ns) {
-            if let What::State(state) = &mut event.what
-                && state.address == Some(address)
-            {
-                change(state);
+            if let What::State(state) = &mut event.what {
+                change(event.at_ns, state);
             }
         }
     }
 
-    /// Removes the states of a target between two times.
-    pub(super) fn remove(&mut self, address: u32, from_ns: i64, to_ns: i64) {
+    /// Changes the states of a target from a time on.
+    pub(super) fn change(&mut self, address: u32, from_ns: i64, mut change: impl FnMut(&mut State)) {
+        self.change_all(from_ns, |_, state| {
+            if state.address == Some(address) {
+                change(state);
+            }
+        });
+    }
+
+    /// Keeps only these states; the numbers of samples then follow each other as before, so that no loss shows.
+    pub(super) fn keep(&mut self, mut keeps: impl FnMut(i64, &State) -> bool) {
         self.events.retain(|event| match &event.what {
-            What::State(state) => state.address != Some(address) || !(from_ns..to_ns).contains(&event.at_ns),
+            What::State(state) => keeps(event.at_ns, state),
             _ => true,
         });
+        self.number();
     }
 
-    /// Adds an event in its place.
-    pub(super) fn insert(&mut self, event: Event) {
-        let place = self.events.partition_point(|before| before.at_ns <= event.at_ns);
-        self.events.insert(place, event);
+    /// Adds states, each directly after the event at its time.
+    pub(super) fn add(&mut self, states: Vec<(i64, State)>) {
+        for (at_ns, state) in states {
+            let place = self.events.partition_point(|before| before.at_ns <= at_ns);
+            let what = What::State(state);
+            self.events.insert(place, Event { at_ns, what });
+        }
+        self.number();
     }
 
-    /// Begins of all faults that must leave the picture as it was.
-    pub(super) fn faults(&self) -> Vec<i64> {
-        let begins = self.events.iter().filter(|event| {
-            matches!(
-                event.what,
-                What::FaultBegins {
-                    keeps_numbers: true,
-                    rebuilds: false,
-                    ..
-                }
-            )
+    /// Numbers the samples of each publisher from its first one on.
+    fn number(&mut self) {
+        let mut next: BTreeMap<u64, u64> = BTreeMap::new();
+        self.change_all(i64::MIN, |_, state| {
+            let next = next.entry(state.incarnation).or_insert(state.sequence);
+            state.sequence = *next;
+            *next += 1;
         });
-        begins.map(|event| event.at_ns).collect()
     }
 
-    /// Begin of the fault that was followed by a newer epoch, and longest by none that excuses changes of numbers.
-    pub(super) fn kill_ns(&self) -> Option<i64> {
-        let (mut fault_ns, mut epoch, mut candidates, mut excuses) = (None, 0, Vec::new(), Vec::new());
+    /// The latest state of a target before a time.
+    pub(super) fn latest(&self, address: u32, before_ns: i64) -> State {
+        let states = self.states().take_while(|(at_ns, _)| *at_ns < before_ns);
+        let found = states.filter(|(_, state)| state.address == Some(address)).last();
+        found
+            .expect("places have only targets that were shown before")
+            .1
+            .clone()
+    }
+
+    /// The state of a target in each of the first seconds of a place, as tracks of another number.
+    pub(super) fn copies(&self, place: &Place, address: u32, number: u32) -> Vec<(i64, State)> {
+        let own = self
+            .states()
+            .filter(|(at_ns, state)| place.has(*at_ns) && state.address == Some(address));
+        own.map(|(at_ns, state)| {
+            (
+                at_ns,
+                State {
+                    number,
+                    ..state.clone()
+                },
+            )
+        })
+        .collect()
+    }
+
+    /// The place for defects.
+    ///
+    /// # Errors
+    /// If the record is too short.
+    pub(super) fn place(&self) -> anyhow::Result<Place> {
+        let settled_ns = self.conditions.begin_ns[0] + i64::from(SETTLED_S) * SECOND;
+        let mut bounds = vec![settled_ns];
         for event in &self.events {
-            match &event.what {
-                What::FaultBegins { keeps_numbers, .. } => {
-                    fault_ns = keeps_numbers.then_some(event.at_ns);
-                    excuses.extend((!keeps_numbers).then_some(event.at_ns));
-                }
-                What::State(state) if state.epoch > epoch => {
-                    epoch = state.epoch;
-                    candidates.extend(fault_ns.take());
-                }
-                What::Stopped { .. } => excuses.push(event.at_ns),
+            match event.what {
+                What::FaultBegins { .. } | What::Back | What::Stopped { .. } => bounds.push(event.at_ns),
                 _ => {}
             }
         }
-        let free = |kill_ns: &i64| {
-            excuses
-                .iter()
-                .find(|at_ns| *at_ns > kill_ns)
-                .map(|at_ns| at_ns - kill_ns)
-        };
-        candidates.into_iter().max_by_key(|kill_ns| (free(kill_ns), -kill_ns))
+        let spans = bounds.windows(2).map(|span| (span[0], span[1] - span[0]));
+        let (begin_ns, length_ns) = spans.max_by_key(|(_, length_ns)| *length_ns).unwrap_or_default();
+        // What came before may still have its effect.
+        let from_ns = begin_ns + 2 * SECOND.min(length_ns / 4);
+        let end_ns = self.events.last().map_or(0, |event| event.at_ns);
+        let targets = self.targets_at(from_ns);
+        let is_long = end_ns - from_ns > LENGTH + 3 * SECOND;
+        (is_long && targets.len() >= TARGETS_MIN)
+            .then_some(Place { from_ns, targets })
+            .with_context(|| {
+                Refused(format!(
+                    "the record shows {TARGETS_MIN} targets for no {} s: record a longer run",
+                    LENGTH / SECOND + 5
+                ))
+            })
     }
 
-    /// Targets that are shown shortly before and after a time, the farthest travelled first.
-    pub(super) fn targets_at(&self, at_ns: i64) -> Vec<u32> {
-        #[derive(Default)]
-        struct Seen {
-            before: bool,
-            after: u32,
-            from_m: Option<[f64; 2]>,
-            moved_m: f64,
-        }
+    /// Targets that are shown before a time and through the time of a defect, the farthest travelled first.
+    fn targets_at(&self, from_ns: i64) -> Vec<u32> {
+        /// States in each third, with the time before, and first and last place.
+        type Seen = ([u32; 4], [Option<[f64; 3]>; 2]);
         let mut seen: BTreeMap<u32, Seen> = BTreeMap::new();
-        for (sent_ns, state) in self.states() {
+        for (at_ns, state) in self.states().filter(|(_, state)| state.life == Life::Confirmed) {
             let Some(address) = state.address else { continue };
-            let target = seen.entry(address).or_default();
-            target.before |= (at_ns - 3 * SECOND..at_ns).contains(&sent_ns);
-            if sent_ns >= at_ns {
-                target.after += 1;
-                let (Some(place_m), first_m) = (state.truth_m, target.from_m.or(state.truth_m)) else {
-                    continue;
-                };
-                let [[x, y], [from_x, from_y]] = [place_m, first_m.unwrap_or(place_m)];
-                (target.from_m, target.moved_m) = (first_m, target.moved_m.max((x - from_x).hypot(y - from_y)));
+            let third = (at_ns - from_ns).div_euclid(LENGTH / 3) + 1;
+            if let Ok(third @ 0..4) = usize::try_from(third) {
+                let (counts, ends) = seen.entry(address).or_default();
+                counts[third] += 1;
+                ends[0] = ends[0].or(state.position_m);
+                ends[1] = state.position_m.or(ends[1]);
             }
         }
-        let most = seen.values().map(|target| target.after).max().unwrap_or(0);
-        let mut targets: Vec<(u32, Seen)> = seen
-            .into_iter()
-            .filter(|(_, target)| target.before && 2 * target.after > most)
-            .collect();
-        targets.sort_by(|(_, one), (_, other)| other.moved_m.total_cmp(&one.moved_m));
+        let way_m = |ends: &[Option<[f64; 3]>; 2]| match ends {
+            [Some(from_m), Some(to_m)] => distance(*from_m, *to_m),
+            _ => 0.0,
+        };
+        let is_shown = |counts: &[u32; 4]| counts.iter().all(|count| *count >= 3);
+        let shown = seen.into_iter().filter(|(_, (counts, _))| is_shown(counts));
+        let mut targets: Vec<(u32, f64)> = shown.map(|(address, (_, ends))| (address, way_m(&ends))).collect();
+        targets.sort_by(|(_, one), (_, other)| other.total_cmp(one));
         targets.into_iter().map(|(address, _)| address).collect()
-    }
-
-    /// Begin of the longest time in which nothing excuses that the end of a track does not come, and its length.
-    pub(super) fn longest_without_excuse(&self) -> (i64, i64) {
-        let mut excuses: Vec<i64> = Vec::new();
-        for event in &self.events {
-            let excuses_ends = match &event.what {
-                What::FaultBegins { keeps_numbers, .. } => !keeps_numbers,
-                What::Back | What::Joined | What::Lost { .. } | What::Rebuilt | What::Helped | What::Stopped { .. } => {
-                    !matches!(event.what, What::Back)
-                }
-                _ => false,
-            };
-            excuses.extend(excuses_ends.then_some(event.at_ns));
-        }
-        let spans = excuses.windows(2).map(|pair| (pair[0], pair[1] - pair[0]));
-        spans.max_by_key(|(_, length_ns)| *length_ns).unwrap_or((0, 0))
     }
 }

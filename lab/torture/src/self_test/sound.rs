@@ -4,15 +4,16 @@ use messages::NS_PER_S;
 use scenario::{ScenarioSettings, Truth};
 
 use super::record::{Record, SECOND};
-use crate::judge::event::{Conditions, Event, Life, State, What};
-use crate::judge::limits::Limits;
+use crate::judge::event::{Conditions, Event, Life, Part, Second, State, Target, Undisturbed, What};
 
 const TARGETS: u32 = 24;
 const LENGTH: i64 = 200 * SECOND;
 const FAULT_EVERY: i64 = 10 * SECOND;
 const TERMINATE_S: f64 = 25.0;
-/// Monotonic time of the begin, nanoseconds.
+const PERIOD_S: f64 = 5.0;
+/// Monotonic time and UTC of the begin, nanoseconds.
 const BEGIN_NS: i64 = 1_000 * SECOND;
+const BEGIN_UTC_NS: i64 = 1_800_000_000 * SECOND;
 /// A target without detections for a while, and the time.
 const UNSEEN: u32 = 5;
 const UNSEEN_FROM: i64 = 81 * SECOND;
@@ -51,6 +52,7 @@ struct Deployment {
     events: Vec<Event>,
     truth: Truth,
     epoch: u64,
+    continues: bool,
     incarnation: u64,
     sequence: u64,
     /// Added to all numbers: new ones where the checkpoint is lost.
@@ -72,7 +74,8 @@ pub(super) fn record() -> anyhow::Result<Record> {
     let mut deployment = Deployment {
         events: Vec::new(),
         truth: Truth::new(&settings, 1)?,
-        epoch: 1,
+        epoch: BEGIN_UTC_NS as u64,
+        continues: false,
         incarnation: (BEGIN_NS + 1) as u64,
         sequence: 0,
         numbers_from: 1,
@@ -80,10 +83,14 @@ pub(super) fn record() -> anyhow::Result<Record> {
         silent_until: 0,
         again: false,
     };
+    deployment.second(0);
     deployment.add(0, What::Joined);
     let tick = SECOND / i64::from(TARGETS);
     for step in 0..LENGTH / tick {
         let now = step * tick;
+        if step % i64::from(TARGETS) == 0 {
+            deployment.second((now / SECOND) as u32 + 1);
+        }
         if now > 0 && now % FAULT_EVERY < tick {
             deployment.fault(now);
         }
@@ -100,12 +107,12 @@ pub(super) fn record() -> anyhow::Result<Record> {
         seed: 0,
         standby: false,
         terminate_s: TERMINATE_S,
-        limits: Limits::new(false, TERMINATE_S, 1.0),
+        period_s: PERIOD_S,
+        begin_ns: [BEGIN_NS, BEGIN_UTC_NS],
     };
-    Ok(Record {
-        conditions,
-        events: deployment.events,
-    })
+    let mut events = deployment.events;
+    events.sort_by_key(|event| event.at_ns);
+    Ok(Record { conditions, events })
 }
 
 impl Deployment {
@@ -134,8 +141,12 @@ impl Deployment {
             What::FaultBegins {
                 fault: "simulated".to_owned(),
                 act: String::new(),
-                keeps_numbers: kind != Kind::DamagedCheckpoint,
-                rebuilds: kind == Kind::Launcher,
+                takes: match kind {
+                    Kind::Kill | Kind::Held => vec![Part::Fusion],
+                    Kind::Launcher => vec![Part::Memory],
+                    Kind::DamagedCheckpoint => vec![Part::Fusion, Part::Numbers],
+                    Kind::Slow | Kind::Bystander => Vec::new(),
+                },
             },
         );
         let away = match kind {
@@ -150,7 +161,8 @@ impl Deployment {
             self.add(now + away / 2, What::Joined);
         }
         if matches!(kind, Kind::Kill | Kind::Launcher | Kind::DamagedCheckpoint) {
-            self.epoch += 1;
+            self.epoch = (BEGIN_UTC_NS + now + away - SECOND / 10) as u64;
+            self.continues = kind != Kind::DamagedCheckpoint;
             (self.incarnation, self.sequence) = ((BEGIN_NS + now + away - SECOND / 10) as u64, 0);
         }
         if kind == Kind::DamagedCheckpoint {
@@ -161,12 +173,8 @@ impl Deployment {
             self.lost += 10;
             self.add(now + SECOND / 100, What::Lost { samples: 10 });
         }
-        self.add(
-            now + away,
-            What::FaultEnds {
-                held: kind == Kind::Held,
-            },
-        );
+        let lasts = if kind == Kind::Held { away } else { 0 };
+        self.add(now + lasts, What::FaultEnds);
         self.add(now + away, What::Back);
     }
 
@@ -197,8 +205,9 @@ impl Deployment {
 
     fn state(&mut self, target: u32, number: u32, life: Life, now: i64, merged_into: u32) {
         let truth = self.truth.target_at(target as usize, now as f64 / NS_PER_S);
-        let [x, y, _] = truth.position_m;
-        let wander = f64::from((self.sequence % 41) as u32) - 20.0;
+        let [x, y, z] = truth.position_m;
+        let [vx, vy, vz] = truth.velocity_mps;
+        let wander = wander_m(self.sequence);
         let sequence = self.sequence;
         self.sequence += 1;
         let state = State {
@@ -206,14 +215,53 @@ impl Deployment {
             incarnation: self.incarnation,
             sequence,
             epoch: self.epoch,
+            continues: self.continues,
             number,
             life,
             merged_into,
             of_report: life == Life::Confirmed,
             address: Some(truth.address),
-            position_m: Some([x + wander, y - wander]),
-            truth_m: Some([x, y]),
+            time_ns: BEGIN_UTC_NS + now,
+            position_m: Some([x + wander, y - wander, z + 0.5 * wander]),
+            velocity_mps: Some([vx + 0.2 * wander, vy, vz]),
+            has_height: true,
         };
         self.add(now, What::State(state));
     }
+
+    /// The world at a second, and what a run without faults shows.
+    fn second(&mut self, second: u32) {
+        let time_s = f64::from(second);
+        let is_seen = |id: u32| id != UNSEEN || !(UNSEEN_FROM..SEEN_AGAIN).contains(&(i64::from(second) * SECOND));
+        let targets = self.truth.at(time_s).map(|target| {
+            let wander = wander_m(u64::from(second * TARGETS + target.id)).abs();
+            Target {
+                address: target.address,
+                position_m: target.position_m,
+                velocity_mps: target.velocity_mps,
+                undisturbed: is_seen(target.id).then_some(Undisturbed {
+                    states: 1,
+                    has_address: true,
+                    has_height: true,
+                    has_velocity: true,
+                    age_s: 1.0 - f64::from(target.id) / f64::from(TARGETS),
+                    errors: [wander * 2.0_f64.sqrt(), 0.5 * wander, 0.2 * wander],
+                }),
+            }
+        });
+        let targets = targets.collect();
+        self.add(
+            (i64::from(second) - 1) * SECOND,
+            What::Second(Second {
+                second,
+                targets,
+                strangers_m: Vec::new(),
+            }),
+        );
+    }
+}
+
+/// Error that a sample has on each axis, metres.
+fn wander_m(sample: u64) -> f64 {
+    f64::from((sample % 41) as u32) - 20.0
 }

@@ -1,0 +1,226 @@
+//! The run without faults: the same sensors in the same world, received and fused in this process.
+//!
+//! The judge's limits are ratios to this run. It has no processes, no network and no clock, so that nothing can disturb
+//! it, and keeps a second ahead of the deployment. The sensors' datagrams go through the decoders, pipelines and the
+//! engine of the deployment's processes.
+
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+
+use asterix::{Decoder, blocks};
+use deployment::{Deployment, Input, Instrument};
+use fusion::Engine;
+use messages::{NO_SOURCE, NS_PER_S, SystemTrack, TrackState};
+use observations::EmitterMeasurement;
+use reception::observation::{self, Reading};
+use runtime::clock::Now;
+use scenario::{SimulatedDirectionFinder, TargetState, Truth};
+use simulator::SensorFeed;
+use sources::{Pipeline, Processing, Samples};
+use tracking::wide_area::arrivals::Arrivals;
+
+use crate::judge::event::Undisturbed;
+use crate::judge::world::{distance, moved};
+use crate::world::SEED;
+
+/// A track farther from every target than this is one of a sensor's false targets, metres.
+const STRANGER_M: f64 = 1000.0;
+
+/// Engines of the deployment's processes.
+#[derive(Debug)]
+pub struct Engines {
+    /// Settings of fusion.
+    pub fusion: fusion::Settings,
+    /// How the tracks of each source are made, in the order of their numbers.
+    pub processing: Vec<Processing>,
+}
+
+/// See the module's documentation.
+pub(super) struct UndisturbedRun {
+    observers: Vec<Observer>,
+    begin_utc_ns: i64,
+    engine: Engine,
+    tracks: BTreeMap<u32, Shown>,
+}
+
+/// A simulated sensor, and the processing of its data.
+struct Observer {
+    instrument: Sender,
+    pipeline: Pipeline,
+}
+
+enum Sender {
+    Asterix(Box<SensorFeed>, Box<Decoder>),
+    Bearings(Box<SimulatedDirectionFinder>),
+}
+
+/// The newest state of a confirmed track.
+struct Shown {
+    state: SystemTrack,
+    /// States in the present second.
+    states: u32,
+}
+
+/// What the run shows at a second.
+#[derive(Default)]
+pub(super) struct Picture {
+    /// The track of each target, and its place.
+    pub(super) targets: BTreeMap<u32, (Undisturbed, [f64; 2])>,
+    /// Places of all other tracks.
+    pub(super) strangers_m: Vec<[f64; 2]>,
+}
+
+impl UndisturbedRun {
+    /// The run of the simulated sensors of `config`, from `begin_utc_ns` on. Arrays of direction finders are left out.
+    ///
+    /// # Errors
+    /// If its settings cannot be used.
+    pub(super) fn new(config: &Deployment, engines: Engines, begin: Now) -> anyhow::Result<Self> {
+        let mut observers = Vec::new();
+        for (source, processing) in config.sources.iter().zip(&engines.processing) {
+            let Input::Simulated(simulated) = &source.input else {
+                continue;
+            };
+            let instrument = match &simulated.instrument {
+                Instrument::Sensor(settings) => {
+                    let feed = SensorFeed::new(source, settings, SEED, begin.utc_ns)?;
+                    Sender::Asterix(Box::new(feed), Box::new(simulated.live.asterix.decoder()))
+                }
+                Instrument::DirectionFinder { settings, array: None } => {
+                    let finder = SimulatedDirectionFinder::new(settings, SEED, source.number, begin.utc_ns)?;
+                    Sender::Bearings(Box::new(finder))
+                }
+                Instrument::DirectionFinder { array: Some(_), .. } => continue,
+            };
+            observers.push(Observer {
+                instrument,
+                pipeline: Pipeline::new(source.model, processing, begin.utc_ns, Arrivals::new())?,
+            });
+        }
+        Ok(Self {
+            observers,
+            begin_utc_ns: begin.utc_ns,
+            engine: Engine::new(engines.fusion)?,
+            tracks: BTreeMap::new(),
+        })
+    }
+
+    /// Goes on to the next second; returns what is shown then.
+    pub(super) fn next(&mut self, second: u32, truth: &Truth) -> Picture {
+        let end_s = f64::from(second);
+        self.tracks.values_mut().for_each(|shown| shown.states = 0);
+        let by_due = |one: &&mut Observer, other: &&mut Observer| one.due_s().total_cmp(&other.due_s());
+        while let Some(observer) = self
+            .observers
+            .iter_mut()
+            .min_by(by_due)
+            .filter(|next| next.due_s() <= end_s)
+        {
+            let now_ns = self.begin_utc_ns + (observer.due_s() * NS_PER_S) as i64;
+            let samples = observer.deliver(truth, now_ns);
+            let tracks = &mut self.tracks;
+            for report in &samples.tracks {
+                let taken = &mut |state: &SystemTrack| take(tracks, state);
+                self.engine.take_at(report, now_ns, taken);
+            }
+        }
+        let now_ns = self.begin_utc_ns + (end_s * NS_PER_S) as i64;
+        self.picture(now_ns, &truth.at(end_s).collect::<Vec<_>>())
+    }
+
+    fn picture(&self, now_ns: i64, truth: &[TargetState]) -> Picture {
+        let mut picture = Picture::default();
+        for Shown { state, states } in self.tracks.values() {
+            let age_s = (now_ns - state.reference_time_ns) as f64 / NS_PER_S;
+            let place_m = moved(state.position_m, state.velocity_mps, age_s);
+            let Some((error_m, target)) = nearest(truth, place_m, state.identity.address()) else {
+                picture.strangers_m.push([place_m[0], place_m[1]]);
+                continue;
+            };
+            let seen = Undisturbed {
+                states: *states,
+                has_address: state.identity.address().is_some(),
+                has_height: state.height_valid != 0,
+                has_velocity: state.velocity_valid != 0,
+                age_s,
+                errors: [
+                    error_m,
+                    (place_m[2] - target.position_m[2]).abs(),
+                    distance(state.velocity_mps, target.velocity_mps),
+                ],
+            };
+            let rank = |seen: &Undisturbed| (!seen.has_address, seen.age_s);
+            let place_m = [place_m[0], place_m[1]];
+            match picture.targets.entry(target.address) {
+                Entry::Vacant(none) => drop(none.insert((seen, place_m))),
+                Entry::Occupied(mut before) if rank(&seen) < rank(&before.get().0) => {
+                    picture.strangers_m.push(before.insert((seen, place_m)).1);
+                }
+                Entry::Occupied(_) => picture.strangers_m.push(place_m),
+            }
+        }
+        picture
+    }
+}
+
+impl Observer {
+    fn due_s(&self) -> f64 {
+        match &self.instrument {
+            Sender::Asterix(feed, _) => feed.due_s(),
+            Sender::Bearings(finder) => finder.next_delivery_s(),
+        }
+    }
+
+    /// The samples of the next delivery.
+    fn deliver(&mut self, truth: &Truth, now_ns: i64) -> Samples {
+        let (mut samples, pipeline) = (Samples::default(), &mut self.pipeline);
+        pipeline.received(now_ns, now_ns);
+        match &mut self.instrument {
+            Sender::Asterix(feed, decoder) => feed.deliver(truth, now_ns, &mut |datagram| {
+                for record in decoder.records_of(blocks(datagram), datagram.len()).flatten() {
+                    match observation::read(&record) {
+                        Reading::Target(observed) => pipeline.take(&observed, now_ns, &mut samples),
+                        Reading::Service(service) => pipeline.service(&service, now_ns, &mut samples),
+                        Reading::Other => {}
+                    }
+                }
+            }),
+            Sender::Bearings(finder) => {
+                let mut bearings = Vec::new();
+                finder.listen(truth, &mut bearings);
+                for bearing in bearings {
+                    pipeline.emitter(&EmitterMeasurement::Bearing(bearing), now_ns, &mut samples);
+                }
+            }
+        }
+        pipeline.elapsed(now_ns, now_ns, &mut samples);
+        samples
+    }
+}
+
+fn take(tracks: &mut BTreeMap<u32, Shown>, state: &SystemTrack) {
+    let is_shown = [TrackState::Confirmed, TrackState::Coasted]
+        .map(|life| life as u8)
+        .contains(&state.state);
+    if !is_shown {
+        tracks.remove(&state.track_number);
+        return;
+    }
+    let shown = tracks.entry(state.track_number).or_insert(Shown {
+        state: *state,
+        states: 0,
+    });
+    shown.state = *state;
+    shown.states += u32::from(state.trigger_source != NO_SOURCE);
+}
+
+/// The target of this address, else the nearest, if one is near; with the distance in the plane, metres.
+fn nearest(truth: &[TargetState], place_m: [f64; 3], address: Option<u32>) -> Option<(f64, &TargetState)> {
+    let candidates = truth
+        .iter()
+        .filter(|target| address.is_none_or(|address| target.address == address));
+    let distances = candidates.map(|target| (distance(target.position_m, place_m), target));
+    distances
+        .filter(|(distance_m, _)| *distance_m < STRANGER_M)
+        .min_by(|(one, _), (other, _)| one.total_cmp(other))
+}
