@@ -54,6 +54,9 @@ pub(crate) struct Search<'a> {
     pub(crate) sources: &'a Sources,
 }
 
+/// Distance within which a new track of a sensor in a turn may be of a target, metres.
+const FOLLOWED_M: f64 = 1000.0;
+
 impl Search<'_> {
     /// Calls `visit` with every system track that the sensor track in `own` could join, and their d².
     pub(crate) fn admissible(&self, own: SensorSlot, mut visit: impl FnMut(SystemSlot, f64)) {
@@ -180,6 +183,33 @@ impl Search<'_> {
                     && !(heights && height_distance(&state, theirs) > gate);
             },
         );
+        is_shown
+    }
+
+    /// Whether a target that is shown already may be that of the system track `own`, all of whose sources have begun
+    /// anew: a track near by that they followed before and follow no more. In its first reports, a track of a sensor
+    /// is late in turns, beyond what it states.
+    pub(crate) fn was_followed(&self, own: SystemSlot, now_ns: i64) -> bool {
+        let restarts = &self.tracks.lifetimes.restarts;
+        let sources = self.tracks.sources_of(own, now_ns);
+        let began_ns = self.tracks.systems.get(own).first_seen_ns;
+        let has_restarted = |source: u16| restarts.is_shortly_before(source, began_ns);
+        if !(0..u64::BITS as u16)
+            .filter(|source| sources & (1 << source) != 0)
+            .all(has_restarted)
+        {
+            return false;
+        }
+        let state = self.state(own, now_ns);
+        let mut is_shown = false;
+        self.others(own, now_ns, (&state, FOLLOWED_M), |system, _, _| {
+            let life = self.tracks.systems.get(system).life;
+            let mut members = self.tracks.member_entries(system);
+            is_shown |= matches!(life, TrackState::Confirmed | TrackState::Coasted)
+                && members.any(|(_, member)| {
+                    sources & (1 << member.source) != 0 && restarts.is_before(member.source, member.time_ns)
+                });
+        });
         is_shown
     }
 

@@ -357,6 +357,11 @@ impl Engine {
     /// is no entry yet; `None` if the report is older.
     fn earlier(&mut self, report: &SensorTrack, known: Option<SensorSlot>) -> Option<Option<(SensorSlot, f64)>> {
         let time_ns = report.time_of_measurement_ns;
+        let source = (
+            report.source,
+            self.settings.sources[usize::from(report.source)].period_ns,
+        );
+        self.tracks.lifetimes.restarts.take(source, time_ns, known.is_none());
         let Some(sensor) = known else {
             self.tracks.lifetimes.learn(report.source, time_ns, None);
             return Some(None);

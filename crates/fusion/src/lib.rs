@@ -84,6 +84,7 @@ mod recognition;
 mod reference_point;
 pub mod region;
 pub mod registration;
+mod restarts;
 mod restore;
 mod resumption;
 mod rhythm;

@@ -49,6 +49,8 @@ const CHANCE_LOOKS: f64 = 1.0;
 /// Time for which a second track beside a target waits to be distinguished from another point of the target, in
 /// periods of the slowest source.
 const PATIENCE_PERIODS: f64 = 30.0;
+/// Periods of the slowest source for which a track waits beside one that its sources followed before they restarted.
+const RESTART_PERIODS: f64 = 4.0;
 /// Log-likelihood ratio of two sources in agreement if as many tracks are tentative as confirmed, and the exponent of
 /// its decrease: so steep that a few tentative tracks delay no target.
 const AGREEMENT: f64 = 2.0;
@@ -405,7 +407,11 @@ fn may_be_another(
     };
     let is_patient = (now_ns - entry.first_seen_ns) as f64 <= patience_s * NS_PER_S;
     let is_nameless = entry.identity.unique_number().is_none() && !entry.is_foreign;
-    is_nameless && (is_patient && search.is_shown_already(system, now_ns) || search.is_shown_elsewhere(system, now_ns))
+    let is_new = (now_ns - entry.first_seen_ns) as f64 <= RESTART_PERIODS * settings.longest_period_s() * NS_PER_S;
+    is_nameless
+        && (is_patient && search.is_shown_already(system, now_ns)
+            || search.is_shown_elsewhere(system, now_ns)
+            || is_new && search.was_followed(system, now_ns))
 }
 
 /// Lets a system track with a due deadline coast, rest or terminate. Returns the next deadline; `None` after

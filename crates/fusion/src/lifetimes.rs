@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 use settings::{Seconds, SettingsError};
 
 use crate::gaps::Gaps;
+use crate::restarts::Restarts;
 use crate::rhythm::Rhythm;
 use crate::settings::{FRESH_PERIODS, LifeSettings, Settings, SourceSettings};
 use crate::source_model::Median;
@@ -46,6 +47,8 @@ pub(crate) struct Lifetimes {
     pub(crate) tentative_ns: i64,
     /// Least time without a report after which a confirmed track ends, nanoseconds.
     pub(crate) terminate_ns: i64,
+    /// The latest restarts of the sources.
+    pub(crate) restarts: Restarts,
 }
 
 /// Period of a source without a configured period.
@@ -87,6 +90,7 @@ impl Lifetimes {
                 .fold(0, |bits, (number, _)| bits | 1 << number),
             tentative_ns: 0,
             terminate_ns: 0,
+            restarts: Restarts::new(sources.len()),
         };
         new.derive(settings, i64::MIN);
         new

@@ -292,6 +292,11 @@ impl Tracks {
         now_ns - entry.time_ns <= self.lifetimes.fresh_ns(entry.source)
     }
 
+    /// Whether a sensor track speaks for its source beside another one: not one of before the source's restart.
+    fn still_speaks(&self, entry: &SensorEntry, now_ns: i64) -> bool {
+        self.is_fresh_by_period(entry, now_ns) && !self.lifetimes.restarts.is_before(entry.source, entry.time_ns)
+    }
+
     fn is_fresh_by_rhythm(&self, entry: &SensorEntry, now_ns: i64) -> bool {
         entry.system != NO_SYSTEM && now_ns - entry.time_ns <= self.systems.get(entry.system).rhythm.fresh_ns()
     }
@@ -313,17 +318,18 @@ impl Tracks {
     ) -> Option<SensorSlot> {
         self.member_entries(system)
             .find(|(member, entry)| {
-                let speaks = entry.role == Role::Primary && self.is_fresh_by_period(entry, now_ns);
+                let speaks = entry.role == Role::Primary && self.still_speaks(entry, now_ns);
                 *member != own && entry.source == source && speaks
             })
             .map(|(member, _)| member)
     }
 
-    /// The sources that contribute to a system track, as bits.
+    /// The sources that contribute to a system track, as bits; those aside whose tracks are of before their restart.
     pub(crate) fn sources_of(&self, system: SystemSlot, now_ns: i64) -> u64 {
         let mut bits = 0;
         for (_, entry) in self.contributing_entries(system, now_ns) {
-            bits |= 1 << entry.source;
+            let is_before = self.lifetimes.restarts.is_before(entry.source, entry.time_ns);
+            bits |= u64::from(!is_before) << entry.source;
         }
         bits
     }
@@ -450,7 +456,7 @@ impl Tracks {
                 *member != sensor
                     && self.dependence.group_of(entry.source) == group
                     && entry.role == Role::Primary
-                    && self.is_fresh_by_period(entry, now_ns)
+                    && self.still_speaks(entry, now_ns)
             })
             .map(|(_, other)| other.source);
         if entry.role == Role::Primary {

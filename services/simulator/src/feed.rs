@@ -50,7 +50,7 @@ impl SensorFeed {
     }
 
     /// Continues at `time_s` seconds from the scenario's start.
-    pub(crate) fn restart_at(&mut self, time_s: f64) {
+    pub fn restart_at(&mut self, time_s: f64) {
         self.simulated.restart_at(time_s);
     }
 

@@ -1,0 +1,151 @@
+//! Restarts of sources: a sensor that begins anew gives all its targets other tracks.
+//!
+//! A sensor states its restart seldom, and its adapter goes on. The tracks show it: all that the source followed for
+//! some time are silent, and others come. Until its former tracks have ended, the source would otherwise speak twice
+//! for each target: its new track could not join the target's system track, since a source that has two tracks
+//! states that there are two targets, and two sources that restart together would agree on a second one.
+
+use messages::NS_PER_S;
+use serde::{Deserialize, Serialize};
+
+/// Reports of known tracks in two periods without which their silence means nothing, and first reports in a row.
+const REPORTS_MIN: u32 = 5;
+/// Share of a period for which all known tracks are silent while others begin; those of one scan may follow each other.
+const SILENT: f64 = 0.75;
+/// Time after the last report before a restart in which its tracks come back, nanoseconds.
+const SHORTLY_NS: i64 = 60 * NS_PER_S as i64;
+/// Silence after which all tracks have ended, so that it no longer matters, nanoseconds.
+const LONG_NS: i64 = 300 * NS_PER_S as i64;
+
+/// The sources' latest restarts.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct Restarts {
+    sources: Vec<SourceRestarts>,
+}
+
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct SourceRestarts {
+    /// Time of the latest report that was not the first of its track, nanoseconds.
+    known_ns: i64,
+    /// Begin of the present period of such reports, nanoseconds, and their number in the one before and since.
+    period_ns: i64,
+    reports: [u32; 2],
+    /// First reports since the latest one.
+    begun: u32,
+    /// Tracks that have not been reported since then are of before a restart, nanoseconds.
+    restarted_ns: i64,
+}
+
+impl Restarts {
+    pub(crate) fn new(sources: usize) -> Self {
+        let none = SourceRestarts {
+            known_ns: i64::MIN,
+            period_ns: i64::MIN,
+            reports: [0; 2],
+            begun: 0,
+            restarted_ns: i64::MIN,
+        };
+        Self {
+            sources: vec![none; sources],
+        }
+    }
+
+    /// Whether a track of `source` with its latest report at `time_ns` is of before a restart of the source.
+    #[inline]
+    pub(crate) fn is_before(&self, source: u16, time_ns: i64) -> bool {
+        time_ns <= self.sources[usize::from(source)].restarted_ns
+    }
+
+    /// Whether `source` has restarted shortly before a time, at which a track of it began.
+    pub(crate) fn is_shortly_before(&self, source: u16, began_ns: i64) -> bool {
+        let restarted_ns = self.sources[usize::from(source)].restarted_ns;
+        began_ns > restarted_ns && began_ns.saturating_sub(restarted_ns) < SHORTLY_NS
+    }
+
+    /// Takes the time of a report of `source`, which may be the first of its track.
+    #[inline]
+    pub(crate) fn take(&mut self, (source, period_ns): (u16, i64), time_ns: i64, is_first: bool) {
+        let own = &mut self.sources[usize::from(source)];
+        if is_first {
+            return own.begin(period_ns, time_ns);
+        }
+        (own.known_ns, own.begun) = (own.known_ns.max(time_ns), 0);
+        if time_ns >= own.period_ns.saturating_add(period_ns) {
+            own.period_ns = time_ns;
+            own.reports = [own.reports[1], 0];
+        }
+        own.reports[1] = own.reports[1].saturating_add(1);
+    }
+}
+
+impl SourceRestarts {
+    /// A track begins: whether all others are silent.
+    #[cold]
+    fn begin(&mut self, period_ns: i64, time_ns: i64) {
+        self.begun += 1;
+        let silence_ns = time_ns.saturating_sub(self.known_ns);
+        let had_tracks = self.reports[0].saturating_add(self.reports[1]) >= REPORTS_MIN;
+        let is_silent = silence_ns as f64 >= SILENT * period_ns as f64 && silence_ns < LONG_NS;
+        if had_tracks && is_silent && self.begun >= REPORTS_MIN {
+            self.restarted_ns = self.known_ns;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const S: i64 = NS_PER_S as i64;
+    const SOURCE: (u16, i64) = (0, 4 * S);
+
+    /// Eight tracks, a report each in every period of 4 s, from `from_s` to `to_s`.
+    fn scans(restarts: &mut Restarts, from_s: i64, to_s: i64) {
+        for time_s in from_s..to_s {
+            for number in (0..8).filter(|number| number % 4 == time_s % 4) {
+                restarts.take(SOURCE, time_s * S + number, time_s < from_s + 4);
+            }
+        }
+    }
+
+    #[test]
+    fn a_source_whose_tracks_are_all_silent_while_others_come_has_restarted() {
+        let mut restarts = Restarts::new(1);
+        scans(&mut restarts, 0, 40);
+        assert!(!restarts.is_before(0, 20 * S), "its first tracks are no restart");
+        scans(&mut restarts, 45, 60);
+        assert!(restarts.is_before(0, 39 * S) && !restarts.is_before(0, 46 * S));
+        scans(&mut restarts, 62, 68);
+        scans(&mut restarts, 69, 74);
+        assert!(
+            restarts.is_before(0, 67 * S) && !restarts.is_before(0, 69 * S),
+            "again and again"
+        );
+    }
+
+    #[test]
+    fn a_gap_after_which_the_tracks_go_on_is_none() {
+        let mut restarts = Restarts::new(1);
+        scans(&mut restarts, 0, 40);
+        for _ in 0..8 {
+            restarts.take(SOURCE, 60 * S, false);
+            // As many have begun meanwhile.
+            restarts.take(SOURCE, 60 * S, true);
+        }
+        assert!(!restarts.is_before(0, 39 * S));
+    }
+
+    #[test]
+    fn new_tracks_beside_others_are_none_and_few_tracks_show_nothing() {
+        let mut restarts = Restarts::new(1);
+        scans(&mut restarts, 0, 40);
+        (0..8).for_each(|_| restarts.take(SOURCE, 40 * S, true));
+        assert!(!restarts.is_before(0, 39 * S), "a formation");
+        let mut few = Restarts::new(1);
+        (0..40)
+            .step_by(4)
+            .for_each(|time_s| few.take(SOURCE, time_s * S, false));
+        (0..8).for_each(|_| few.take(SOURCE, 60 * S, true));
+        assert!(!few.is_before(0, 36 * S));
+    }
+}
