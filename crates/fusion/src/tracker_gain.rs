@@ -588,9 +588,14 @@ impl TrackerGain {
         let [square, product] = evidence.vertical;
         let is_update = z * z > REPEATED * ROUNDING_M2;
         let is_thin = evidence.is_thin();
-        if is_update && square > 0.0 && !is_thin {
-            let error = vz - product / square * z;
-            self.vertical_fit.add(error * error / (vz * vz + ROUNDING_M2));
+        if is_update && !is_thin {
+            // A source that measures no climb, or measures it beside the height, shows no filter.
+            if !(RATIO_LEAST * z * z..=RATIO_IMPOSSIBLE * z * z).contains(&(z * vz)) {
+                self.vertical_fit.add(1.0);
+            } else if square > 0.0 {
+                let error = vz - product / square * z;
+                self.vertical_fit.add(error * error / (vz * vz + ROUNDING_M2));
+            }
         }
         if is_update {
             evidence.add_height(z, vz);

@@ -273,3 +273,26 @@ fn a_source_that_measures_its_velocity_is_given_up_but_each_track_teaches_in_tur
     young.grow_to(4);
     assert_eq!(young.updates, 30);
 }
+
+/// What does not change is foretold by anything: that is no filter. Multilateration states heights and no climb.
+#[test]
+fn heights_without_a_climb_are_not_undone() {
+    let stated = Covariance::diagonal(STATED, [15.0, 15.0, 4.0]);
+    let (mut gain, mut tracker) = (TrackerGain::default(), tracker([30.0; AXES], 0.0));
+    for _ in 0..8 {
+        let mut evidence = GainEvidence::default();
+        for _ in 0..30 {
+            let position_m: [f64; AXES] = std::array::from_fn(|_| 20.0 * tracker.normal());
+            let [x, y, _] = position_m.map(|moved_m| 0.3 * moved_m / PERIOD_S);
+            let change = Change {
+                position_m,
+                velocity_mps: [x, y, 0.0],
+                seconds: PERIOD_S,
+                has_height: true,
+            };
+            gain.take(&mut evidence, &change, &stated);
+        }
+    }
+    assert!(gain.is_undone());
+    assert_eq!(gain.height_sigma_m(), None);
+}
