@@ -72,7 +72,6 @@ const SERVICES: &[&str] = &[
     "simulator",
     "launcher",
     "bench-service",
-    "torture",
 ];
 
 /// Crates that may know the outside world; all others are pure.

@@ -21,8 +21,9 @@ use tracking::wide_area::arrivals::Arrivals;
 
 use crate::judge::event::Undisturbed;
 use crate::judge::world::{distance, moved};
-use crate::world::SEED;
 
+/// Seed of the traffic, independent of the faults: other faults must not change the victims.
+pub(super) const SEED: u64 = 1;
 /// A track farther from every target than this is one of a sensor's false targets, metres.
 const STRANGER_M: f64 = 1000.0;
 
@@ -223,4 +224,89 @@ fn nearest(truth: &[TargetState], place_m: [f64; 3], address: Option<u32>) -> Op
     distances
         .filter(|(distance_m, _)| *distance_m < STRANGER_M)
         .min_by(|(one, _), (other, _)| one.total_cmp(other))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use configuration::{BUILT_IN_TORTURE, Config};
+    use deployment::Input;
+
+    use super::*;
+
+    /// Times at which sensors restart, and end of a run, seconds.
+    const RESTARTS_S: [u32; 3] = [30, 60, 90];
+    const END_S: u32 = 110;
+
+    impl UndisturbedRun {
+        fn restart(&mut self, source: usize, time_s: f64) {
+            match &mut self.observers[source].instrument {
+                Sender::Asterix(feed, _) => feed.restart_at(time_s),
+                Sender::Bearings(finder) => finder.restart_at(time_s),
+            }
+        }
+
+        fn numbers(&self) -> BTreeMap<u32, u32> {
+            let states = self.tracks.values().map(|shown| &shown.state);
+            let named = |state: &SystemTrack| Some((state.identity.address()?, state.track_number));
+            states.filter_map(named).collect()
+        }
+    }
+
+    /// Tracks too many at each second, and the numbers of the targets at the first restart and at the end, of a run in
+    /// which these sources, as bits, restart three times.
+    fn run(restarted: u32) -> (Vec<usize>, [BTreeMap<u32, u32>; 2]) {
+        let config = Config::read(Path::new(BUILT_IN_TORTURE), &[]).expect("built in");
+        let truth = Truth::new(config.deployment.scenario.as_ref().expect("simulated"), SEED).expect("valid");
+        let truth = truth.round(config.deployment.frame);
+        let begin = Now {
+            mono_ns: 0,
+            utc_ns: 1_780_000_000_000_000_000,
+        };
+        let engines = Engines {
+            fusion: config.engine,
+            processing: config.processing,
+        };
+        let mut run = UndisturbedRun::new(&config.deployment, engines, begin).expect("valid");
+        let sensors = config
+            .deployment
+            .sources
+            .iter()
+            .filter(|source| matches!(source.input, Input::Simulated(_)));
+        let (sensors, mut extra, mut before) = (sensors.count(), Vec::new(), BTreeMap::new());
+        for second in 0..END_S {
+            if second == RESTARTS_S[0] {
+                before = run.numbers();
+            }
+            if RESTARTS_S.contains(&second) {
+                let chosen = (0..sensors).filter(|source| restarted & (1 << source) != 0);
+                chosen.for_each(|source| run.restart(source, f64::from(second) + 0.01));
+            }
+            extra.push(run.next(second, &truth).strangers_m.len());
+        }
+        (extra, [before, run.numbers()])
+    }
+
+    /// Every subset of the demonstration's five sensors restarts three times: no target has two tracks for
+    /// longer than a period, and none another number.
+    #[test]
+    fn sensors_that_restart_neither_double_nor_renumber_the_picture() {
+        const PERIOD_S: usize = 5;
+        let (usual, _) = run(0);
+        for restarted in 1..32 {
+            let (extra, [before, after]) = run(restarted);
+            let more: Vec<bool> = extra.iter().zip(&usual).map(|(found, usual)| found > usual).collect();
+            let longest = more.split(|is_more| !is_more).map(<[bool]>::len).max().unwrap_or(0);
+            assert!(longest <= PERIOD_S, "{restarted:05b}: two tracks for {longest} s");
+            assert!(before.len() > 70, "{}", before.len());
+            for (address, number) in before {
+                let now = after.get(&address);
+                assert!(
+                    now.is_none_or(|now| *now == number),
+                    "{restarted:05b}: {address:06X} from {number} to {now:?}"
+                );
+            }
+        }
+    }
 }

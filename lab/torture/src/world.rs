@@ -7,10 +7,8 @@ use scenario::Truth;
 use ::deployment::Deployment;
 
 use super::judge::event::{Second, Target};
-use super::undisturbed::{Engines, UndisturbedRun};
+use super::undisturbed::{Engines, SEED, UndisturbedRun};
 
-/// Seed of the traffic, independent of the faults: other faults must not change the victims.
-pub(super) const SEED: u64 = 1;
 /// How long before a second the world is known at that second, nanoseconds.
 const AHEAD_NS: i64 = 1_000_000_000;
 

@@ -23,7 +23,8 @@ use crate::onlooker::{Onlooker, TakeOvers};
 use crate::own_file_systems::{self, SHARED_MEMORY};
 use crate::resources::{Latencies, Resources};
 use crate::schedule::{Cast, Needs};
-use crate::world::{self, World};
+use crate::undisturbed;
+use crate::world::World;
 use crate::{Tested, Torture};
 
 const INSTANCE: &str = "torture";
@@ -100,7 +101,7 @@ impl Deployment {
         let root = Root::in_base(folder.path().join("koseki"), INSTANCE)?;
         let mut command = vec!["up".to_owned(), path.display().to_string()];
         command.push(format!("--instance={INSTANCE}"));
-        command.push(format!("--seed={}", world::SEED));
+        command.push(format!("--seed={}", undisturbed::SEED));
         // The simulated world continues when the launcher is started again.
         command.push(format!("--scenario-start={}", begin.utc_ns));
         let out = folder.path().join("out");
