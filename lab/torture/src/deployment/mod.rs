@@ -169,7 +169,8 @@ impl Deployment {
         match name {
             "keeper" | "monitor" | "recorder" | "display" | "standby" => None,
             "fusion" => Some(Part::Fusion),
-            _ => Some(Part::Sensors),
+            "simulator" => Some(Part::Sensors),
+            _ => Some(Part::Adapter),
         }
     }
 

@@ -60,7 +60,7 @@ impl Allowances {
     pub(crate) fn missing_s(&self, from_ns: i64, to_ns: i64, period_s: f64) -> f64 {
         let after_s = |part: Option<Part>| match part {
             None | Some(Part::Numbers) => 0.0,
-            Some(Part::Fusion) => FUSION_S,
+            Some(Part::Fusion | Part::Adapter) => FUSION_S,
             Some(Part::Memory) => MEMORY_S,
             Some(Part::Sensors) => SENSORS_PERIODS * period_s,
         };

@@ -67,7 +67,9 @@ pub(crate) enum What {
 pub(crate) enum Part {
     /// The fusion that leads ends, or stands still.
     Fusion,
-    /// A sensor, or the adapter that receives it, ends or stands still.
+    /// The adapter of a sensor ends or stands still; the sensor goes on.
+    Adapter,
+    /// All sensors end or stand still, and begin anew.
     Sensors,
     /// The deployment begins anew, with other shared memory.
     Memory,

@@ -75,11 +75,11 @@ pub(crate) const REPEATS: u32 = 3;
 
 /// Age of a target's newest state beyond its greatest age without faults, seconds.
 pub(crate) const LATE_S: f64 = 1.5;
-/// Time after its begin, or the end of its cause, at which a fault of fusion is over, seconds.
+/// Time after its begin, or the end of its cause, at which a fault of fusion or of an adapter is over, seconds.
 pub(crate) const FUSION_S: f64 = 1.0;
 /// The same where the whole deployment begins anew, seconds.
 pub(crate) const MEMORY_S: f64 = 4.0;
-/// The same of sensors, in periods of the target: a track of a sensor is confirmed by its third report.
+/// The same where all sensors begin anew, in periods of the target: a track of a sensor is confirmed by its third report.
 pub(crate) const SENSORS_PERIODS: f64 = 4.0;
 /// Epochs that a fault of fusion may lead to, and time in which another is permitted without a fault, seconds.
 pub(crate) const EPOCHS: u32 = 3;
@@ -102,8 +102,8 @@ pub(crate) fn text(period_s: f64) -> String {
          {WHOLE_P95} ({RENEWED_MEDIAN} and {RENEWED_P95} for {:.0} s after faults of sensors or fusion, \
          {FORGOTTEN_MEDIAN} and {FORGOTTEN_P95} for {:.0} s after the loss of the checkpoint); one target: \
          {LASTING} ({RENEWED_LASTING}) times the 95 % of all for {LASTING_S} s, {LONG} times the median for {LONG_S} s; one state: {SINGLE} \
-         times the 95 %. Age of a target: {LATE_S} s more than without faults, and {FUSION_S} s for a fault of fusion, \
-         {MEMORY_S} s for a new start, {SENSORS_PERIODS} periods of the target for one of sensors. Two tracks of a \
+         times the 95 %. Age of a target: {LATE_S} s more than without faults, and {FUSION_S} s for a fault of fusion or \
+         an adapter, {MEMORY_S} s for a new start, {SENSORS_PERIODS} periods of the target for one of all sensors. Two tracks of a \
          target, tracks without a target or without their address: {period_s} s",
         RENEWED_PERIODS * period_s,
         FORGOTTEN_PERIODS * period_s
