@@ -2,8 +2,8 @@
 
 use super::event::Part;
 use super::limits::{
-    FORGOTTEN_MEDIAN, FORGOTTEN_P95, FORGOTTEN_PERIODS, FUSION_S, MEMORY_S, RENEWED_MEDIAN, RENEWED_P95,
-    RENEWED_PERIODS, SENSORS_PERIODS,
+    FORGOTTEN_LASTING, FORGOTTEN_MEDIAN, FORGOTTEN_P95, FORGOTTEN_PERIODS, FUSION_S, MEMORY_S, RENEWED_LASTING,
+    RENEWED_MEDIAN, RENEWED_P95, RENEWED_PERIODS, SENSORS_PERIODS,
 };
 
 /// Times in which a fault explains that states are missing, or that errors grow; monotonic, nanoseconds.
@@ -67,9 +67,9 @@ impl Allowances {
         self.covered_s(from_ns, to_ns, after_s)
     }
 
-    /// Ratios of median and 95 % of all errors to those without faults, while estimates begin anew after a fault;
-    /// `None` at other times.
-    pub(crate) fn renewal(&self, at_ns: i64, slowest_period_s: f64) -> Option<[f64; 2]> {
+    /// Ratios to the run without faults of the median and 95 % of all errors, and of a target's lasting error, while
+    /// estimates begin anew after a fault; `None` at other times.
+    pub(crate) fn renewal(&self, at_ns: i64, slowest_period_s: f64) -> Option<[f64; 3]> {
         let forgotten_s = |part: Option<Part>| match part {
             Some(Part::Numbers) => FORGOTTEN_PERIODS * slowest_period_s,
             _ => f64::NEG_INFINITY,
@@ -79,9 +79,9 @@ impl Allowances {
             Some(_) => RENEWED_PERIODS * slowest_period_s,
         };
         if self.covered_s(at_ns - 1, at_ns, forgotten_s) > 0.0 {
-            return Some([FORGOTTEN_MEDIAN, FORGOTTEN_P95]);
+            return Some([FORGOTTEN_MEDIAN, FORGOTTEN_P95, FORGOTTEN_LASTING]);
         }
-        (self.covered_s(at_ns - 1, at_ns, renewed_s) > 0.0).then_some([RENEWED_MEDIAN, RENEWED_P95])
+        (self.covered_s(at_ns - 1, at_ns, renewed_s) > 0.0).then_some([RENEWED_MEDIAN, RENEWED_P95, RENEWED_LASTING])
     }
 
     /// Part of a time that is covered by faults which last `after_s` longer than their causes, seconds; an infinite
@@ -132,13 +132,16 @@ mod tests {
         assert_eq!(allowances.missing_s(17 * S, 20 * S, 1.0), 2.0, "blind");
         allowances.join(19 * S);
         assert_eq!(allowances.missing_s(17 * S, 20 * S, 1.0), 1.0);
-        assert_eq!(allowances.renewal(40 * S, 5.0), Some([RENEWED_MEDIAN, RENEWED_P95]));
+        assert_eq!(
+            allowances.renewal(40 * S, 5.0),
+            Some([RENEWED_MEDIAN, RENEWED_P95, RENEWED_LASTING])
+        );
         assert_eq!(allowances.renewal(43 * S, 5.0), None);
         allowances.begin(50 * S, &[Part::Numbers]);
         allowances.end(50 * S);
         assert_eq!(
             allowances.renewal(105 * S, 5.0),
-            Some([FORGOTTEN_MEDIAN, FORGOTTEN_P95])
+            Some([FORGOTTEN_MEDIAN, FORGOTTEN_P95, FORGOTTEN_LASTING])
         );
     }
 }

@@ -61,6 +61,7 @@ pub(crate) const RENEWED_LASTING: f64 = 4.5;
 /// The same while all that fusion had learned is lost.
 pub(crate) const FORGOTTEN_MEDIAN: f64 = 6.0;
 pub(crate) const FORGOTTEN_P95: f64 = 6.0;
+pub(crate) const FORGOTTEN_LASTING: f64 = 9.0;
 /// How long that takes, in periods of the slowest source.
 pub(crate) const RENEWED_PERIODS: f64 = 6.0;
 pub(crate) const FORGOTTEN_PERIODS: f64 = 12.0;
@@ -101,7 +102,7 @@ pub(crate) fn text(period_s: f64) -> String {
         "errors over those of the run without faults: whole picture, {WHOLE_S} s: median {WHOLE_MEDIAN}, 95 % \
          {WHOLE_P95} ({RENEWED_MEDIAN} and {RENEWED_P95} for {:.0} s after faults of sensors or fusion, \
          {FORGOTTEN_MEDIAN} and {FORGOTTEN_P95} for {:.0} s after the loss of the checkpoint); one target: \
-         {LASTING} ({RENEWED_LASTING}) times the 95 % of all for {LASTING_S} s, {LONG} times the median for {LONG_S} s; one state: {SINGLE} \
+         {LASTING} ({RENEWED_LASTING}, {FORGOTTEN_LASTING}) times the 95 % of all for {LASTING_S} s, {LONG} times the median for {LONG_S} s; one state: {SINGLE} \
          times the 95 %. Age of a target: {LATE_S} s more than without faults, and {FUSION_S} s for a fault of fusion or \
          an adapter, {MEMORY_S} s for a new start, {SENSORS_PERIODS} periods of the target for one of all sensors. Two tracks of a \
          target, tracks without a target or without their address: {period_s} s",

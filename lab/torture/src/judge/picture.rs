@@ -12,8 +12,8 @@ use super::allowances::Allowances;
 use super::event::{Life, Second, State, Target, Undisturbed};
 use super::finding::{Finding, Findings};
 use super::limits::{
-    GRACE_S, LASTING, LASTING_S, LATE_S, LONG, LONG_S, NEAR_M, RATE, RATE_S, RATE_STATES, RENEWED_LASTING, REPEATS,
-    SAME_M, SETTLED_S, SINGLE, Spread, WHOLE_MEDIAN, WHOLE_P95, WHOLE_RATE, WHOLE_S,
+    GRACE_S, LASTING, LASTING_S, LATE_S, LONG, LONG_S, NEAR_M, RATE, RATE_S, RATE_STATES, REPEATS, SAME_M, SETTLED_S,
+    SINGLE, Spread, WHOLE_MEDIAN, WHOLE_P95, WHOLE_RATE, WHOLE_S,
 };
 use super::world::{Kinematics, SECOND_NS, World, distance, moved};
 
@@ -394,9 +394,9 @@ impl Picture {
         let found = errors(best.place_m, &best.state, &truth);
         let found: Errors = std::array::from_fn(|kind| found[kind].unwrap_or(seen.errors[kind]));
         watch.take_errors([found, seen.errors]);
-        let (normal, is_renewed) = (&self.normal, allowances.renewal(at_ns, self.period_s).is_some());
+        let (normal, renewal) = (&self.normal, allowances.renewal(at_ns, self.period_s));
         for (kind, (finding, unit)) in KINDS.into_iter().enumerate() {
-            let off = watch.lasting_error(kind, normal, is_renewed);
+            let off = watch.lasting_error(kind, normal, renewal);
             if let Some((error, limit)) = off
                 && !watch.is_off[kind]
             {
@@ -478,7 +478,7 @@ impl Picture {
         }
         self.is_rate_off = is_rate_off;
         let renewal = allowances.renewal(self.mono_ns(second), self.period_s);
-        let ratios = renewal.unwrap_or([WHOLE_MEDIAN, WHOLE_P95]);
+        let ratios = renewal.unwrap_or([WHOLE_MEDIAN, WHOLE_P95, LASTING]);
         if self.whole.len() == WHOLE_S {
             let mut is_off = false;
             for (kind, (_, unit)) in KINDS.into_iter().enumerate() {
@@ -523,7 +523,7 @@ impl Watch {
     }
 
     /// The error of a kind that lasts, with its limit, if it is above the limit.
-    fn lasting_error(&self, kind: usize, normal: &Normal, is_renewed: bool) -> Option<(f64, f64)> {
+    fn lasting_error(&self, kind: usize, normal: &Normal, renewal: Option<[f64; 3]>) -> Option<(f64, f64)> {
         let median = |seconds: usize, side: usize| {
             let latest = self.errors.iter().rev().take(seconds).map(|sides| sides[side][kind]);
             Spread::of(&latest.collect::<Vec<_>>()).unwrap_or_default().median
@@ -533,8 +533,8 @@ impl Watch {
             let limit = ratio * normal.max(median(seconds, 1));
             (self.errors.len() >= seconds && error > limit).then_some((error, limit))
         };
-        let long = || over(LONG_S, normal.median[kind], LONG).filter(|_| !is_renewed);
-        let lasting = if is_renewed { RENEWED_LASTING } else { LASTING };
+        let long = || over(LONG_S, normal.median[kind], LONG).filter(|_| renewal.is_none());
+        let lasting = renewal.map_or(LASTING, |[.., lasting]| lasting);
         over(LASTING_S, normal.p95[kind], lasting).or_else(long)
     }
 
