@@ -80,7 +80,7 @@ pub(crate) const LATE_S: f64 = 1.5;
 pub(crate) const FUSION_S: f64 = 1.0;
 /// The same where the whole deployment begins anew, seconds.
 pub(crate) const MEMORY_S: f64 = 4.0;
-/// The same where all sensors begin anew, in periods of the target: a track of a sensor is confirmed by its third report.
+/// The same where all sensors begin anew, in periods of the target: a sensor's track is confirmed by its third report.
 pub(crate) const SENSORS_PERIODS: f64 = 4.0;
 /// Epochs that a fault of fusion may lead to, and time in which another is permitted without a fault, seconds.
 pub(crate) const EPOCHS: u32 = 3;
