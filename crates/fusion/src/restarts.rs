@@ -82,7 +82,7 @@ impl SourceRestarts {
     /// A track begins: whether all others are silent.
     #[cold]
     fn begin(&mut self, period_ns: i64, time_ns: i64) {
-        self.begun += 1;
+        self.begun = self.begun.saturating_add(1);
         let silence_ns = time_ns.saturating_sub(self.known_ns);
         let had_tracks = self.reports[0].saturating_add(self.reports[1]) >= REPORTS_MIN;
         let is_silent = silence_ns as f64 >= SILENT * period_ns as f64 && silence_ns < LONG_NS;

@@ -330,7 +330,7 @@ impl GainEvidence {
         self.updates = self.updates.max(reports.saturating_sub(1));
     }
 
-    /// Whether too few changes of an old track were seen: its gains, which divide, could be anything.
+    /// Whether too few changes of an old track were seen: their gain, a divisor, may be anything.
     fn is_thin(&self) -> bool {
         self.changes < self.updates.min(CHANGES_MIN)
     }

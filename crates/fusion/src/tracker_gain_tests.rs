@@ -274,7 +274,7 @@ fn a_source_that_measures_its_velocity_is_given_up_but_each_track_teaches_in_tur
     assert_eq!(young.updates, 30);
 }
 
-/// What does not change is foretold by anything: that is no filter. Multilateration states heights and no climb.
+/// Every forecast foretells a climb of 0, which therefore shows no filter: multilateration states heights and no climb.
 #[test]
 fn heights_without_a_climb_are_not_undone() {
     let stated = Covariance::diagonal(STATED, [15.0, 15.0, 4.0]);

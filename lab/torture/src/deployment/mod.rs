@@ -91,7 +91,6 @@ impl Deployment {
         let periods_ns = config.sources.iter().map(|source| source.period_ns);
         let conditions = Conditions {
             seed: torture.seed,
-            standby: config.fusion.standby,
             terminate_s,
             period_s: periods_ns.max().unwrap_or_default() as f64 / NS_PER_S,
             begin_ns: [begin.mono_ns, begin.utc_ns],
@@ -164,7 +163,7 @@ impl Deployment {
         }
     }
 
-    /// What goes with a process; `None` for those without which the picture goes on.
+    /// The part that a process stands for; `None` for processes that the picture does not need.
     pub(crate) fn part(&self, name: &str) -> Option<Part> {
         match name {
             "keeper" | "monitor" | "recorder" | "display" | "standby" => None,

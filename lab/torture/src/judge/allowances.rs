@@ -58,11 +58,13 @@ impl Allowances {
 
     /// Part of a time in which states of a target of this period may be missing, seconds.
     pub(crate) fn missing_s(&self, from_ns: i64, to_ns: i64, period_s: f64) -> f64 {
-        let after_s = |part: Option<Part>| match part {
-            None | Some(Part::Numbers) => 0.0,
-            Some(Part::Fusion | Part::Adapter) => FUSION_S,
-            Some(Part::Memory) => MEMORY_S,
-            Some(Part::Sensors) => SENSORS_PERIODS * period_s,
+        let after_s = |part: Option<Part>| {
+            Some(match part {
+                None | Some(Part::Numbers) => 0.0,
+                Some(Part::Fusion | Part::Adapter) => FUSION_S,
+                Some(Part::Memory) => MEMORY_S,
+                Some(Part::Sensors) => SENSORS_PERIODS * period_s,
+            })
         };
         self.covered_s(from_ns, to_ns, after_s)
     }
@@ -70,23 +72,17 @@ impl Allowances {
     /// Ratios to the run without faults of the median and 95 % of all errors, and of a target's lasting error, while
     /// estimates begin anew after a fault; `None` at other times.
     pub(crate) fn renewal(&self, at_ns: i64, slowest_period_s: f64) -> Option<[f64; 3]> {
-        let forgotten_s = |part: Option<Part>| match part {
-            Some(Part::Numbers) => FORGOTTEN_PERIODS * slowest_period_s,
-            _ => f64::NEG_INFINITY,
-        };
-        let renewed_s = |part: Option<Part>| match part {
-            None => 0.0,
-            Some(_) => RENEWED_PERIODS * slowest_period_s,
-        };
+        let forgotten_s = |part| (part == Some(Part::Numbers)).then_some(FORGOTTEN_PERIODS * slowest_period_s);
+        let renewed_s = |part: Option<Part>| part.map(|_| RENEWED_PERIODS * slowest_period_s);
         if self.covered_s(at_ns - 1, at_ns, forgotten_s) > 0.0 {
             return Some([FORGOTTEN_MEDIAN, FORGOTTEN_P95, FORGOTTEN_LASTING]);
         }
         (self.covered_s(at_ns - 1, at_ns, renewed_s) > 0.0).then_some([RENEWED_MEDIAN, RENEWED_P95, RENEWED_LASTING])
     }
 
-    /// Part of a time that is covered by faults which last `after_s` longer than their causes, seconds; an infinite
-    /// negative time leaves a fault out.
-    fn covered_s(&self, from_ns: i64, to_ns: i64, after_s: impl Fn(Option<Part>) -> f64) -> f64 {
+    /// Part of a time that is covered by faults, seconds: each lasts `after_s` longer than its cause, or is left
+    /// out.
+    fn covered_s(&self, from_ns: i64, to_ns: i64, after_s: impl Fn(Option<Part>) -> Option<f64>) -> f64 {
         let blind = self.blind_since_ns.map(|from_ns| Span {
             part: None,
             from_ns,
@@ -94,9 +90,10 @@ impl Allowances {
         });
         let mut covered: Vec<(i64, i64)> = Vec::new();
         for span in self.spans.iter().chain(&blind) {
-            let end_ns = span
-                .to_ns
-                .map_or(to_ns, |end_ns| end_ns + (after_s(span.part) * 1e9) as i64);
+            let Some(after_s) = after_s(span.part) else {
+                continue;
+            };
+            let end_ns = span.to_ns.map_or(to_ns, |end_ns| end_ns + (after_s * 1e9) as i64);
             let (begin_ns, end_ns) = (span.from_ns.max(from_ns), end_ns.min(to_ns));
             if begin_ns < end_ns {
                 covered.push((begin_ns, end_ns));
@@ -137,6 +134,14 @@ mod tests {
             Some([RENEWED_MEDIAN, RENEWED_P95, RENEWED_LASTING])
         );
         assert_eq!(allowances.renewal(43 * S, 5.0), None);
+        allowances.begin(45 * S, &[Part::Fusion]);
+        let renewed = Some([RENEWED_MEDIAN, RENEWED_P95, RENEWED_LASTING]);
+        assert_eq!(
+            allowances.renewal(46 * S, 5.0),
+            renewed,
+            "a cause that lasts is no loss"
+        );
+        allowances.end(46 * S);
         allowances.begin(50 * S, &[Part::Numbers]);
         allowances.end(50 * S);
         assert_eq!(

@@ -6,8 +6,6 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Conditions {
     pub(crate) seed: u64,
-    /// Whether a second fusion stands by.
-    pub(crate) standby: bool,
     /// Time without a report after which a track ends, seconds.
     pub(crate) terminate_s: f64,
     /// Time between two reports of a target by the slowest source, seconds.

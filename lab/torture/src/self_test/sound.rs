@@ -105,7 +105,6 @@ pub(super) fn record() -> anyhow::Result<Record> {
     );
     let conditions = Conditions {
         seed: 0,
-        standby: false,
         terminate_s: TERMINATE_S,
         period_s: PERIOD_S,
         begin_ns: [BEGIN_NS, BEGIN_UTC_NS],
