@@ -461,7 +461,8 @@ impl Registration {
                 false => offset_m2 / self.mean_squared_speed(own),
             };
             let before = self.sources[own].removed;
-            significance::decide(&mut self.sources[own], &PointsVariance { offset_m2, time_s2 });
+            let points = PointsVariance { offset_m2, time_s2 };
+            significance::decide(&mut self.sources[own], &points, &self.displacements[own]);
             if self.sources[own].removed != before {
                 self.steps.clear();
             }

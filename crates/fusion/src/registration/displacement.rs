@@ -15,6 +15,9 @@ use crate::registration::rows::{Errors, NormalMatrix, TIME};
 /// Errors that may displace all reports alike: the horizontal offset, and the time offset.
 pub(super) const ROWS: [usize; 3] = [0, 1, TIME];
 
+/// Variance of a time offset relative to that beside a known place, above which the two are not told apart.
+const CONFOUNDED: f64 = 4.0;
+
 /// Mean square by which [`ROWS`] of the errors displace the reports of a source.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Displacement {
@@ -74,6 +77,17 @@ impl Displacement {
     fn squared_m2(&self, errors: &Errors) -> f64 {
         let errors = of_rows(errors);
         errors.dot(&(self.form * errors))
+    }
+
+    /// Returns the squared statistical length of the displacement; the points of targets add `points_m2` per axis.
+    pub(super) fn squared_length(&self, errors: &Errors, points_m2: f64) -> f64 {
+        self.squared_m2(errors) / (self.variance_m2 + points_m2)
+    }
+
+    /// Returns whether the differences hardly tell a time offset from an offset of the place: the variance of the time
+    /// offset is far above the one that it has if the place is known.
+    pub(super) fn confounds_time(&self, variance_s2: f64) -> bool {
+        self.form[(2, 2)] * variance_s2 > CONFOUNDED * self.variance_m2
     }
 
     /// Returns the weight in the geometric median of all sources: inverse of the distance from it, as far as that is

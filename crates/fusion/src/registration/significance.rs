@@ -3,8 +3,14 @@
 //! An error is removed once its squared statistical length is far beyond chance, until it is within chance. The means
 //! of the detection points over the targets add to the variance. Range and azimuth biases are removed as soon as the
 //! evidence chose a model that contains them (module `model`).
+//!
+//! If all targets fly in parallel, an offset along the way and a time offset displace all reports alike. Neither is
+//! significant alone, while their joint displacement is (module `displacement`). Both are then removed together: the
+//! reports are right, however the displacement is split.
 
+use crate::registration::displacement::Displacement;
 use crate::registration::errors::{SAMPLES_MIN, SourceErrors};
+use crate::registration::model::BiasModel;
 use crate::registration::rows::{AZIMUTH, RANGE, TIME};
 
 /// Chi-square with two degrees of freedom above which a horizontal offset is removed, and below which removal stops.
@@ -24,10 +30,16 @@ pub(crate) struct PointsVariance {
 }
 
 /// Decides the significance of the errors of one source: the horizontal offset jointly, the others separately.
-pub(crate) fn decide(known: &mut SourceErrors, points: &PointsVariance) {
+pub(super) fn decide(known: &mut SourceErrors, points: &PointsVariance, displacement: &Displacement) {
     let enough = known.samples >= SAMPLES_MIN;
     let squared = |row: usize, extra: f64| known.errors[row] * known.errors[row] / (known.variances[row] + extra);
-    let horizontal = squared(0, points.offset_m2) + squared(1, points.offset_m2);
+    let is_joint = points.time_s2.is_finite()
+        && known.model == BiasModel::OFFSET
+        && displacement.confounds_time(known.variances[TIME]);
+    let horizontal = match is_joint {
+        true => displacement.squared_length(&known.errors, points.offset_m2),
+        false => squared(0, points.offset_m2) + squared(1, points.offset_m2),
+    };
     let values = [horizontal, horizontal, squared(2, 0.0), squared(TIME, points.time_s2)];
     for (row, (removed, value)) in known.removed.iter_mut().zip(values).enumerate() {
         let limit = match (row < 2, *removed) {
@@ -37,6 +49,9 @@ pub(crate) fn decide(known: &mut SourceErrors, points: &PointsVariance) {
             (false, true) => INSIGNIFICANT_1,
         };
         *removed = enough && value > limit;
+    }
+    if is_joint {
+        known.removed[TIME] = known.removed[0];
     }
     for row in [RANGE, AZIMUTH] {
         known.removed[row] = enough && known.model.estimates(row);
