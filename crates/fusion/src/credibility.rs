@@ -30,6 +30,8 @@ use crate::tracks::Tracks;
 /// % and 3 in ten million by chance.
 const AGREES: f64 = 12.0;
 const CONTRADICTS: f64 = 30.0;
+/// d² in the plane of a report from the track that fits it: beyond in 5 % by chance.
+const FITS: f64 = 6.0;
 /// Unpredictable acceleration between two reports, metres per second squared.
 const ACCELERATION_MPS2: f64 = 5.0;
 /// Number of comparisons of a source before its share counts, and least weight of a new comparison.
@@ -213,13 +215,15 @@ impl Credibility {
         standing != Standing::Contradicted && (!self.is_set_aside(entry.source) || is_alone())
     }
 
-    /// Whether a filter has been misled by a source that is set aside: it is to begin anew.
+    /// Whether a filter has been misled by a source that is set aside: it is to begin anew. One that the report fits has
+    /// its share of the source from the time before the source was wrong.
     #[inline]
     pub(crate) fn is_misled(&self, tracks: &Tracks, sensor: SensorSlot) -> bool {
         self.set_aside != 0 && {
             let misleads = |entry: &SensorEntry| self.is_set_aside(entry.source) && entry.share > MISLEADS_FROM;
             let entry = tracks.sensors.get(sensor);
             !self.is_set_aside(entry.source)
+                && distance_from_track(tracks, entry, 0.0) > FITS
                 && tracks
                     .members(entry.system)
                     .any(|member| misleads(tracks.sensors.get(member)))
@@ -282,11 +286,17 @@ fn yields(tracks: &Tracks, sensor: SensorSlot, spread_m2: f64) -> bool {
 /// Returns whether a report is so near its system track that no comparison is needed.
 #[inline]
 fn is_near_track(tracks: &Tracks, entry: &SensorEntry, spread_m2: f64) -> bool {
+    distance_from_track(tracks, entry, spread_m2) <= AGREES
+}
+
+/// d² in the plane of a report from its system track, by the report's covariance alone.
+#[inline]
+fn distance_from_track(tracks: &Tracks, entry: &SensorEntry, spread_m2: f64) -> f64 {
     let filter = &tracks.systems.get(entry.system).filter;
     let [x, y, _] = filter.place_at(entry.time_ns);
     let apart = [entry.latest.position_m[0] - x, entry.latest.position_m[1] - y];
     let own = |row, column| entry.latest.covariance.get(row, column);
-    squared2(apart, [own(0, 0) + spread_m2, own(0, 1), own(1, 1) + spread_m2]) <= AGREES
+    squared2(apart, [own(0, 0) + spread_m2, own(0, 1), own(1, 1) + spread_m2])
 }
 
 /// d² of two latest reports at the time of the first one.

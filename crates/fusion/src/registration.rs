@@ -107,6 +107,14 @@ kept! {
     }
 }
 
+impl SourcePair {
+    fn fade(&mut self, keep: f64) {
+        self.own *= keep;
+        self.cross *= keep;
+        self.right *= keep;
+    }
+}
+
 const EMPTY: SourcePair = SourcePair {
     own: NormalMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; ERRORS]; ERRORS])),
     cross: NormalMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; ERRORS]; ERRORS])),
@@ -238,11 +246,12 @@ impl Registration {
         self.of(source).shift(position_m, velocity_mps, place_m)
     }
 
-    /// Returns the estimated horizontal displacement by errors that are *not* removed, as they are not significant
-    /// yet, metres.
-    pub(crate) fn suspected_shift(&self, source: u16) -> [f64; 2] {
+    /// Returns the estimated horizontal displacement of a report of a target with this velocity by errors that are *not*
+    /// removed, as they are not significant yet, metres.
+    pub(crate) fn suspected_shift(&self, source: u16, velocity_mps: [f64; AXES]) -> [f64; 2] {
         let known = self.of(source);
-        std::array::from_fn(|axis| if known.removed[axis] { 0.0 } else { known.errors[axis] })
+        let suspected = |row: usize| if known.removed[row] { 0.0 } else { known.errors[row] };
+        std::array::from_fn(|axis| suspected(axis) - suspected(TIME) * velocity_mps[axis])
     }
 
     /// Returns what is left of the biases of `source` in a report after the removal, and the variance of all biases, m

@@ -71,7 +71,7 @@ fn registered_in(
                 (1e9, 1.0),
             );
         }
-        registration.begin(0.0, |_| {});
+        registration.begin((0.0, 0.0), |_| {});
         while !registration.step(&[], |_| {}) {}
         registration.decide(&[], |_| Some(0.0), 20, false);
     }
@@ -197,7 +197,7 @@ fn scattered_absurd_reports_make_no_step() {
                 (1e9, 1.0),
             );
         }
-        registration.begin(0.0, |_| restarts += 1);
+        registration.begin((0.0, 0.0), |_| restarts += 1);
         while !registration.step(&[], |_| {}) {}
     }
     assert_eq!(restarts, 0);
@@ -244,11 +244,11 @@ fn many_sources_are_solved_for_in_steps_and_change_together() {
         let of = |source: u16| view(source, [3e3, 4e3, 5e3], velocity, [f64::from(source), 0.0], 0.0, index);
         registration.learn(&of(a), &of(b), 0.0, (1e9, 1.0));
     }
-    registration.begin(0.0, |_| {});
+    registration.begin((0.0, 0.0), |_| {});
     assert!(!registration.step(&[], |_| {}) && registration.is_solving());
     assert!((0..SOURCES).all(|source| registration.of(source).errors == Errors::zeros()));
     for _ in 0..30 {
-        registration.begin(0.0, |_| {});
+        registration.begin((0.0, 0.0), |_| {});
         while !registration.step(&[], |_| {}) {}
     }
     assert!(!registration.is_solving() && !registration.step(&[], |_| {}));
@@ -308,7 +308,7 @@ fn register_polar(
                 (1e9, 1.0),
             );
         }
-        registration.begin(0.0, |_| {});
+        registration.begin((0.0, 0.0), |_| {});
         while !registration.step(&[], |_| {}) {}
         registration.decide(&[], |_| Some(0.0), 20, false);
     }

@@ -421,7 +421,7 @@ impl Sources {
     ) {
         let entry = tracks.sensors.get_mut(sensor);
         let (source, system) = (usize::from(entry.source), entry.system);
-        let target_m = entry.latest.position_m;
+        let (target_m, target_mps) = (entry.latest.position_m, entry.latest.velocity_mps);
         let [xx, _, yy] = innovation.covariance_m2;
         let before = entry.residual_mean_m;
         let known = entry.residuals >= MEAN_REPORTS_MIN;
@@ -443,7 +443,7 @@ impl Sources {
             self.registration.add_innovation(
                 source,
                 (innovation.residual_m, innovation.covariance_m2),
-                (system, [target_m[0], target_m[1]]),
+                (system, [target_m[0], target_m[1]], target_mps),
             );
         }
         if settings.consistency && squared.is_finite() && !is_misled {
@@ -477,7 +477,9 @@ impl Sources {
         let (mut sum, mut count, mut variance) = ([0.0; 2], 0.0, 0.0);
         for (member, other) in tracks.contributing_entries(system, now_ns) {
             if member != sensor && compared(other.source) && other.residuals >= MEAN_REPORTS_MIN {
-                let shift = self.registration.suspected_shift(other.source);
+                let shift = self
+                    .registration
+                    .suspected_shift(other.source, other.latest.velocity_mps);
                 for axis in 0..2 {
                     sum[axis] += other.residual_mean_m[axis] - shift[axis];
                 }
@@ -488,7 +490,9 @@ impl Sources {
         if count == 0.0 || entry.residuals < MEAN_REPORTS_MIN {
             return None;
         }
-        let shift = self.registration.suspected_shift(entry.source);
+        let shift = self
+            .registration
+            .suspected_shift(entry.source, entry.latest.velocity_mps);
         let offset = std::array::from_fn(|axis| entry.residual_mean_m[axis] - shift[axis] - sum[axis] / count);
         let variance_m2 = MEAN_VARIANCE * (entry.residual_variance_m2 + variance / (count * count));
         Some((offset, variance_m2))
@@ -529,7 +533,12 @@ impl Sources {
             if sees_points {
                 self.registration.pass_over_innovations();
             }
-            self.registration.begin(largest_m, &mut restarted);
+            let knows_spread = self.models.iter().all(SourceModel::knows_spread);
+            let points_m2 = match knows_spread {
+                true => self.possible_points_m2(0.0),
+                false => 0.25 * largest_m * largest_m,
+            };
+            self.registration.begin((largest_m, points_m2), &mut restarted);
             self.credibility.pass_over(self.registration.with_known_steps());
             self.before_step.look(&self.models, &mut self.manoeuvres);
             if self.registration.takes_step() {

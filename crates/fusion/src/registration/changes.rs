@@ -5,10 +5,12 @@
 //! states of its tracker lag behind the step for some scans: until then its measurements are compared with the states
 //! of others, its states are compared with nothing, and the innovations of misled filters teach nothing.
 
+use messages::AXES;
+
 use crate::registration::displacement::Displacement;
 use crate::registration::errors::{SAMPLES_MIN, SourceErrors};
 use crate::registration::recent::{Recent, SOLUTIONS_MIN, step_limit};
-use crate::registration::rows::{AZIMUTH, RANGE};
+use crate::registration::rows::{AZIMUTH, Errors, RANGE};
 use crate::registration::steps::{FormerErrors, MISLED_TICKS, Seed, Step, YOUNG_TICKS};
 use crate::registration::{EMPTY, Registration, TARGETS_MIN, partners};
 
@@ -58,17 +60,22 @@ impl Registration {
         self.recents.fill(Recent::default());
     }
 
-    /// Adds an innovation of a source's report: residual and its covariance, of a target with this number and position
-    /// (east, north).
+    /// Adds an innovation of a source's report: residual and its covariance, of a target with this number, position
+    /// (east, north) and velocity.
     #[inline]
-    pub(crate) fn add_innovation(&mut self, source: usize, innovation: ([f64; 2], [f64; 3]), target: (u32, [f64; 2])) {
-        let (mut residual_m, covariance_m2) = innovation;
+    pub(crate) fn add_innovation(
+        &mut self,
+        source: usize,
+        (mut residual_m, covariance_m2): ([f64; 2], [f64; 3]),
+        (target, position_m, velocity_mps): (u32, [f64; 2], [f64; AXES]),
+    ) {
         // What is known but not removed is no change.
-        let suspected_m = self.suspected_shift(source as u16);
+        let suspected_m = self.suspected_shift(source as u16, velocity_mps);
         for (residual, suspected) in residual_m.iter_mut().zip(suspected_m) {
             *residual -= suspected;
         }
-        self.steps.add(source, (residual_m, covariance_m2), target);
+        self.steps
+            .add(source, (residual_m, covariance_m2), (target, position_m));
     }
 
     /// Returns whether the errors of a source changed so recently that its tracker's states lag behind.
@@ -99,22 +106,29 @@ impl Registration {
         self.young.iter().any(|young| *young > YOUNG_TICKS - MISLED_TICKS)
     }
 
-    /// Starts the estimate of a source anew if its innovations show a step of half a large target, of `largest_m`
-    /// metres, or more.
-    pub(super) fn look_for_step(&mut self, largest_m: f64, restarted: &mut impl FnMut(u16)) {
+    /// Follows a step that the innovations of a source show. A step of half a large target, of `largest_m` metres, or
+    /// more starts the estimate anew; a smaller one is added to it. Detection points of one target have a variance of
+    /// up to `points_m2` per axis.
+    pub(super) fn look_for_step(&mut self, (largest_m, points_m2): (f64, f64), restarted: &mut impl FnMut(u16)) {
         let is_sought = |own: usize| {
             self.reference != Some(own as u16)
                 && self.sources[own].samples >= SAMPLES_MIN
                 && self.solutions[own] >= SOLUTIONS_MIN
                 && self.young[own] == 0
         };
-        let step = self.steps.look(0.25 * largest_m * largest_m, is_sought);
-        // What is smaller may be a detection point of a large target that has just appeared.
-        let is_step = |step: &Step| self.targets >= TARGETS_MIN as f64 && step.effect_m >= 0.5 * largest_m;
-        let Some(step) = step.filter(is_step) else {
+        let Some(step) = self.steps.look(points_m2, is_sought) else {
             return;
         };
+        if self.targets < TARGETS_MIN as f64 {
+            return;
+        }
         let own = step.source;
+        if step.effect_m < 0.5 * largest_m {
+            if !step.turns {
+                self.carry(&step);
+            }
+            return;
+        }
         let old = self.sources[own];
         let (seed, model) = Seed::of(&step, &old, self.formers[own].as_ref(), self.places_m[own]);
         self.begin_anew(own);
@@ -122,6 +136,29 @@ impl Registration {
         self.sources[own].model = model;
         self.sources[own].samples = SEEDED_SAMPLES;
         restarted(own as u16);
+    }
+
+    /// Adds a change of the offset to the estimate of a source and to the differences behind it. These count so much
+    /// less that the variance of the change is added to that of the estimate.
+    fn carry(&mut self, step: &Step) {
+        let (own, count) = (step.source, self.sources.len());
+        let known_m2 = self.displacements[own].variance_m2();
+        let keep = known_m2 / (known_m2 + step.variance_m2());
+        let mut by = Errors::zeros();
+        (by[0], by[1]) = (step.by.x, step.by.y);
+        for other in partners(self.partners[own]) {
+            let pair = &mut self.pairs[own * count + other];
+            pair.right += pair.own * by;
+            pair.fade(keep);
+            let pair = &mut self.pairs[other * count + own];
+            pair.right -= pair.cross * by;
+            pair.fade(keep);
+        }
+        let seed = &mut self.seeds[own];
+        seed.right += seed.normal * by;
+        self.sources[own].errors += by;
+        self.steps.carry(step);
+        self.recents.fill(Recent::default());
     }
 
     /// Returns the sources of which a horizontal error is removed, as bits.

@@ -34,24 +34,25 @@ impl Displacement {
         variance_m2: PRIOR_SIGMA[0] * PRIOR_SIGMA[0],
     };
 
-    /// Returns the displacement of a source with these sums over its differences, one per partner. Of what a step
-    /// revealed (`seed`) only the horizontal offset displaces reports; the rest is carried over.
+    /// Returns the displacement of a source with these sums over its differences, one per partner. What a step revealed
+    /// (`seed`) makes the displacement certain, but is no difference: a source that has just changed has no say in what
+    /// all sources have in common.
     pub(super) fn new<'a>(seed: &NormalMatrix, sums: impl Iterator<Item = &'a NormalMatrix>) -> Self {
         let mut form = Matrix3::zeros();
-        form.fixed_view_mut::<2, 2>(0, 0)
-            .copy_from(&seed.fixed_view::<2, 2>(0, 0));
         for sum in sums {
             form += Matrix3::from_fn(|row, column| sum[(ROWS[row], ROWS[column])]);
         }
-        let information = 0.5 * (form[(0, 0)] + form[(1, 1)]);
-        if information > 0.0 {
-            Self {
-                form: form / information,
-                variance_m2: 1.0 / (information + 1.0 / Self::UNKNOWN.variance_m2),
-            }
-        } else {
-            Self::UNKNOWN
+        let compared = 0.5 * (form[(0, 0)] + form[(1, 1)]);
+        let information = compared + 0.5 * (seed[(0, 0)] + seed[(1, 1)]);
+        Self {
+            form: if compared > 0.0 { form / compared } else { form },
+            variance_m2: 1.0 / (information + 1.0 / Self::UNKNOWN.variance_m2),
         }
+    }
+
+    /// Returns the variance per axis of the displacement, m².
+    pub(super) fn variance_m2(&self) -> f64 {
+        self.variance_m2
     }
 
     /// Returns the displacement by the time offset alone.

@@ -29,7 +29,7 @@ impl Registration {
     /// Begins a solution for all sources, once per tick; does nothing while a solution is in progress. The estimate of
     /// a source whose errors changed by a step is dropped, and the source is passed to `restarted`. Large targets have
     /// a size of `largest_m`.
-    pub(crate) fn begin(&mut self, largest_m: f64, mut restarted: impl FnMut(u16)) {
+    pub(crate) fn begin(&mut self, points: (f64, f64), mut restarted: impl FnMut(u16)) {
         if self.is_solving() {
             return;
         }
@@ -48,7 +48,7 @@ impl Registration {
         for (recent, known) in self.recents.iter_mut().zip(&self.sources) {
             recent.look(self.keep_drifting, known.model);
         }
-        self.look_for_step(largest_m, &mut restarted);
+        self.look_for_step(points, &mut restarted);
         self.forget_after_step(restarted);
         self.solution.sources.copy_from_slice(&self.sources);
         self.solution.best = None;
@@ -124,9 +124,7 @@ impl Registration {
             let pair = &mut self.pairs[own * count + other];
             let drifts = self.recents[own].is_drift() || self.recents[other].is_drift();
             let keep = if drifts { self.keep_drifting } else { self.keep };
-            pair.own *= keep;
-            pair.cross *= keep;
-            pair.right *= keep;
+            pair.fade(keep);
             normal += pair.own;
         }
         let sums = partners(self.partners[own]).map(|other| &self.pairs[own * count + other].own);

@@ -47,6 +47,9 @@ const SQUARED_MAX: f64 = 1000.0;
 /// Squared statistical length of a step, and share of it that a second source may have.
 const STEP: f64 = 25.0;
 const SECOND_MAX: f64 = 0.6;
+/// Squared statistical length of a further step of a source that has changed lately, and for how many ticks it has.
+const FURTHER: f64 = 9.2;
+const MOVING_TICKS: u8 = 24;
 /// Squared statistical length up to which a former estimate explains the new errors.
 const EXPLAINED: f64 = 11.3;
 /// Standard deviation of a former estimate that is taken up again, metres.
@@ -78,16 +81,16 @@ struct Sums {
 }
 
 impl Sums {
-    fn plus(mut self, other: &Self, sign: f64) -> Self {
-        fn add<const N: usize>(own: &mut [f64; N], other: &[f64; N], sign: f64) {
-            own.iter_mut().zip(other).for_each(|(own, other)| *own += sign * other);
+    fn plus(mut self, other: &Self) -> Self {
+        fn add<const N: usize>(own: &mut [f64; N], other: &[f64; N]) {
+            own.iter_mut().zip(other).for_each(|(own, other)| *own += other);
         }
-        add(&mut self.information, &other.information, sign);
-        add(&mut self.mixed, &other.mixed, sign);
-        add(&mut self.sum, &other.sum, sign);
-        self.rotation += sign * other.rotation;
-        self.squares += sign * other.squares;
-        self.count += sign * other.count;
+        add(&mut self.information, &other.information);
+        add(&mut self.mixed, &other.mixed);
+        add(&mut self.sum, &other.sum);
+        self.rotation += other.rotation;
+        self.squares += other.squares;
+        self.count += other.count;
         self.targets |= other.targets;
         self
     }
@@ -141,18 +144,28 @@ fn inverse([xx, xy, yy]: Symmetric2) -> Symmetric2 {
 }
 
 /// A step of the errors of one source.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Step {
     pub(crate) source: usize,
     /// Offset east and north, metres, and rotation about the origin, radians clockwise; the covariance of the three.
-    by: Vector3,
+    pub(crate) by: Vector3,
     covariance: Matrix3,
     /// Whether it is more than an offset.
-    turns: bool,
+    pub(crate) turns: bool,
+    /// Interval in which the step was found, and number of intervals up to it since the step.
+    found: usize,
+    intervals: usize,
     /// Squared statistical length.
     length: f64,
     /// Effect on the observed targets, root mean square, metres.
     pub(crate) effect_m: f64,
+}
+
+impl Step {
+    /// Variance of the offset per axis, m².
+    pub(crate) fn variance_m2(&self) -> f64 {
+        0.5 * (self.covariance[(0, 0)] + self.covariance[(1, 1)])
+    }
 }
 
 /// What is known of a source that changed from the step itself.
@@ -278,8 +291,12 @@ impl FormerErrors {
 pub(crate) struct StepSearch {
     /// Per source, and per interval as a ring.
     sums: Vec<[Sums; INTERVALS]>,
-    /// Sums of all sources per interval.
-    total: [Sums; INTERVALS],
+    /// For the search: sums of each source since a time, their means, and the most likely step of each source.
+    since: Vec<Sums>,
+    means: Vec<MeanInnovation>,
+    best: Vec<Option<Step>>,
+    /// Ticks for which each source counts as changing.
+    moving: Vec<u8>,
     /// Present interval, and its ticks.
     present: usize,
     ticks: u8,
@@ -289,7 +306,10 @@ impl StepSearch {
     pub(crate) fn new(sources: usize) -> Self {
         Self {
             sums: vec![[Sums::default(); INTERVALS]; sources],
-            total: [Sums::default(); INTERVALS],
+            since: vec![Sums::default(); sources],
+            means: Vec::with_capacity(sources),
+            moving: vec![0; sources],
+            best: vec![None; sources],
             present: 0,
             ticks: 0,
         }
@@ -328,7 +348,23 @@ impl StepSearch {
             count: 1.0,
             targets: 1 << (target % u64::BITS),
         };
-        *sums = sums.plus(&added, 1.0);
+        *sums = sums.plus(&added);
+    }
+
+    /// Takes the offset of a step off the innovations since the step: it is taken off the reports from now on.
+    pub(crate) fn carry(&mut self, step: &Step) {
+        let (east, north) = (step.by.x, step.by.y);
+        self.moving[step.source] = MOVING_TICKS;
+        for back in 0..step.intervals {
+            let sums = &mut self.sums[step.source][(step.found + INTERVALS - back) % INTERVALS];
+            let ([xx, xy, yy], [xa, ya]) = (sums.information, sums.mixed);
+            let by = [xx * east + xy * north, xy * east + yy * north, xa * east + ya * north];
+            let squares = (by[0] - 2.0 * sums.sum[0]) * east + (by[1] - 2.0 * sums.sum[1]) * north;
+            sums.squares = (sums.squares + squares).max(0.0);
+            for (sum, by) in sums.sum.iter_mut().zip(by) {
+                *sum -= by;
+            }
+        }
     }
 
     /// Forgets all innovations: corrections have changed.
@@ -341,6 +377,9 @@ impl StepSearch {
     /// variance of up to `points_m2` per axis.
     pub(crate) fn look(&mut self, points_m2: f64, sought: impl Fn(usize) -> bool) -> Option<Step> {
         let step = self.step(points_m2, sought);
+        for moving in &mut self.moving {
+            *moving = moving.saturating_sub(1);
+        }
         self.ticks += 1;
         if self.ticks >= INTERVAL_TICKS {
             self.ticks = 0;
@@ -353,76 +392,153 @@ impl StepSearch {
     }
 
     fn step(&mut self, points_m2: f64, sought: impl Fn(usize) -> bool) -> Option<Step> {
-        self.total = [Sums::default(); INTERVALS];
-        for sums in &self.sums {
-            for (total, sums) in self.total.iter_mut().zip(sums) {
-                *total = total.plus(sums, 1.0);
+        self.since.fill(Sums::default());
+        self.best.fill(None);
+        for back in 0..INTERVALS {
+            let interval = (self.present + INTERVALS - back) % INTERVALS;
+            for (since, sums) in self.since.iter_mut().zip(&self.sums) {
+                *since = since.plus(&sums[interval]);
+            }
+            if STARTS.contains(&(back + 1)) {
+                self.compare(back + 1, points_m2);
             }
         }
         let (mut best, mut second): (Option<Step>, f64) = (None, 0.0);
-        for source in 0..self.sums.len() {
-            let Some(step) = self.step_of(source, points_m2) else {
-                continue;
-            };
+        for step in self.best.iter().flatten() {
             if best.is_none_or(|best| step.length > best.length) {
                 second = best.map_or(second, |best| best.length.max(second));
-                best = Some(step);
+                best = Some(*step);
             } else {
                 second = second.max(step.length);
             }
         }
-        best.filter(|best| best.length > STEP && second < SECOND_MAX * best.length && sought(best.source))
+        best.filter(|best| {
+            let limit = if self.moving[best.source] > 0 { FURTHER } else { STEP };
+            best.length > limit && second < SECOND_MAX * best.length && sought(best.source)
+        })
     }
 
-    /// Returns the most likely step of one source.
-    fn step_of(&self, source: usize, points_m2: f64) -> Option<Step> {
-        let (mut own, mut others) = (Sums::default(), Sums::default());
-        let mut best: Option<Step> = None;
-        for back in 0..INTERVALS {
-            let interval = (self.present + INTERVALS - back) % INTERVALS;
-            let sums = &self.sums[source][interval];
-            own = own.plus(sums, 1.0);
-            others = others.plus(&self.total[interval].plus(sums, -1.0), 1.0);
-            if !STARTS.contains(&(back + 1)) || own.count < COUNT_MIN || others.count < COUNT_MIN {
-                continue;
-            }
-            let ((mean_m, own_m2), (others_m, others_m2)) = (own.mean(), others.mean());
-            let by_m = [mean_m[0] - others_m[0], mean_m[1] - others_m[1]];
-            let own_m2 = own_m2.map(|value| value * own.scatter(mean_m) / WEIGHT);
-            let mut others_m2 = others_m2.map(|value| value * others.scatter(others_m) / WEIGHT);
-            // All innovations of one target contain the same point of the target.
-            let points_m2 = points_m2 * (own.targets_share() + others.targets_share());
-            (others_m2[0], others_m2[2]) = (others_m2[0] + points_m2, others_m2[2] + points_m2);
-            let covariance_m2: Symmetric2 = std::array::from_fn(|place| own_m2[place] + others_m2[place]);
-            let length = squared2(by_m, covariance_m2);
-            if length.is_finite() && best.is_none_or(|best| length > best.length) {
-                let [xx, xy, yy] = covariance_m2;
-                best = Some(Step {
-                    source,
-                    by: Vector3::new(by_m[0], by_m[1], 0.0),
-                    covariance: Matrix3::new(xx, xy, 0.0, xy, yy, 0.0, 0.0, 0.0, 0.0),
-                    turns: false,
-                    length,
-                    effect_m: by_m[0].hypot(by_m[1]),
-                });
-            }
-            let Some((by, covariance)) = own.turned(others_m, others_m2) else {
-                continue;
-            };
-            let length = covariance.cholesky().map_or(0.0, |factor| by.dot(&factor.solve(&by)));
-            let is_turned = by.z * by.z > TURNS * covariance[(2, 2)];
-            if is_turned && best.is_none_or(|best| length > best.length) {
-                best = Some(Step {
-                    source,
-                    by,
-                    covariance,
-                    turns: true,
-                    length,
-                    effect_m: own.effect_m(&by),
-                });
+    /// Compares the mean innovation of each source in the latest intervals with that of all others. No source weighs
+    /// more than twice what the middle one weighs, however accurate the source is: it may be the one that changed.
+    fn compare(&mut self, intervals: usize, points_m2: f64) {
+        self.means.clear();
+        let known = self
+            .since
+            .iter()
+            .enumerate()
+            .filter(|(_, sums)| sums.count >= COUNT_MIN);
+        self.means
+            .extend(known.map(|(source, sums)| MeanInnovation::of(source, sums, points_m2)));
+        if self.means.len() < 2 {
+            return;
+        }
+        let middle = self.means.len() / 2;
+        let by_variance = |a: &MeanInnovation, b: &MeanInnovation| a.variance_m2().total_cmp(&b.variance_m2());
+        let middle_m2 = self.means.select_nth_unstable_by(middle, by_variance).1.variance_m2();
+        let mut all = WeightedMean::default();
+        for mean in &self.means {
+            all.add(mean, 1.0 / (mean.variance_m2() + middle_m2), 1.0);
+        }
+        for own in &self.means {
+            let mut others = all;
+            others.add(own, 1.0 / (own.variance_m2() + middle_m2), -1.0);
+            let step = own.step(&self.since[own.source], &others.mean(), (self.present, intervals));
+            let best = &mut self.best[own.source];
+            if step.length.is_finite() && best.is_none_or(|best| step.length > best.length) {
+                *best = Some(step);
             }
         }
-        best
+    }
+}
+
+/// Mean innovation of a source, its covariance.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct MeanInnovation {
+    source: usize,
+    mean_m: [f64; 2],
+    covariance_m2: Symmetric2,
+}
+
+impl MeanInnovation {
+    /// All innovations of one target contain the same point of the target.
+    fn of(source: usize, sums: &Sums, points_m2: f64) -> Self {
+        let (mean_m, covariance_m2) = sums.mean();
+        let [xx, xy, yy] = covariance_m2.map(|value| value * sums.scatter(mean_m) / WEIGHT);
+        let points_m2 = points_m2 * sums.targets_share();
+        Self {
+            source,
+            mean_m,
+            covariance_m2: [xx + points_m2, xy, yy + points_m2],
+        }
+    }
+
+    fn variance_m2(&self) -> f64 {
+        self.covariance_m2[0] + self.covariance_m2[2]
+    }
+
+    /// Returns the most likely step of a source with these sums, relative to the mean of the others.
+    fn step(
+        &self,
+        sums: &Sums,
+        (others_m, others_m2): &([f64; 2], Symmetric2),
+        (found, intervals): (usize, usize),
+    ) -> Step {
+        let by_m = [self.mean_m[0] - others_m[0], self.mean_m[1] - others_m[1]];
+        let covariance_m2: Symmetric2 = std::array::from_fn(|place| self.covariance_m2[place] + others_m2[place]);
+        let [xx, xy, yy] = covariance_m2;
+        let shift = Step {
+            source: self.source,
+            by: Vector3::new(by_m[0], by_m[1], 0.0),
+            covariance: Matrix3::new(xx, xy, 0.0, xy, yy, 0.0, 0.0, 0.0, 0.0),
+            turns: false,
+            found,
+            intervals,
+            length: squared2(by_m, covariance_m2),
+            effect_m: by_m[0].hypot(by_m[1]),
+        };
+        let Some((by, covariance)) = sums.turned(*others_m, *others_m2) else {
+            return shift;
+        };
+        let length = covariance.cholesky().map_or(0.0, |factor| by.dot(&factor.solve(&by)));
+        if by.z * by.z > TURNS * covariance[(2, 2)] && length > shift.length {
+            return Step {
+                by,
+                covariance,
+                turns: true,
+                length,
+                effect_m: sums.effect_m(&by),
+                ..shift
+            };
+        }
+        shift
+    }
+}
+
+/// Sums of a weighted mean of the means of several sources.
+#[derive(Clone, Copy, Debug, Default)]
+struct WeightedMean {
+    weight: f64,
+    sum_m: [f64; 2],
+    covariance_m2: Symmetric2,
+}
+
+impl WeightedMean {
+    fn add(&mut self, of: &MeanInnovation, weight: f64, sign: f64) {
+        self.weight += sign * weight;
+        for (sum, mean) in self.sum_m.iter_mut().zip(of.mean_m) {
+            *sum += sign * weight * mean;
+        }
+        for (sum, value) in self.covariance_m2.iter_mut().zip(of.covariance_m2) {
+            *sum += sign * weight * weight * value;
+        }
+    }
+
+    fn mean(&self) -> ([f64; 2], Symmetric2) {
+        let share = 1.0 / self.weight;
+        (
+            self.sum_m.map(|sum| share * sum),
+            self.covariance_m2.map(|sum| share * share * sum),
+        )
     }
 }
 

@@ -33,7 +33,7 @@ impl Sources {
         self.registration.add_innovation(
             usize::from(entry.source),
             (residual_m, covariance_m2),
-            (entry.system, [place_m[0], place_m[1]]),
+            (entry.system, [place_m[0], place_m[1]], entry.latest.velocity_mps),
         );
     }
 

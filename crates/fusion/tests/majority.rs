@@ -1,0 +1,241 @@
+//! One wrong source of several: the others move no target, and no other source is corrected.
+//!
+//! Every way in which the source may be wrong is compared with the run in which the source is silent: how far, in which
+//! direction to the traffic, from the first report on or later, and with which stated accuracy. If all targets fly in
+//! one direction, an error along it looks like a wrong clock.
+
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+
+use fusion::Engine;
+use fusion::settings::{AccuracyTable, Settings, SourceSettings, Weighing};
+use messages::{Covariance, Identity, SensorTrack, SystemTrack, TrackState, sensor_track_bits};
+use test_support::{Random, S};
+
+const SIGMA_M: f64 = 20.0;
+const SPEED_MPS: f64 = 100.0;
+/// Time at which a step or a drift begins, and after which the targets are shown in any case, seconds.
+const CHANGE_S: f64 = 40.0;
+/// Scans after which the errors count.
+const SETTLED_S: f64 = 5.0;
+
+/// How targets fly.
+#[derive(Clone, Copy, Debug)]
+enum Traffic {
+    Parallel,
+    TwoWay,
+    Random,
+}
+
+/// What the last source reports.
+#[derive(Clone, Copy, Debug)]
+enum Wrong {
+    Silent,
+    /// Off by so many metres from its first report on, which comes late.
+    Off(f64),
+    /// Off by so many metres from some time on.
+    Step(f64),
+    /// Led off by so many metres per second.
+    Drift(f64),
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Case {
+    traffic: Traffic,
+    wrong: Wrong,
+    /// Direction of the error, radians clockwise from north.
+    bearing_rad: f64,
+    honest: usize,
+    /// Standard deviation that the wrong source states, metres.
+    claim_m: f64,
+    targets: u32,
+    seed: u64,
+}
+
+impl Case {
+    fn heading_rad(&self, target: u32) -> f64 {
+        match self.traffic {
+            Traffic::Parallel => 0.25 * TAU,
+            Traffic::TwoWay => (0.25 + 0.5 * f64::from(target % 2)) * TAU,
+            Traffic::Random => f64::from(target) * 2.4,
+        }
+    }
+
+    fn velocity_mps(&self, target: u32) -> [f64; 2] {
+        let (east, north) = self.heading_rad(target).sin_cos();
+        [SPEED_MPS * east, SPEED_MPS * north]
+    }
+
+    fn place_m(&self, target: u32, time_s: f64) -> [f64; 2] {
+        let [east, north] = self.velocity_mps(target);
+        let (column, row) = (f64::from(target % 10), f64::from(target / 10));
+        [column * 6e3 - 30e3 + east * time_s, row * 6e3 - 30e3 + north * time_s]
+    }
+
+    /// Error of the last source in its direction, metres; `None` while it is silent.
+    fn error_m(&self, time_s: f64) -> Option<f64> {
+        let since_s = time_s - CHANGE_S;
+        match self.wrong {
+            Wrong::Silent => None,
+            Wrong::Off(_) if since_s < 0.0 => None,
+            Wrong::Off(by_m) => Some(by_m),
+            Wrong::Step(_) | Wrong::Drift(_) if since_s < 0.0 => Some(0.0),
+            Wrong::Step(by_m) => Some(by_m),
+            Wrong::Drift(by_mps) => Some(by_mps * since_s),
+        }
+    }
+
+    fn end_s(&self) -> f64 {
+        match self.wrong {
+            Wrong::Drift(_) => CHANGE_S + 60.0,
+            _ => CHANGE_S + 25.0,
+        }
+    }
+
+    /// Errors of all states since the change but for the first scans, metres, in rising order; and the sources that are
+    /// corrected at the end.
+    fn run(&self, until_s: f64) -> (Vec<f64>, Vec<usize>) {
+        let sources = (0..=self.honest as u32).map(|number| {
+            let (name, weighing) = (format!("source-{number}"), Weighing::default());
+            SourceSettings::new(&name, &weighing, (1.0, number), [0.0; 2], &AccuracyTable::default()).unwrap()
+        });
+        let mut engine = Engine::new(Settings::default().with_sources(sources.collect()).unwrap()).unwrap();
+        let (mut random, mut errors_m) = (BTreeMap::new(), Vec::new());
+        let (towards_east, towards_north) = self.bearing_rad.sin_cos();
+        for scan in 0..until_s as u32 {
+            for source in 0..=self.honest {
+                for target in 0..self.targets {
+                    let share = source as f64 / (self.honest + 1) as f64 + 2e-4 * f64::from(target);
+                    let time_s = f64::from(scan) + share;
+                    let is_wrong = source == self.honest;
+                    let Some(error_m) = (if is_wrong { self.error_m(time_s) } else { Some(0.0) }) else {
+                        continue;
+                    };
+                    let sigma_m = if is_wrong { self.claim_m } else { SIGMA_M };
+                    let noise = random
+                        .entry(source)
+                        .or_insert_with(|| Random::new(self.seed + 99 * source as u64));
+                    let mut normal = || (0..12).map(|_| noise.unit()).sum::<f64>() - 6.0;
+                    let [east, north] = self.place_m(target, time_s);
+                    let noise_m = [sigma_m * normal(), sigma_m * normal()];
+                    let place_m = [
+                        east + error_m * towards_east + noise_m[0],
+                        north + error_m * towards_north + noise_m[1],
+                        150.0,
+                    ];
+                    let [east_mps, north_mps] = self.velocity_mps(target);
+                    let report = SensorTrack {
+                        time_of_measurement_ns: (time_s * S as f64) as i64,
+                        source: source as u16,
+                        track_number: target + 1,
+                        valid: sensor_track_bits::VELOCITY,
+                        position_m: place_m,
+                        velocity_mps: [east_mps, north_mps, 0.0],
+                        covariance: Covariance::diagonal([sigma_m, sigma_m, 30.0], [3.0; 3]),
+                        identity: Identity::default().with_address(0x40_0000 + target),
+                        state: TrackState::Confirmed as u8,
+                        ..SensorTrack::default()
+                    };
+                    engine.take(&report, &mut |track: &SystemTrack| {
+                        if track.state != TrackState::Confirmed as u8 || time_s < CHANGE_S + SETTLED_S {
+                            return;
+                        }
+                        let target = track.identity.address().unwrap() - 0x40_0000;
+                        let [east, north] = self.place_m(target, track.reference_time_ns as f64 / S as f64);
+                        errors_m.push((track.position_m[0] - east).hypot(track.position_m[1] - north));
+                    });
+                }
+            }
+        }
+        errors_m.sort_by(f64::total_cmp);
+        let corrected = (0..=self.honest).filter(|source| engine.source_errors(*source as u16).unwrap().removed[0]);
+        (errors_m, corrected.collect())
+    }
+
+    /// Ratio of the median error to that without the wrong source.
+    fn check(&self, limit: f64) {
+        let until_s = self.end_s();
+        let ((beside, corrected), (without, _)) = (
+            self.run(until_s),
+            Self {
+                wrong: Wrong::Silent,
+                ..*self
+            }
+            .run(until_s),
+        );
+        let [beside_m, without_m] = [beside, without].map(|errors| {
+            assert!(
+                errors.len() as f64 > 15.0 * f64::from(self.targets),
+                "{self:?}: {}",
+                errors.len()
+            );
+            errors[errors.len() / 2]
+        });
+        assert!(
+            beside_m <= limit * without_m,
+            "{self:?}: {beside_m:.1} m beside the wrong source, {without_m:.1} m without it"
+        );
+        assert!(
+            corrected.iter().all(|source| *source == self.honest),
+            "{self:?}: {corrected:?} are corrected"
+        );
+    }
+}
+
+const DEGREE: f64 = TAU / 360.0;
+
+fn each_case(wrongs: &[Wrong], limit: f64) {
+    let mut seed = 1;
+    for traffic in [Traffic::Parallel, Traffic::TwoWay, Traffic::Random] {
+        for bearing_deg in [0.0, 45.0, 90.0] {
+            for (place, wrong) in wrongs.iter().enumerate() {
+                seed += 1;
+                // Each claim and each number of honest sources meets each direction and each traffic.
+                for (honest, claim_m) in [(2, 1.0), (2 + 2 * (place % 2), 20.0)] {
+                    Case {
+                        traffic,
+                        wrong: *wrong,
+                        bearing_rad: bearing_deg * DEGREE,
+                        honest,
+                        claim_m,
+                        targets: 50,
+                        seed,
+                    }
+                    .check(limit);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_source_that_is_off_from_its_first_report_on_moves_no_target() {
+    each_case(
+        &[
+            Wrong::Off(30.0),
+            Wrong::Off(100.0),
+            Wrong::Off(300.0),
+            Wrong::Off(2000.0),
+        ],
+        1.3,
+    );
+}
+
+#[test]
+fn a_source_that_steps_aside_moves_no_target() {
+    each_case(
+        &[
+            Wrong::Step(30.0),
+            Wrong::Step(60.0),
+            Wrong::Step(150.0),
+            Wrong::Step(300.0),
+            Wrong::Step(2000.0),
+        ],
+        1.3,
+    );
+}
+
+#[test]
+fn a_source_that_is_led_off_slowly_moves_targets_little() {
+    each_case(&[Wrong::Drift(2.0)], 2.0);
+}
