@@ -43,10 +43,20 @@ impl Engine {
     }
 
     /// Returns the gross error of `source` that unassociated tracks reveal; `None` if there is no error or no such
-    /// source.
+    /// source, or if the error may be its partner's and a majority decides between the two.
     pub fn gross_error(&self, source: u16) -> Option<Bias> {
+        let is_off = |source: u16| self.contradiction(source).is_some_and(|error| error.is_certain);
         (usize::from(source) < self.settings.sources.len())
             .then(|| self.sources.alignment.error_of(source))
+            .flatten()
+            .filter(|error| error.is_certain || !(is_off(source) || is_off(error.partner)))
+    }
+
+    /// Returns the error of `source` beside other sources that agree, or relative to one that it contradicts, of the
+    /// targets that they observe together; `None` if there is none or no such source.
+    pub fn contradiction(&self, source: u16) -> Option<Bias> {
+        (usize::from(source) < self.settings.sources.len())
+            .then(|| self.sources.registration.contradiction(source))
             .flatten()
     }
 

@@ -41,6 +41,7 @@
 //! Source: Y. Bar-Shalom, P. Willett, X. Tian, *Tracking and Data Fusion* (YBS, 2011), chapter 9, for the model.
 
 mod changes;
+mod contradiction;
 mod displacement;
 mod errors;
 mod gauge;
@@ -86,6 +87,11 @@ const DIFFERENCE_GATE: f64 = 25.0;
 /// Largest variance per axis with which detection points may explain a difference, m², in the check for a wrong
 /// estimate. The bound prevents a wrong estimate from passing as ever larger targets.
 const POINTS_MAX_M2: f64 = 100.0 * 100.0;
+/// Sources that make a majority beside another one, and the squared share of its displacement that they have at most.
+const MAJORITY: usize = 2;
+const NEAR_2: f64 = 1.0 / 9.0;
+/// Probability that a source that agrees with a wrong one errs with it.
+const ERR_TOGETHER: f64 = 0.27;
 /// Comparisons of one target within the memory of the latest differences, at most.
 const RECENT_TIMES: f64 = 3.0;
 /// Weight of one difference in the mean of their squares, and the largest mean that a clear error may have caused.
@@ -286,24 +292,37 @@ impl Registration {
         self.common_offset_m2() + self.left_over_m2()
     }
 
-    /// Returns the variance per axis of the common part of the horizontal offsets, m²; 0 if a reference source is
-    /// taken as true. The common part shows in no difference, but if the offsets lie far apart, their median is
-    /// hardly 0. Few offsets determine their spread poorly, so the variance is enlarged by `(n + 1)·n / (n − 1)²`.
+    /// Returns the variance per axis of the common part of the displacements, m²; 0 if a reference source is taken as
+    /// true. The common part shows in no difference, but if the displacements lie far apart, their median is hardly 0.
+    /// Few of them determine their spread poorly, so the variance is enlarged by `(n + 1)·n / (n − 1)²`. If some agree
+    /// beside another one, they may be the wrong ones; the fewer they are, the more the other one counts.
     fn common_offset_m2(&self) -> f64 {
-        let (mut sum, mut total, mut count) = (0.0, 0.0, 0.0);
-        let is_of_offset =
-            |(known, _): &(&SourceErrors, &Displacement)| known.samples >= SAMPLES_MIN && !known.model.is_polar();
-        for (known, displacement) in self.sources.iter().zip(&self.displacements).filter(is_of_offset) {
-            let weight = displacement.closeness(&known.errors);
-            sum += weight * weight * displacement.offset_excess_m2(&known.errors, &known.variances);
+        let known = || {
+            let all = self.sources.iter().zip(&self.displacements);
+            all.filter(|(known, _)| known.samples >= SAMPLES_MIN && !known.model.is_polar())
+        };
+        let (mut sum, mut total, mut count, mut together) = (0.0, 0.0, 0.0, 0.0);
+        for (of, displacement) in known() {
+            let weight = displacement.closeness(&of.errors);
+            let excess_m2 = displacement.excess_m2(&of.errors);
+            sum += weight * weight * excess_m2;
             total += weight;
             count += 1.0;
+            let is_near = |(of, near): &(&SourceErrors, &Displacement)| near.excess_m2(&of.errors) < NEAR_2 * excess_m2;
+            let agreeing = if excess_m2 > 0.0 {
+                known().filter(is_near).count()
+            } else {
+                0
+            };
+            if agreeing >= MAJORITY {
+                together += ERR_TOGETHER.powi(agreeing as i32 - 1) * excess_m2;
+            }
         }
         if self.reference.is_some() || count < 2.0 {
             return 0.0;
         }
         let few = (count + 1.0) * count / ((count - 1.0) * (count - 1.0));
-        (few * sum / (total * total)).max(0.0)
+        (few * sum / (total * total) + together).max(0.0)
     }
 
     /// Returns the mean square per axis of the horizontal offsets that are not removed, m²: not significant yet, or

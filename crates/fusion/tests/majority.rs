@@ -16,6 +16,8 @@ const SIGMA_M: f64 = 20.0;
 const SPEED_MPS: f64 = 100.0;
 /// Time at which a step or a drift begins, and after which the targets are shown in any case, seconds.
 const CHANGE_S: f64 = 40.0;
+/// Time for which a source is named before an alarm is raised, seconds.
+const RAISED_S: u32 = 5;
 /// Scans after which the errors count.
 const SETTLED_S: f64 = 5.0;
 
@@ -92,17 +94,25 @@ impl Case {
         }
     }
 
-    /// Errors of all states since the change but for the first scans, metres, in rising order; and the sources that are
-    /// corrected at the end.
-    fn run(&self, until_s: f64) -> (Vec<f64>, Vec<usize>) {
+    /// Runs until a time.
+    fn run(&self, until_s: f64) -> Outcome {
         let sources = (0..=self.honest as u32).map(|number| {
             let (name, weighing) = (format!("source-{number}"), Weighing::default());
             SourceSettings::new(&name, &weighing, (1.0, number), [0.0; 2], &AccuracyTable::default()).unwrap()
         });
         let mut engine = Engine::new(Settings::default().with_sources(sources.collect()).unwrap()).unwrap();
-        let (mut random, mut errors_m) = (BTreeMap::new(), Vec::new());
+        let (mut random, mut errors_m, mut sigmas_m) = (BTreeMap::new(), Vec::new(), Vec::new());
+        let mut named = BTreeMap::<(u16, bool), u32>::new();
         let (towards_east, towards_north) = self.bearing_rad.sin_cos();
         for scan in 0..until_s as u32 {
+            for source in 0..=self.honest as u16 {
+                for error in [engine.gross_error(source), engine.contradiction(source)]
+                    .into_iter()
+                    .flatten()
+                {
+                    *named.entry((source, error.is_certain)).or_default() += 1;
+                }
+            }
             for source in 0..=self.honest {
                 for target in 0..self.targets {
                     let share = source as f64 / (self.honest + 1) as f64 + 2e-4 * f64::from(target);
@@ -142,44 +152,71 @@ impl Case {
                         }
                         let target = track.identity.address().unwrap() - 0x40_0000;
                         let [east, north] = self.place_m(target, track.reference_time_ns as f64 / S as f64);
+                        sigmas_m.push((track.covariance.get(0, 0) + track.covariance.get(1, 1)).sqrt());
                         errors_m.push((track.position_m[0] - east).hypot(track.position_m[1] - north));
                     });
                 }
             }
         }
-        errors_m.sort_by(f64::total_cmp);
         let corrected = (0..=self.honest).filter(|source| engine.source_errors(*source as u16).unwrap().removed[0]);
-        (errors_m, corrected.collect())
+        assert!(
+            errors_m.len() as f64 > 15.0 * f64::from(self.targets),
+            "{self:?}: {}",
+            errors_m.len()
+        );
+        Outcome {
+            error_m: median(errors_m),
+            sigma_m: median(sigmas_m),
+            corrected: corrected.collect(),
+            named: named
+                .into_iter()
+                .filter(|(_, seconds)| *seconds >= RAISED_S)
+                .map(|(named, _)| named)
+                .collect(),
+        }
     }
 
-    /// Ratio of the median error to that without the wrong source.
+    /// Checks that the error is no more than `limit` times that without the wrong source, and who is named.
     fn check(&self, limit: f64) {
         let until_s = self.end_s();
-        let ((beside, corrected), (without, _)) = (
-            self.run(until_s),
-            Self {
-                wrong: Wrong::Silent,
-                ..*self
-            }
-            .run(until_s),
-        );
-        let [beside_m, without_m] = [beside, without].map(|errors| {
-            assert!(
-                errors.len() as f64 > 15.0 * f64::from(self.targets),
-                "{self:?}: {}",
-                errors.len()
-            );
-            errors[errors.len() / 2]
-        });
+        let beside = self.run(until_s);
+        let without = Self {
+            wrong: Wrong::Silent,
+            ..*self
+        }
+        .run(until_s);
         assert!(
-            beside_m <= limit * without_m,
-            "{self:?}: {beside_m:.1} m beside the wrong source, {without_m:.1} m without it"
+            beside.error_m <= limit * without.error_m,
+            "{self:?}: {:.1} m beside the wrong source, {:.1} m without it",
+            beside.error_m,
+            without.error_m
         );
+        let wrong = self.honest;
         assert!(
-            corrected.iter().all(|source| *source == self.honest),
-            "{self:?}: {corrected:?} are corrected"
+            beside.corrected.iter().all(|source| *source == wrong),
+            "{self:?}: {:?} are corrected",
+            beside.corrected
         );
+        assert_eq!(beside.named, [(wrong as u16, true)], "{self:?}");
+        assert_eq!(without.named, [], "{self:?} silent");
     }
+}
+
+/// What a run came to, since the change but for the first scans.
+#[derive(Debug)]
+struct Outcome {
+    /// Median error of all states, and median of the stated standard deviation, metres.
+    error_m: f64,
+    sigma_m: f64,
+    /// Sources of which an offset is removed at the end.
+    corrected: Vec<usize>,
+    /// Sources that were named as wrong for long enough for an alarm, and whether that was certain.
+    named: Vec<(u16, bool)>,
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
 }
 
 const DEGREE: f64 = TAU / 360.0;
@@ -238,4 +275,33 @@ fn a_source_that_steps_aside_moves_no_target() {
 #[test]
 fn a_source_that_is_led_off_slowly_moves_targets_little() {
     each_case(&[Wrong::Drift(2.0)], 2.0);
+}
+
+#[test]
+fn where_nobody_can_decide_the_stated_accuracy_contains_both() {
+    for bearing_deg in [0.0, 45.0, 90.0] {
+        for claim_m in [1.0, 20.0] {
+            let case = |honest: usize| Case {
+                traffic: Traffic::Parallel,
+                wrong: Wrong::Step(300.0),
+                bearing_rad: bearing_deg * DEGREE,
+                honest,
+                claim_m,
+                targets: 50,
+                seed: 3,
+            };
+            // One against one: neither is named.
+            let outcome = case(1).run(CHANGE_S + 40.0);
+            assert!(
+                outcome.error_m < 2.0 * outcome.sigma_m && outcome.sigma_m > 150.0,
+                "{outcome:?}"
+            );
+            assert_eq!(outcome.named, [(0, false)], "{bearing_deg}, {claim_m}");
+            // Two against one: they may be the wrong ones. Four are not.
+            let outcome = case(2).run(CHANGE_S + 40.0);
+            assert!((140.0..200.0).contains(&outcome.sigma_m), "{outcome:?}");
+            let outcome = case(4).run(CHANGE_S + 40.0);
+            assert!(outcome.sigma_m < 60.0, "{outcome:?}");
+        }
+    }
 }

@@ -63,15 +63,9 @@ impl Displacement {
         }
     }
 
-    /// Returns the mean square per axis of the displacement by the offset, minus the part explained by chance, m². What
-    /// a time offset may explain does not count.
-    pub(super) fn offset_excess_m2(&self, errors: &Errors, variances: &Errors) -> f64 {
-        let time = self.form[(2, 2)] + self.variance_m2 / (PRIOR_SIGMA[TIME] * PRIOR_SIGMA[TIME]);
-        let by_time = self.form.fixed_view::<2, 1>(0, 2);
-        let form = self.form.fixed_view::<2, 2>(0, 0) - by_time * by_time.transpose() / time;
-        let offset = errors.fixed_rows::<2>(0);
-        let by_chance = form[(0, 0)] * variances[0] + form[(1, 1)] * variances[1];
-        0.5 * (offset.dot(&(form * offset)) - by_chance)
+    /// Returns the mean square per axis of the displacement, minus the part explained by chance, m².
+    pub(super) fn excess_m2(&self, errors: &Errors) -> f64 {
+        0.5 * self.squared_m2(errors) - self.variance_m2
     }
 
     /// Returns the sum over both axes, m².
@@ -114,8 +108,7 @@ impl MeanErrors {
     }
 
     /// Adds the errors of a source.
-    pub(super) fn add(&mut self, displacement: &Displacement, errors: &Errors) {
-        let weight = displacement.closeness(errors);
+    pub(super) fn add(&mut self, displacement: &Displacement, errors: &Errors, weight: f64) {
         let weighted = displacement.form * weight;
         self.normal += weighted;
         self.right += weighted * of_rows(errors);

@@ -35,12 +35,24 @@ pub(super) fn fix(sources: &mut [SourceErrors], displacements: &[Displacement], 
 /// Returns a step from 0 towards the geometric median of the compared sources.
 fn step_to_median(sources: &[SourceErrors], displacements: &[Displacement], is_anchored: bool) -> Errors {
     let (mut horizontal, mut up, mut total) = (MeanErrors::new(), 0.0, 0.0);
-    let known = sources.iter().zip(displacements);
-    for (source, displacement) in known.filter(|(source, _)| source.samples > 0.0) {
+    let known = || {
+        sources
+            .iter()
+            .zip(displacements)
+            .filter(|(source, _)| source.samples > 0.0)
+    };
+    // Every point between two is a median; none of the two is the truer one.
+    let are_two = known().count() == 2;
+    for (source, displacement) in known() {
+        let weight = if are_two {
+            1.0
+        } else {
+            displacement.closeness(&source.errors)
+        };
         // The offset of a rotation is that of the point about which it turns.
         match is_anchored || source.model.is_polar() {
-            true => horizontal.add(&displacement.by_time(), &source.errors),
-            false => horizontal.add(displacement, &source.errors),
+            true => horizontal.add(&displacement.by_time(), &source.errors, weight),
+            false => horizontal.add(displacement, &source.errors, weight),
         }
         let weight = 1.0 / (source.errors[UP] * source.errors[UP] + source.variances[UP]).sqrt();
         up += weight * source.errors[UP];

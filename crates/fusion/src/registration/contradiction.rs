@@ -1,0 +1,87 @@
+//! Contradictions: sources whose errors displace their reports far from those of others.
+//!
+//! The errors are relative to what all sources have in common. Where at least two other sources are near that, they
+//! agree, and the source is off. Otherwise two sources contradict each other, and nobody decides. Both are found at any
+//! size, whether or not the errors are removed.
+
+use messages::{Bias, BiasKind};
+
+use crate::registration::progress::SETTLED_MIN;
+use crate::registration::recent::SOLUTIONS_MIN;
+use crate::registration::rows::{AZIMUTH, NormalMatrix, RANGE, TIME};
+use crate::registration::{MAJORITY, NEAR_2, Registration, partners};
+
+/// Root mean square displacement from which a source is off, and from which two contradict each other, metres.
+const OFF_M: f64 = 25.0;
+const APART_M: f64 = 100.0;
+/// Squared statistical length of a displacement that is none by chance.
+const SIGNIFICANT: f64 = 13.8;
+
+impl Registration {
+    /// Returns the errors of a source beside a majority, or relative to another source that it contradicts; of two that
+    /// contradict each other, those of the first.
+    pub(crate) fn contradiction(&self, source: u16) -> Option<Bias> {
+        let own = usize::from(source);
+        let size_m = self.settled_size_m(own).filter(|size_m| *size_m >= OFF_M)?;
+        if let Some(partner) = self.majority_beside(own, size_m) {
+            return Some(self.bias(own, None, (partner, true)));
+        }
+        let (partner, other_m) = self.others(own).max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let is_undecided = size_m + other_m >= APART_M && self.majority_beside(partner, other_m).is_none();
+        (own < partner && is_undecided).then(|| self.bias(own, Some(partner), (partner, false)))
+    }
+
+    /// Returns the first of the sources that agree with each other, but not with one whose errors displace its reports
+    /// by `size_m`; `None` if they are no majority.
+    fn majority_beside(&self, own: usize, size_m: f64) -> Option<usize> {
+        let near = || {
+            self.others(own)
+                .filter(|(_, other_m)| other_m * other_m <= NEAR_2 * size_m * size_m)
+        };
+        (near().count() >= MAJORITY)
+            .then(|| near().next())?
+            .map(|(other, _)| other)
+    }
+
+    /// Returns the settled sources but for one, with their [sizes](Self::settled_size_m).
+    fn others(&self, own: usize) -> impl Iterator<Item = (usize, f64)> {
+        let others = (0..self.sources.len()).filter(move |other| *other != own);
+        others.filter_map(|other| Some((other, self.settled_size_m(other)?)))
+    }
+
+    /// Returns the root mean square by which the errors of a source displace the compared reports, metres; 0 if that is
+    /// within chance, `None` if the source is not settled.
+    fn settled_size_m(&self, own: usize) -> Option<f64> {
+        let known = &self.sources[own];
+        let is_settled = known.samples >= SETTLED_MIN && self.solutions[own] >= SOLUTIONS_MIN;
+        let pairs = || partners(self.partners[own]).map(|other| &self.pairs[own * self.sources.len() + other].own);
+        let normal = pairs().fold(NormalMatrix::zeros(), |sum, pair| sum + pair);
+        let information = 0.5 * (normal[(0, 0)] + normal[(1, 1)]);
+        if !is_settled || information <= 0.0 {
+            return None;
+        }
+        let mut plane = known.errors;
+        plane[2] = 0.0;
+        let squared_m2 = plane.dot(&(normal * plane)) / information;
+        let is_by_chance = squared_m2 < SIGNIFICANT * self.displacements[own].variance_m2();
+        Some(if is_by_chance { 0.0 } else { squared_m2.max(0.0).sqrt() })
+    }
+
+    fn bias(&self, own: usize, relative_to: Option<usize>, (partner, is_certain): (usize, bool)) -> Bias {
+        let known = &self.sources[own];
+        let other = relative_to.map(|other| self.sources[other].errors).unwrap_or_default();
+        let (kind, value) = match (known.model.estimates(AZIMUTH), known.model.estimates(RANGE)) {
+            (true, _) => (BiasKind::Azimuth, [known.errors[AZIMUTH], 0.0]),
+            (_, true) => (BiasKind::Range, [known.errors[RANGE], 0.0]),
+            _ if known.removed[TIME] && !known.removed[0] => (BiasKind::Time, [-known.errors[TIME], 0.0]),
+            _ => (BiasKind::Position, [0, 1].map(|axis| known.errors[axis] - other[axis])),
+        };
+        Bias {
+            kind,
+            value,
+            partner: partner as u16,
+            is_certain,
+            is_removed: known.removed.iter().any(|removed| *removed),
+        }
+    }
+}
