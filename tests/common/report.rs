@@ -1127,6 +1127,8 @@ impl Told<'_> {
             | AlarmKind::MemoryLow
             | AlarmKind::CertificateExpires
             | AlarmKind::GrossError
+            | AlarmKind::SourceOff
+            | AlarmKind::SourcesContradict
             | AlarmKind::NeverJoined
             | AlarmKind::BiasChanged
             | AlarmKind::DetectionFell

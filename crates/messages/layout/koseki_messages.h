@@ -846,7 +846,7 @@ typedef struct KosekiRegistration {
     double azimuth_bias_sigma_rad; /* Standard deviation of the azimuth bias, radians. */
     double covariance_inflation; /* Factor of covariance scaling for a source that overstates its accuracy; otherwise 1. */
     uint32_t removed; /* Which of the errors are being removed from the source's reports: `registration_bits`. */
-    uint32_t gross; /* Gross bias, 0 for none: its kind in the lowest byte, whether it is certain (1) and removed (2) in the */
+    uint32_t gross; /* Gross bias, 0 for none: its kind in the lowest byte, whether it is certain (1), removed (2) and an error */
     double clock_offset_s; /* Offset of the source's clock against times of receipt, seconds; 0 with a standard deviation of 0: unknown. */
     double clock_offset_sigma_s; /* Standard deviation of the clock offset, seconds; 0: unknown. */
     double gross_value[2]; /* Amount of the gross error, in the unit of its kind. */

@@ -1018,7 +1018,7 @@ class Registration(ctypes.Structure):
         ("azimuth_bias_sigma_rad", ctypes.c_double),  # Standard deviation of the azimuth bias, radians.
         ("covariance_inflation", ctypes.c_double),  # Factor of covariance scaling for a source that overstates its accuracy; otherwise 1.
         ("removed", ctypes.c_uint32),  # Which of the errors are being removed from the source's reports: `registration_bits`.
-        ("gross", ctypes.c_uint32),  # Gross bias, 0 for none: its kind in the lowest byte, whether it is certain (1) and removed (2) in the
+        ("gross", ctypes.c_uint32),  # Gross bias, 0 for none: its kind in the lowest byte, whether it is certain (1), removed (2) and an error
         ("clock_offset_s", ctypes.c_double),  # Offset of the source's clock against times of receipt, seconds; 0 with a standard deviation of 0: unknown.
         ("clock_offset_sigma_s", ctypes.c_double),  # Standard deviation of the clock offset, seconds; 0: unknown.
         ("gross_value", ctypes.c_double * 2),  # Amount of the gross error, in the unit of its kind.

@@ -110,8 +110,9 @@ sample! {
         covariance_inflation: f64 = 1.0,
         /// Which of the errors are being removed from the source's reports: `registration_bits`.
         removed: u32,
-        /// Gross bias, 0 for none: its kind in the lowest byte, whether it is certain (1) and removed (2) in the
-        /// next, the source of the comparison in the upper half; [`Registration::gross_error`].
+        /// Gross bias, 0 for none: its kind in the lowest byte, whether it is certain (1), removed (2) and an error
+        /// among joined targets (4) in the next, the source of the comparison in the upper half;
+        /// [`Registration::gross_error`], [`Registration::contradiction`].
         gross: u32,
         /// Offset of the source's clock against times of receipt, seconds; 0 with a standard deviation of 0: unknown.
         clock_offset_s: f64,
@@ -153,18 +154,30 @@ impl Registration {
         self.clock_offset_sigma_s = if known.is_some() { sigma_s.max(1e-9) } else { 0.0 };
     }
 
-    /// Sets the bias; `None`: there is none.
-    pub fn set_gross_error(&mut self, error: Option<Bias>) {
+    /// Sets the bias of unassociated tracks, or else the [contradiction](Self::contradiction); `None`: there is none.
+    pub fn set_gross_error(&mut self, gross: Option<Bias>, contradiction: Option<Bias>) {
+        let error = gross.or(contradiction);
         self.gross_value = error.map_or([0.0; 2], |error| error.value);
         self.gross = error.map_or(0, |error| {
-            let says = u8::from(error.is_certain) | u8::from(error.is_removed) << 1;
+            let is_joined = gross.is_none();
+            let says = u8::from(error.is_certain) | u8::from(error.is_removed) << 1 | u8::from(is_joined) << 2;
             let [low, high] = error.partner.to_le_bytes();
             u32::from_le_bytes([error.kind.code(), says, low, high])
         });
     }
 
-    /// Returns the bias; `None` if there is none, or if its kind is of a later version.
+    /// Returns the bias that unassociated tracks reveal; `None` if there is none, or if its kind is of a later version.
     pub fn gross_error(&self) -> Option<Bias> {
+        self.bias(false)
+    }
+
+    /// Returns the bias among joined targets, beside sources that agree or relative to one that the source contradicts;
+    /// likewise.
+    pub fn contradiction(&self) -> Option<Bias> {
+        self.bias(true)
+    }
+
+    fn bias(&self, joined: bool) -> Option<Bias> {
         let [kind, says, low, high] = self.gross.to_le_bytes();
         Some(Bias {
             kind: BiasKind::from_code(kind)?,
@@ -173,6 +186,7 @@ impl Registration {
             is_certain: says & 1 != 0,
             is_removed: says & 2 != 0,
         })
+        .filter(|_| (says & 4 != 0) == joined)
     }
 
     /// Whether all errors in `bits` are being removed from the source's reports.
@@ -279,14 +293,16 @@ mod tests {
         };
         let mut known = Registration::default();
         assert_eq!(known.gross_error(), None);
-        known.set_gross_error(Some(error));
-        assert_eq!(known.gross_error(), Some(error));
+        known.set_gross_error(Some(error), None);
+        assert_eq!((known.gross_error(), known.contradiction()), (Some(error), None));
         assert!(
             known
                 .to_string()
                 .starts_with("grossly off, -0.53° in azimuth (not removed); besides not compared")
         );
-        known.set_gross_error(None);
+        known.set_gross_error(None, Some(error));
+        assert_eq!((known.gross_error(), known.contradiction()), (None, Some(error)));
+        known.set_gross_error(None, None);
         assert_eq!(known, Registration::default());
     }
 

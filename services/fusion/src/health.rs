@@ -26,7 +26,8 @@ pub(crate) fn of_source<S: Transport>(engine: &Engine, input: &SourceInput<S>, c
 /// Returns the errors of a source: learned, gross, and of its clock.
 fn registration<S: Transport>(engine: &Engine, input: &SourceInput<S>, common: CommonOffsets) -> Registration {
     let mut registration = errors(engine, input.source);
-    registration.set_gross_error(engine.gross_error(input.source));
+    let source = input.source;
+    registration.set_gross_error(engine.gross_error(source), engine.contradiction(source));
     registration.set_clock_offset(input.time.clock_offset(common.ahead_s));
     registration
 }

@@ -183,13 +183,16 @@ fn estimated_biases_are_written_as_lines_of_the_configuration() {
     };
     let lines = configured.with_estimated(&known).lines();
     assert_eq!(lines, ["azimuth_deg = 0.300", "east_m = 12.3", "up_m = 3.0"]);
-    known.set_gross_error(Some(Bias {
-        kind: BiasKind::Range,
-        value: [400.0, 0.0],
-        partner: 1,
-        is_certain: true,
-        is_removed: true,
-    }));
+    known.set_gross_error(
+        Some(Bias {
+            kind: BiasKind::Range,
+            value: [400.0, 0.0],
+            partner: 1,
+            is_certain: true,
+            is_removed: true,
+        }),
+        None,
+    );
     let lines = configured.with_estimated(&known).lines();
     assert_eq!(lines[1], "range_m = 400.0");
     assert!(

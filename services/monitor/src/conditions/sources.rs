@@ -198,6 +198,25 @@ impl Conditions {
                 ];
                 round.find(AlarmKind::GrossError, subject, Finding::Bad, &values);
             }
+            if let Some(error) = known.contradiction() {
+                let partner = self.sources.get(usize::from(error.partner));
+                let partner = partner.map_or_else(String::new, |partner| partner.facts.name.clone());
+                let removed = if error.is_removed { "; fusion removes it" } else { "" };
+                let (kind, subject) = match error.is_certain {
+                    true => (AlarmKind::SourceOff, subject),
+                    false => {
+                        let pair = Subject::pair(source.facts.number, error.partner);
+                        (AlarmKind::SourcesContradict, pair)
+                    }
+                };
+                let values = [
+                    name(),
+                    ("error", error.to_string()),
+                    ("partner", partner),
+                    ("verdict", removed.to_owned()),
+                ];
+                round.find(kind, subject, Finding::Bad, &values);
+            }
             if let Some(finding) = above(known.covariance_inflation, self.limits.inflation) {
                 let values = [name(), ("factor", format!("{:.1}", known.covariance_inflation))];
                 round.find(AlarmKind::AccuracyOverstated, subject, finding, &values);

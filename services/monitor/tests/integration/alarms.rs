@@ -515,7 +515,7 @@ fn a_gross_error_is_told_with_what_to_correct() {
         let mut site = Site::new(&[]);
         let known = |site: &mut Site, error| {
             let said = site.say(ProcessKind::Fusion, "fusion", 0);
-            said.registration.set_gross_error(error);
+            said.registration.set_gross_error(error, None);
         };
         let error = Bias {
             is_certain,
@@ -535,6 +535,39 @@ fn a_gross_error_is_told_with_what_to_correct() {
     );
     assert_eq!(told(true, false), format!("{sentence}."));
     assert_eq!(told(true, true), format!("{sentence}, and that is taken off."));
+}
+
+#[test]
+fn a_source_beside_a_majority_is_named_and_of_two_alone_both() {
+    let error = |is_certain| Bias {
+        kind: BiasKind::Position,
+        value: [4.0, 150.0],
+        partner: 3,
+        is_certain,
+        is_removed: is_certain,
+    };
+    let told = |kind, is_certain| {
+        let mut site = Site::new(&[]);
+        let known = |site: &mut Site, error| {
+            let said = site.say(ProcessKind::Fusion, "fusion", 0);
+            said.registration.set_gross_error(None, error);
+        };
+        let (begin, end) = (
+            |site: &mut Site| known(site, Some(error(is_certain))),
+            |site: &mut Site| known(site, None),
+        );
+        site.raise_and_clear(kind, begin, end)
+    };
+    assert_eq!(
+        told(AlarmKind::SourceOff, true),
+        "radar-west is off by +4 m east and +150 m north: ads-b and others agree with each other, but not with \
+         radar-west; fusion removes it."
+    );
+    assert_eq!(
+        told(AlarmKind::SourcesContradict, false),
+        "radar-west and ads-b contradict each other: radar-west is off by +4 m east and +150 m north relative to \
+         ads-b, and no other source decides."
+    );
 }
 
 #[test]
@@ -622,13 +655,16 @@ fn apart(site: &mut Site) {
 fn a_bias_that_explains_the_pairs_is_told_instead_of_a_wrong_position() {
     let mut site = Site::new(&[]);
     let said = site.say(ProcessKind::Fusion, "fusion", 1);
-    said.registration.set_gross_error(Some(Bias {
-        kind: BiasKind::Azimuth,
-        value: [0.03, 0.0],
-        partner: 0,
-        is_certain: false,
-        is_removed: false,
-    }));
+    said.registration.set_gross_error(
+        Some(Bias {
+            kind: BiasKind::Azimuth,
+            value: [0.03, 0.0],
+            partner: 0,
+            is_certain: false,
+            is_removed: false,
+        }),
+        None,
+    );
     apart(&mut site);
     assert!(
         matches!(&site.standing()[..], [told] if told.starts_with("radar-east has a bias of +1.72° in azimuth")),
