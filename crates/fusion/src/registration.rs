@@ -78,7 +78,7 @@ const VELOCITY_GATE_MPS: f64 = 300.0;
 /// Weight of one sample: errors of tracks persist over several reports.
 const SAMPLE_WEIGHT: f64 = 0.25;
 /// Targets from which on a difference of all targets is no wrong join of few.
-pub(crate) const TARGETS_MIN: usize = 4;
+pub(crate) const TARGETS_MIN: usize = 3;
 /// Mean square of the differences, and share of the contradicting ones, up to which an estimate explains them.
 const LEARNED_FIT_MAX: f64 = 2.0;
 const LEARNED_CONTRADICTED_MAX: f64 = 0.25;

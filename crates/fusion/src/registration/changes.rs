@@ -119,7 +119,7 @@ impl Registration {
         let Some(step) = self.steps.look(points_m2, is_sought) else {
             return;
         };
-        if self.targets < TARGETS_MIN as f64 {
+        if step.targets < TARGETS_MIN as u32 {
             return;
         }
         let own = step.source;

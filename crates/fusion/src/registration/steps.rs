@@ -152,6 +152,8 @@ pub(crate) struct Step {
     covariance: Matrix3,
     /// Whether it is more than an offset.
     pub(crate) turns: bool,
+    /// Number of targets that show it, at most 64.
+    pub(crate) targets: u32,
     /// Interval in which the step was found, and number of intervals up to it since the step.
     found: usize,
     intervals: usize,
@@ -491,6 +493,7 @@ impl MeanInnovation {
             by: Vector3::new(by_m[0], by_m[1], 0.0),
             covariance: Matrix3::new(xx, xy, 0.0, xy, yy, 0.0, 0.0, 0.0, 0.0),
             turns: false,
+            targets: sums.targets.count_ones(),
             found,
             intervals,
             length: squared2(by_m, covariance_m2),
