@@ -92,6 +92,8 @@ const MAJORITY: usize = 2;
 const NEAR_2: f64 = 1.0 / 9.0;
 /// Probability that a source that agrees with a wrong one errs with it.
 const ERR_TOGETHER: f64 = 0.27;
+/// Largest variance per axis of what a source may be off, m².
+const DOUBT_MAX_M2: f64 = 100.0 * 100.0;
 /// Comparisons of one target within the memory of the latest differences, at most.
 const RECENT_TIMES: f64 = 3.0;
 /// Weight of one difference in the mean of their squares, and the largest mean that a clear error may have caused.
@@ -173,6 +175,8 @@ pub(crate) struct Registration {
     /// Of each source: what its latest step revealed, its estimate before that, and for how many ticks more its states
     /// lag behind the step.
     seeds: Vec<Seed>,
+    /// Variance per axis of what each source may be off beside the others, m².
+    doubts_m2: Vec<f64>,
     formers: Vec<Option<FormerErrors>>,
     young: Vec<u8>,
 }
@@ -201,6 +205,7 @@ impl Registration {
             sources: vec![unknown; sources],
             steps: StepSearch::new(sources),
             seeds: vec![Seed::NONE; sources],
+            doubts_m2: vec![0.0; sources],
             formers: vec![None; sources],
             young: vec![0; sources],
         }
@@ -284,6 +289,30 @@ impl Registration {
             (effect[(0, row)] * effect[(0, row)] + effect[(1, row)] * effect[(1, row)]) * known.variances[row]
         });
         Some((left[0].hypot(left[1]), variance_m2.sum()))
+    }
+
+    /// Returns the variance per axis of what the reports of `source` may be off beside those of others, m², while that
+    /// is not settled; 0 once it is.
+    #[inline]
+    pub(crate) fn doubt_m2(&self, source: u16) -> f64 {
+        self.doubts_m2[usize::from(source)]
+    }
+
+    /// Follows [`Self::doubt_m2`]. Where less than two others are settled, the source may be the true one.
+    fn doubt(&mut self) {
+        let settled = (0..self.sources.len()).filter(|own| self.is_settled(*own)).count();
+        for own in 0..self.sources.len() {
+            let is_compared = self.sources[own].samples > 0.0 && settled >= MAJORITY;
+            self.doubts_m2[own] = match is_compared && !self.is_settled(own) {
+                true => self.displacements[own].variance_m2().min(DOUBT_MAX_M2),
+                false => 0.0,
+            };
+        }
+    }
+
+    /// Returns whether the errors of a source have been estimated for some time.
+    fn is_settled(&self, own: usize) -> bool {
+        self.sources[own].samples >= SETTLED_MIN && self.solutions[own] >= SOLUTIONS_MIN
     }
 
     /// Returns the variance per axis of the systematic error of a state to which all sources contribute, m². The sum
@@ -495,6 +524,7 @@ impl Registration {
                 self.steps.clear();
             }
         }
+        self.doubt();
     }
 
     /// Returns the mean squared speed of the targets in the comparisons of a source, m²/s²; at least 1.

@@ -53,6 +53,10 @@ impl Engine {
         referred.is_usable &= !is_displaced;
         let entry = self.tracks.sensors.get(sensor);
         let (system, time_ns, source) = (entry.system, entry.time_ns, entry.source);
+        let doubt_m2 = self.sources.registration.doubt_m2(source);
+        if doubt_m2 > 0.0 && self.tracks.systems.get(system).contributors & !(1 << source) != 0 {
+            referred.variance_m2 += doubt_m2;
+        }
         let mut relative = *measurement;
         relative.refer(referred.point_m, referred.variance_m2);
         let Self { tracks, sources, .. } = self;

@@ -6,8 +6,6 @@
 
 use messages::{Bias, BiasKind};
 
-use crate::registration::progress::SETTLED_MIN;
-use crate::registration::recent::SOLUTIONS_MIN;
 use crate::registration::rows::{AZIMUTH, NormalMatrix, RANGE, TIME};
 use crate::registration::{MAJORITY, NEAR_2, Registration, partners};
 
@@ -52,15 +50,13 @@ impl Registration {
     /// Returns the root mean square by which the errors of a source displace the compared reports, metres; 0 if that is
     /// within chance, `None` if the source is not settled.
     fn settled_size_m(&self, own: usize) -> Option<f64> {
-        let known = &self.sources[own];
-        let is_settled = known.samples >= SETTLED_MIN && self.solutions[own] >= SOLUTIONS_MIN;
         let pairs = || partners(self.partners[own]).map(|other| &self.pairs[own * self.sources.len() + other].own);
         let normal = pairs().fold(NormalMatrix::zeros(), |sum, pair| sum + pair);
         let information = 0.5 * (normal[(0, 0)] + normal[(1, 1)]);
-        if !is_settled || information <= 0.0 {
+        if !self.is_settled(own) || information <= 0.0 {
             return None;
         }
-        let mut plane = known.errors;
+        let mut plane = self.sources[own].errors;
         plane[2] = 0.0;
         let squared_m2 = plane.dot(&(normal * plane)) / information;
         let is_by_chance = squared_m2 < SIGNIFICANT * self.displacements[own].variance_m2();
