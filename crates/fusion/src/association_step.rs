@@ -54,6 +54,9 @@ pub(crate) struct Search<'a> {
     pub(crate) sources: &'a Sources,
 }
 
+/// Distance by which the sources may be off while nothing is known of them, metres.
+const UNKNOWN_M: f64 = 600.0;
+
 /// Distance within which a new track of a sensor in a turn may be of a target, metres.
 const FOLLOWED_M: f64 = 1000.0;
 
@@ -183,6 +186,26 @@ impl Search<'_> {
                     && !(heights && height_distance(&state, theirs) > gate);
             },
         );
+        is_shown
+    }
+
+    /// Whether a target that is shown already may be that of the system track `own`, none of whose sources has been
+    /// compared enough to know how far it is off: a track of other sources near by with like velocity.
+    pub(crate) fn is_shown_aside(&self, own: SystemSlot, now_ns: i64) -> bool {
+        let sources = self.tracks.sources_of(own, now_ns);
+        let registration = &self.sources.registration;
+        if (0..u64::BITS as u16).any(|source| sources & (1 << source) != 0 && registration.is_acquainted(source)) {
+            return false;
+        }
+        let state = self.state(own, now_ns);
+        let gate = self.settings.association.join_gate();
+        let mut is_shown = false;
+        self.others(own, now_ns, (&state, UNKNOWN_M), |system, theirs, heights| {
+            let life = self.tracks.systems.get(system).life;
+            is_shown |= matches!(life, TrackState::Confirmed | TrackState::Coasted)
+                && move_alike(&state, theirs)
+                && !(heights && height_distance(&state, theirs) > gate);
+        });
         is_shown
     }
 

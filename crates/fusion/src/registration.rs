@@ -92,6 +92,8 @@ const MAJORITY: usize = 2;
 const NEAR_2: f64 = 1.0 / 9.0;
 /// Probability that a source that agrees with a wrong one errs with it.
 const ERR_TOGETHER: f64 = 0.27;
+/// Ticks after which sources that are compared have joined their tracks.
+const ACQUAINTED_TICKS: u32 = 20;
 /// Largest variance per axis of what a source may be off, m².
 const DOUBT_MAX_M2: f64 = 100.0 * 100.0;
 /// Comparisons of one target within the memory of the latest differences, at most.
@@ -300,18 +302,27 @@ impl Registration {
 
     /// Follows [`Self::doubt_m2`]. Where less than two others are settled, the source may be the true one.
     fn doubt(&mut self) {
-        let settled = (0..self.sources.len()).filter(|own| self.is_settled(*own)).count();
+        let settled = (0..self.sources.len() as u16)
+            .filter(|own| self.is_settled(*own))
+            .count();
         for own in 0..self.sources.len() {
             let is_compared = self.sources[own].samples > 0.0 && settled >= MAJORITY;
-            self.doubts_m2[own] = match is_compared && !self.is_settled(own) {
+            self.doubts_m2[own] = match is_compared && !self.is_settled(own as u16) {
                 true => self.displacements[own].variance_m2().min(DOUBT_MAX_M2),
                 false => 0.0,
             };
         }
     }
 
+    /// Returns whether a source has been compared for so long that what it is off no longer keeps its tracks apart from
+    /// those of others.
+    pub(crate) fn is_acquainted(&self, source: u16) -> bool {
+        self.is_settled(source) && self.ticks[usize::from(source)] >= ACQUAINTED_TICKS
+    }
+
     /// Returns whether the errors of a source have been estimated for some time.
-    fn is_settled(&self, own: usize) -> bool {
+    fn is_settled(&self, source: u16) -> bool {
+        let own = usize::from(source);
         self.sources[own].samples >= SETTLED_MIN && self.solutions[own] >= SOLUTIONS_MIN
     }
 

@@ -53,7 +53,7 @@ impl Registration {
         let pairs = || partners(self.partners[own]).map(|other| &self.pairs[own * self.sources.len() + other].own);
         let normal = pairs().fold(NormalMatrix::zeros(), |sum, pair| sum + pair);
         let information = 0.5 * (normal[(0, 0)] + normal[(1, 1)]);
-        if !self.is_settled(own) || information <= 0.0 {
+        if !self.is_settled(own as u16) || information <= 0.0 {
             return None;
         }
         let mut plane = self.sources[own].errors;
