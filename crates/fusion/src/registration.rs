@@ -67,7 +67,7 @@ use crate::registration::recent::{RECENT_S, Recent, SOLUTIONS_MIN};
 use crate::registration::rows::{NormalMatrix, TIME};
 use crate::registration::sensitivity::{Sensitivity, Weighted, add_vector};
 use crate::registration::significance::PointsVariance;
-use crate::registration::steps::{FormerErrors, Seed, StepSearch};
+use crate::registration::steps::{FormerErrors, MISLED_TICKS, Seed, StepSearch};
 
 pub use crate::registration::errors::SourceErrors;
 pub(crate) use crate::registration::errors::{ClockError, TargetView};
@@ -92,6 +92,8 @@ const MAJORITY: usize = 2;
 const NEAR_2: f64 = 1.0 / 9.0;
 /// Probability that a source that agrees with a wrong one errs with it.
 const ERR_TOGETHER: f64 = 0.27;
+/// Squared displacement by an error, m², whose removal shows that filters were misled.
+const MISLED_M2: f64 = 40.0 * 40.0;
 /// Ticks after which sources that are compared have joined their tracks.
 const ACQUAINTED_TICKS: u32 = 20;
 /// Largest variance per axis of what a source may be off, m².
@@ -181,6 +183,8 @@ pub(crate) struct Registration {
     doubts_m2: Vec<f64>,
     formers: Vec<Option<FormerErrors>>,
     young: Vec<u8>,
+    /// Ticks for which filters may still be misled by an error that is now removed.
+    misled_ticks: u8,
 }
 
 impl Registration {
@@ -210,6 +214,7 @@ impl Registration {
             doubts_m2: vec![0.0; sources],
             formers: vec![None; sources],
             young: vec![0; sources],
+            misled_ticks: 0,
         }
     }
 
@@ -533,6 +538,8 @@ impl Registration {
             significance::decide(&mut self.sources[own], &points, &self.displacements[own]);
             if self.sources[own].removed != before {
                 self.steps.clear();
+                let has_misled = self.displacements[own].squared_m2(&self.sources[own].errors) > MISLED_M2;
+                self.misled_ticks = self.misled_ticks.max(if has_misled { MISLED_TICKS } else { 0 });
             }
         }
         self.doubt();

@@ -114,8 +114,13 @@ impl Registration {
             self.reference != Some(own as u16)
                 && self.sources[own].samples >= SAMPLES_MIN
                 && self.solutions[own] >= SOLUTIONS_MIN
-                && self.young[own] == 0
+                && self.young[own] <= YOUNG_TICKS - MISLED_TICKS
         };
+        if self.misled_ticks > 0 {
+            self.misled_ticks -= 1;
+            self.steps.clear();
+            return;
+        }
         let Some(step) = self.steps.look(points_m2, is_sought) else {
             return;
         };
@@ -127,6 +132,11 @@ impl Registration {
             if !step.turns {
                 self.carry(&step);
             }
+            return;
+        }
+        if step.is_beyond {
+            self.begin_anew(own);
+            restarted(own as u16);
             return;
         }
         let old = self.sources[own];

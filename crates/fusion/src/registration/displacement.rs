@@ -69,7 +69,7 @@ impl Displacement {
     }
 
     /// Returns the sum over both axes, m².
-    fn squared_m2(&self, errors: &Errors) -> f64 {
+    pub(super) fn squared_m2(&self, errors: &Errors) -> f64 {
         let errors = of_rows(errors);
         errors.dot(&(self.form * errors))
     }

@@ -1,7 +1,7 @@
 //! The solution of the normal equations of all sources, in steps of bounded work.
 //!
 //! A few sweeps of block Gauss–Seidel solve for the errors of one source after the other, with the errors of the others
-//! fixed. Then the models of each source are compared. The estimates change once all of it is complete.
+//! fixed; first for those without an estimate, so that a large error does not pass through the estimates of all. Then the models of each source are compared. The estimates change once all of it is complete.
 
 use crate::registration::displacement::Displacement;
 use crate::registration::errors::{ClockError, PRIOR_SIGMA, SAMPLES_MIN, clock_of, prior_variances};
@@ -68,12 +68,12 @@ impl Registration {
             return false;
         };
         let mut work = 0;
-        while sweep <= SWEEPS {
+        while sweep <= SWEEPS + 1 {
             if work >= STEP_WORK {
                 self.solution.next = Some((sweep, own));
                 return false;
             }
-            if sweep == SWEEPS {
+            if sweep == SWEEPS + 1 {
                 self.compare_models(own, clock_of(clocks, own));
                 work += SELECT_WORK + self.partners[own].count_ones() as usize;
                 own += 1;
@@ -87,10 +87,12 @@ impl Registration {
                 work += FACTOR_WORK;
             }
             work += SOLVE_WORK + self.partners[own].count_ones() as usize;
-            self.solve(own, clock_of(clocks, own));
+            if sweep > 0 || self.solutions[own] == 0 {
+                self.solve(own, clock_of(clocks, own));
+            }
             own += 1;
             if own == self.sources.len() {
-                if self.reference.is_none() {
+                if sweep > 0 && self.reference.is_none() {
                     gauge::fix(&mut self.solution.sources, &self.displacements, clocks);
                 }
                 (sweep, own) = (sweep + 1, 0);

@@ -76,6 +76,8 @@ struct Sums {
     /// Σ of squared lengths, and number.
     squares: f64,
     count: f64,
+    /// Number of innovations that were bounded.
+    bounded: f64,
     /// Targets of the innovations, as bits of their numbers.
     targets: u64,
 }
@@ -91,6 +93,7 @@ impl Sums {
         self.rotation += other.rotation;
         self.squares += other.squares;
         self.count += other.count;
+        self.bounded += other.bounded;
         self.targets |= other.targets;
         self
     }
@@ -152,6 +155,8 @@ pub(crate) struct Step {
     covariance: Matrix3,
     /// Whether it is more than an offset.
     pub(crate) turns: bool,
+    /// Whether it is larger than the innovations can show.
+    pub(crate) is_beyond: bool,
     /// Number of targets that show it, at most 64.
     pub(crate) targets: u32,
     /// Interval in which the step was found, and number of intervals up to it since the step.
@@ -348,6 +353,7 @@ impl StepSearch {
             ],
             squares: squared.min(SQUARED_MAX),
             count: 1.0,
+            bounded: f64::from(u8::from(squared > SQUARED_MAX)),
             targets: 1 << (target % u64::BITS),
         };
         *sums = sums.plus(&added);
@@ -493,6 +499,7 @@ impl MeanInnovation {
             by: Vector3::new(by_m[0], by_m[1], 0.0),
             covariance: Matrix3::new(xx, xy, 0.0, xy, yy, 0.0, 0.0, 0.0, 0.0),
             turns: false,
+            is_beyond: 2.0 * sums.bounded > sums.count,
             targets: sums.targets.count_ones(),
             found,
             intervals,

@@ -129,6 +129,7 @@ fn the_former_estimate_is_taken_up_again_only_where_it_explains_the_step() {
         by: Vector3::new(east_m, 0.0, 0.0),
         covariance: Matrix3::from_diagonal(&Vector3::new(100.0, 100.0, 0.0)),
         turns: false,
+        is_beyond: false,
         targets: 20,
         found: 0,
         intervals: 1,
