@@ -219,10 +219,11 @@ impl Credibility {
     /// its share of the source from the time before the source was wrong.
     #[inline]
     pub(crate) fn is_misled(&self, tracks: &Tracks, sensor: SensorSlot) -> bool {
-        self.set_aside != 0 && {
-            let misleads = |entry: &SensorEntry| self.is_set_aside(entry.source) && entry.share > MISLEADS_FROM;
-            let entry = tracks.sensors.get(sensor);
-            !self.is_set_aside(entry.source)
+        let entry = tracks.sensors.get(sensor);
+        (self.set_aside != 0 || tracks.systems.get(entry.system).has_led_off) && {
+            let is_off = |entry: &SensorEntry| self.is_set_aside(entry.source) || entry.is_led_off;
+            let misleads = |entry: &SensorEntry| is_off(entry) && entry.share > MISLEADS_FROM;
+            !is_off(entry)
                 && distance_from_track(tracks, entry, 0.0) > FITS
                 && tracks
                     .members(entry.system)

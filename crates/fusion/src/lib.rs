@@ -61,6 +61,7 @@ mod life;
 mod lifetimes;
 mod linking;
 mod manoeuvres;
+mod mean_innovation;
 mod measurement;
 mod merger;
 mod motion;

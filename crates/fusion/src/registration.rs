@@ -326,7 +326,7 @@ impl Registration {
     }
 
     /// Returns whether the errors of a source have been estimated for some time.
-    fn is_settled(&self, source: u16) -> bool {
+    pub(crate) fn is_settled(&self, source: u16) -> bool {
         let own = usize::from(source);
         self.sources[own].samples >= SETTLED_MIN && self.solutions[own] >= SOLUTIONS_MIN
     }

@@ -146,6 +146,8 @@ pub(crate) struct SensorEntry {
     pub(crate) evidence: GainEvidence,
     /// Whether its source has displaced it, and nothing supports the new place yet.
     pub(crate) is_displaced: bool,
+    /// Whether its source leads it off this target, as the other sources show.
+    pub(crate) is_led_off: bool,
     /// Way of `latest` from where the report before led to, east and north, metres.
     pub(crate) moved_m: [f32; 2],
     /// Where the covariance of `latest` comes from.
@@ -202,6 +204,7 @@ impl Default for SensorEntry {
             verification: Verification::default(),
             evidence: GainEvidence::default(),
             is_displaced: false,
+            is_led_off: false,
             moved_m: [0.0; 2],
             basis: CovarianceBasis::Stated,
             claimed_too_much: 1.0,
@@ -345,6 +348,7 @@ impl SensorEntry {
         self.residual_variance_m2 = 0.0;
         self.point = DetectionPoint::default();
         self.is_displaced = false;
+        self.is_led_off = false;
     }
 }
 

@@ -3,6 +3,7 @@
 
 mod changes;
 mod comparison;
+mod led_off;
 
 use estimation::NearlyConstantVelocity;
 use messages::{NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
@@ -434,6 +435,9 @@ impl Sources {
         if !known || entry.repaired {
             return;
         }
+        self.look_for_led_off(settings, tracks, sensor);
+        let entry = tracks.sensors.get(sensor);
+        let is_led_off = entry.is_led_off;
         let about_mean = std::array::from_fn(|axis| innovation.residual_m[axis] - before[axis]);
         let squared = association::distance::squared2(about_mean, innovation.covariance_m2);
         let registered = |source: u16| settings.sources[usize::from(source)].is_registered;
@@ -446,7 +450,7 @@ impl Sources {
                 (system, [target_m[0], target_m[1]], target_mps),
             );
         }
-        if settings.consistency && squared.is_finite() && !is_misled {
+        if settings.consistency && squared.is_finite() && !is_misled && !is_led_off {
             self.models[source].learn_consistency(squared / (1.0 + MEAN_VARIANCE));
             // A turn that the filter does not follow yet has a shape of its own.
             let steady = tracks.systems.get(system).filter.steadiness();
@@ -459,6 +463,7 @@ impl Sources {
         }
         let looks = !self.models[source].knows_spread_well() || entry.residuals.is_multiple_of(SPREAD_EVERY);
         if looks
+            && !is_led_off
             && is_registered
             && is_confirmed
             && let Some((offset, noise_m2)) = self.offset(tracks, sensor, registered)

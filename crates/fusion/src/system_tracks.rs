@@ -84,6 +84,8 @@ pub(crate) struct SystemEntry {
     pub(crate) is_counted: bool,
     /// Whether the filter repeats what another centre says, since no source here follows the target.
     pub(crate) is_foreign: bool,
+    /// Whether a source leads the target off.
+    pub(crate) has_led_off: bool,
     /// Sources that the filter has learned from, as bits.
     pub(crate) contributors: u64,
     /// Number of another system track that seems to be the same target, and how many looks in a row it did.
@@ -275,6 +277,7 @@ impl SystemEntry {
             was_shown: false,
             is_counted: false,
             is_foreign: false,
+            has_led_off: false,
             contributors: 0,
             duplicate: None,
             duplicate_due_ns: i64::MIN,

@@ -40,17 +40,22 @@ impl Engine {
 
     /// Updates the system filter with a measurement, and learns from the innovation.
     pub(super) fn update_filter(&mut self, sensor: SensorSlot, measurement: &Measurement, sink: &mut impl Sink) {
-        let is_displaced = self.tracks.sensors.get(sensor).is_displaced;
-        if is_displaced && self.is_only_source(sensor) {
+        let entry = self.tracks.sensors.get(sensor);
+        let (is_displaced, is_led_off) = (entry.is_displaced, entry.is_led_off);
+        if (is_displaced || is_led_off) && self.is_only_source(sensor) {
             self.begin_anew(sensor, sink);
             return;
+        }
+        if is_led_off {
+            let source = self.tracks.sensors.get(sensor).source;
+            self.outbox.counts.add(source, Counter::RejectedFalsePosition);
         }
         let out = &mut self.outbox.to(sink);
         let mut referred = self
             .points
             .refer(&self.settings, &mut self.tracks, (sensor, measurement), out);
         // Others go on where they are: a source that is off to one side would show a motion that nobody states.
-        referred.is_usable &= !is_displaced;
+        referred.is_usable &= !(is_displaced || is_led_off);
         let entry = self.tracks.sensors.get(sensor);
         let (system, time_ns, source) = (entry.system, entry.time_ns, entry.source);
         let doubt_m2 = self.sources.registration.doubt_m2(source);
@@ -262,6 +267,6 @@ impl Engine {
         let system = self.tracks.sensors.get(sensor).system;
         self.tracks.for_members(system, |member| member.share = 0.0);
         let entry = self.tracks.sensors.get_mut(sensor);
-        (entry.share, entry.is_displaced) = (1.0, false);
+        (entry.share, entry.is_displaced, entry.is_led_off) = (1.0, false, false);
     }
 }

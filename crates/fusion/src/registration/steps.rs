@@ -21,6 +21,7 @@
 use association::distance::{Symmetric2, squared2};
 use serde::{Deserialize, Serialize};
 
+use crate::mean_innovation::{MeanInnovation, Others, SECOND_MAX};
 use crate::registration::errors::SourceErrors;
 use crate::registration::model::BiasModel;
 use crate::registration::rows::{AZIMUTH, ERRORS, Errors, NormalMatrix, TIME};
@@ -44,9 +45,8 @@ const TURNS: f64 = 16.0;
 const WEIGHT: f64 = 0.5;
 /// Largest squared length of one innovation. Scattered absurd reports make no step, as they enlarge the scatter.
 const SQUARED_MAX: f64 = 1000.0;
-/// Squared statistical length of a step, and share of it that a second source may have.
+/// Squared statistical length of a step.
 const STEP: f64 = 25.0;
-const SECOND_MAX: f64 = 0.6;
 /// Squared statistical length of a further step of a source that has changed lately, and for how many ticks it has.
 const FURTHER: f64 = 9.2;
 const MOVING_TICKS: u8 = 24;
@@ -103,6 +103,18 @@ impl Sums {
         let [xx, xy, yy] = inverse(self.information);
         let [east, north, _] = self.sum;
         ([xx * east + xy * north, xy * east + yy * north], [xx, xy, yy])
+    }
+
+    /// Returns the mean with its covariance; all innovations of one target contain the same point of the target.
+    fn mean_of(&self, source: usize, points_m2: f64) -> MeanInnovation {
+        let (mean_m, covariance_m2) = self.mean();
+        let [xx, xy, yy] = covariance_m2.map(|value| value * self.scatter(mean_m) / WEIGHT);
+        let points_m2 = points_m2 * self.targets_share();
+        MeanInnovation {
+            source,
+            mean_m,
+            covariance_m2: [xx + points_m2, xy, yy + points_m2],
+        }
     }
 
     /// Returns the variance of the innovations about their mean relative to the expected one; at least 1.
@@ -426,8 +438,7 @@ impl StepSearch {
         })
     }
 
-    /// Compares the mean innovation of each source in the latest intervals with that of all others. No source weighs
-    /// more than twice what the middle one weighs, however accurate the source is: it may be the one that changed.
+    /// Compares the mean innovation of each source in the latest intervals with that of all others.
     fn compare(&mut self, intervals: usize, points_m2: f64) {
         self.means.clear();
         let known = self
@@ -436,21 +447,17 @@ impl StepSearch {
             .enumerate()
             .filter(|(_, sums)| sums.count >= COUNT_MIN);
         self.means
-            .extend(known.map(|(source, sums)| MeanInnovation::of(source, sums, points_m2)));
-        if self.means.len() < 2 {
+            .extend(known.map(|(source, sums)| sums.mean_of(source, points_m2)));
+        let Some(others) = Others::of(&mut self.means) else {
             return;
-        }
-        let middle = self.means.len() / 2;
-        let by_variance = |a: &MeanInnovation, b: &MeanInnovation| a.variance_m2().total_cmp(&b.variance_m2());
-        let middle_m2 = self.means.select_nth_unstable_by(middle, by_variance).1.variance_m2();
-        let mut all = WeightedMean::default();
-        for mean in &self.means {
-            all.add(mean, 1.0 / (mean.variance_m2() + middle_m2), 1.0);
-        }
+        };
         for own in &self.means {
-            let mut others = all;
-            others.add(own, 1.0 / (own.variance_m2() + middle_m2), -1.0);
-            let step = own.step(&self.since[own.source], &others.mean(), (self.present, intervals));
+            let step = step_of(
+                own,
+                &self.since[own.source],
+                &others.beside(own),
+                (self.present, intervals),
+            );
             let best = &mut self.best[own.source];
             if step.length.is_finite() && best.is_none_or(|best| step.length > best.length) {
                 *best = Some(step);
@@ -459,97 +466,42 @@ impl StepSearch {
     }
 }
 
-/// Mean innovation of a source, its covariance.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-struct MeanInnovation {
-    source: usize,
-    mean_m: [f64; 2],
-    covariance_m2: Symmetric2,
-}
-
-impl MeanInnovation {
-    /// All innovations of one target contain the same point of the target.
-    fn of(source: usize, sums: &Sums, points_m2: f64) -> Self {
-        let (mean_m, covariance_m2) = sums.mean();
-        let [xx, xy, yy] = covariance_m2.map(|value| value * sums.scatter(mean_m) / WEIGHT);
-        let points_m2 = points_m2 * sums.targets_share();
-        Self {
-            source,
-            mean_m,
-            covariance_m2: [xx + points_m2, xy, yy + points_m2],
-        }
-    }
-
-    fn variance_m2(&self) -> f64 {
-        self.covariance_m2[0] + self.covariance_m2[2]
-    }
-
-    /// Returns the most likely step of a source with these sums, relative to the mean of the others.
-    fn step(
-        &self,
-        sums: &Sums,
-        (others_m, others_m2): &([f64; 2], Symmetric2),
-        (found, intervals): (usize, usize),
-    ) -> Step {
-        let by_m = [self.mean_m[0] - others_m[0], self.mean_m[1] - others_m[1]];
-        let covariance_m2: Symmetric2 = std::array::from_fn(|place| self.covariance_m2[place] + others_m2[place]);
-        let [xx, xy, yy] = covariance_m2;
-        let shift = Step {
-            source: self.source,
-            by: Vector3::new(by_m[0], by_m[1], 0.0),
-            covariance: Matrix3::new(xx, xy, 0.0, xy, yy, 0.0, 0.0, 0.0, 0.0),
-            turns: false,
-            is_beyond: 2.0 * sums.bounded > sums.count,
-            targets: sums.targets.count_ones(),
-            found,
-            intervals,
-            length: squared2(by_m, covariance_m2),
-            effect_m: by_m[0].hypot(by_m[1]),
+/// Returns the most likely step of a source with these sums and this mean, relative to the mean of the others.
+fn step_of(
+    own: &MeanInnovation,
+    sums: &Sums,
+    (others_m, others_m2): &([f64; 2], Symmetric2),
+    (found, intervals): (usize, usize),
+) -> Step {
+    let (by_m, covariance_m2) = own.apart(others_m, others_m2);
+    let [xx, xy, yy] = covariance_m2;
+    let shift = Step {
+        source: own.source,
+        by: Vector3::new(by_m[0], by_m[1], 0.0),
+        covariance: Matrix3::new(xx, xy, 0.0, xy, yy, 0.0, 0.0, 0.0, 0.0),
+        turns: false,
+        is_beyond: 2.0 * sums.bounded > sums.count,
+        targets: sums.targets.count_ones(),
+        found,
+        intervals,
+        length: squared2(by_m, covariance_m2),
+        effect_m: by_m[0].hypot(by_m[1]),
+    };
+    let Some((by, covariance)) = sums.turned(*others_m, *others_m2) else {
+        return shift;
+    };
+    let length = covariance.cholesky().map_or(0.0, |factor| by.dot(&factor.solve(&by)));
+    if by.z * by.z > TURNS * covariance[(2, 2)] && length > shift.length {
+        return Step {
+            by,
+            covariance,
+            turns: true,
+            length,
+            effect_m: sums.effect_m(&by),
+            ..shift
         };
-        let Some((by, covariance)) = sums.turned(*others_m, *others_m2) else {
-            return shift;
-        };
-        let length = covariance.cholesky().map_or(0.0, |factor| by.dot(&factor.solve(&by)));
-        if by.z * by.z > TURNS * covariance[(2, 2)] && length > shift.length {
-            return Step {
-                by,
-                covariance,
-                turns: true,
-                length,
-                effect_m: sums.effect_m(&by),
-                ..shift
-            };
-        }
-        shift
     }
-}
-
-/// Sums of a weighted mean of the means of several sources.
-#[derive(Clone, Copy, Debug, Default)]
-struct WeightedMean {
-    weight: f64,
-    sum_m: [f64; 2],
-    covariance_m2: Symmetric2,
-}
-
-impl WeightedMean {
-    fn add(&mut self, of: &MeanInnovation, weight: f64, sign: f64) {
-        self.weight += sign * weight;
-        for (sum, mean) in self.sum_m.iter_mut().zip(of.mean_m) {
-            *sum += sign * weight * mean;
-        }
-        for (sum, value) in self.covariance_m2.iter_mut().zip(of.covariance_m2) {
-            *sum += sign * weight * weight * value;
-        }
-    }
-
-    fn mean(&self) -> ([f64; 2], Symmetric2) {
-        let share = 1.0 / self.weight;
-        (
-            self.sum_m.map(|sum| share * sum),
-            self.covariance_m2.map(|sum| share * share * sum),
-        )
-    }
+    shift
 }
 
 #[cfg(test)]

@@ -1,0 +1,148 @@
+//! Mean innovations of several sources, and the one that is apart from all others.
+//!
+//! All means contain what the sources have in common, such as the lag of a filter in a turn, and what the filter has
+//! absorbed of an error. The difference of one mean from those of the others contains the error of that source alone. No
+//! source weighs more than twice what the middle one weighs, however accurate the source is: it may be the wrong one.
+
+use association::distance::{Symmetric2, squared2};
+use serde::{Deserialize, Serialize};
+
+/// Share of the greatest squared length that a second source may have beside it.
+pub(crate) const SECOND_MAX: f64 = 0.6;
+
+/// Mean innovation of a source, east and north, metres, and its covariance.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct MeanInnovation {
+    pub(crate) source: usize,
+    pub(crate) mean_m: [f64; 2],
+    pub(crate) covariance_m2: Symmetric2,
+}
+
+impl MeanInnovation {
+    fn variance_m2(&self) -> f64 {
+        self.covariance_m2[0] + self.covariance_m2[2]
+    }
+
+    /// Returns the difference from the mean of others, and its covariance.
+    pub(crate) fn apart(&self, others_m: &[f64; 2], others_m2: &Symmetric2) -> ([f64; 2], Symmetric2) {
+        (
+            std::array::from_fn(|axis| self.mean_m[axis] - others_m[axis]),
+            std::array::from_fn(|place| self.covariance_m2[place] + others_m2[place]),
+        )
+    }
+}
+
+/// Sums of the weighted means of several sources.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Others {
+    middle_m2: f64,
+    weight: f64,
+    sum_m: [f64; 2],
+    covariance_m2: Symmetric2,
+}
+
+impl Others {
+    /// Returns the sums of all; `None` of less than two. Changes the order of the means.
+    pub(crate) fn of(means: &mut [MeanInnovation]) -> Option<Self> {
+        let middle = means.len() / 2;
+        if means.len() < 2 {
+            return None;
+        }
+        let by_variance = |a: &MeanInnovation, b: &MeanInnovation| a.variance_m2().total_cmp(&b.variance_m2());
+        let mut all = Self {
+            middle_m2: means.select_nth_unstable_by(middle, by_variance).1.variance_m2(),
+            weight: 0.0,
+            sum_m: [0.0; 2],
+            covariance_m2: [0.0; 3],
+        };
+        for mean in means.iter() {
+            all.add(mean, 1.0);
+        }
+        Some(all)
+    }
+
+    fn add(&mut self, of: &MeanInnovation, sign: f64) {
+        let weight = 1.0 / (of.variance_m2() + self.middle_m2);
+        self.weight += sign * weight;
+        for (sum, mean) in self.sum_m.iter_mut().zip(of.mean_m) {
+            *sum += sign * weight * mean;
+        }
+        for (sum, value) in self.covariance_m2.iter_mut().zip(of.covariance_m2) {
+            *sum += sign * weight * weight * value;
+        }
+    }
+
+    /// Returns the mean of all but one, and its covariance.
+    pub(crate) fn beside(mut self, own: &MeanInnovation) -> ([f64; 2], Symmetric2) {
+        self.add(own, -1.0);
+        let share = 1.0 / self.weight;
+        (
+            self.sum_m.map(|sum| share * sum),
+            self.covariance_m2.map(|sum| share * share * sum),
+        )
+    }
+}
+
+/// Returns the place of the mean that is apart from all others, and its squared statistical length; `None` if a second
+/// one comes near it, or of two.
+pub(crate) fn odd_one(means: &mut [MeanInnovation]) -> Option<(usize, f64)> {
+    let others = Others::of(means).filter(|_| means.len() > 2)?;
+    let length = |own: &MeanInnovation| {
+        let (others_m, others_m2) = others.beside(own);
+        let (by_m, covariance_m2) = own.apart(&others_m, &others_m2);
+        squared2(by_m, covariance_m2)
+    };
+    let (mut best, mut second) = ((0, f64::NEG_INFINITY), 0.0_f64);
+    for (place, own) in means.iter().enumerate() {
+        let length = length(own);
+        if length > best.1 {
+            second = second.max(best.1);
+            best = (place, length);
+        } else {
+            second = second.max(length);
+        }
+    }
+    (second < SECOND_MAX * best.1).then_some((means[best.0].source, best.1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mean(source: usize, east_m: f64, variance_m2: f64) -> MeanInnovation {
+        MeanInnovation {
+            source,
+            mean_m: [east_m, 0.0],
+            covariance_m2: [variance_m2, 0.0, variance_m2],
+        }
+    }
+
+    #[test]
+    fn the_odd_one_is_apart_from_all_others_whatever_it_states() {
+        for variance_m2 in [0.01, 4.0, 100.0] {
+            // The filter follows the odd one wholly, half, or not at all.
+            for followed in [0.0, 0.5, 1.0] {
+                let others_m = -60.0 * followed;
+                let mut means = [
+                    mean(3, others_m, 4.0),
+                    mean(1, 60.0 + others_m, variance_m2),
+                    mean(2, others_m, 9.0),
+                ];
+                assert_eq!(
+                    odd_one(&mut means).map(|(source, _)| source),
+                    Some(1),
+                    "{variance_m2}, {followed}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn of_two_and_of_two_that_are_apart_none_is_the_odd_one() {
+        assert_eq!(odd_one(&mut [mean(0, 50.0, 1.0), mean(1, 0.0, 1.0)]), None);
+        let mut means = [mean(0, 50.0, 1.0), mean(1, 0.0, 1.0), mean(2, -50.0, 1.0)];
+        assert_eq!(odd_one(&mut means), None);
+        let mut turn = [mean(0, 50.0, 1.0), mean(1, 50.0, 1.0), mean(2, 50.0, 1.0)];
+        assert!(odd_one(&mut turn).is_none_or(|(_, length)| length < 1.0));
+    }
+}

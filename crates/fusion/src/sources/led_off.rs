@@ -1,0 +1,70 @@
+//! Sources that lead single targets off: a liar on one target, or an error of propagation.
+//!
+//! Registration knows what a source errs on all targets, not what it errs on one. Each sensor track has the mean of its
+//! latest innovations. Where at least two other sources agree on the target, and a source's mean lies apart from theirs,
+//! its reports of this target are not used until it agrees again. A filter that it has led along begins anew with the
+//! next report of another source.
+
+use crate::mean_innovation::{MeanInnovation, odd_one};
+use crate::sensor_tracks::SensorSlot;
+use crate::settings::{SOURCES_MAX, Settings};
+use crate::source_model::MEAN_VARIANCE;
+use crate::sources::{MEAN_REPORTS_MIN, Sources};
+use crate::tracks::Tracks;
+
+/// Squared statistical length of a mean innovation that is worth a comparison.
+const SUSPICIOUS: f64 = 9.2;
+/// Squared statistical length from which a source leads a target off, and below which it no longer does.
+const LEADS_OFF: f64 = 25.0;
+const AGREES: f64 = 9.2;
+
+impl Sources {
+    /// Looks whether a source leads the target of a sensor track off, if the track's mean innovation is suspicious.
+    #[inline]
+    pub(super) fn look_for_led_off(&self, settings: &Settings, tracks: &mut Tracks, sensor: SensorSlot) {
+        let entry = tracks.sensors.get(sensor);
+        let [east, north] = entry.residual_mean_m;
+        let is_suspicious = east * east + north * north > SUSPICIOUS * MEAN_VARIANCE * entry.residual_variance_m2;
+        if is_suspicious || entry.is_led_off {
+            self.compare_means(settings, tracks, sensor);
+        }
+    }
+
+    #[cold]
+    fn compare_means(&self, settings: &Settings, tracks: &mut Tracks, sensor: SensorSlot) {
+        let entry = tracks.sensors.get(sensor);
+        let (system, now_ns) = (entry.system, entry.time_ns);
+        let (mut means, mut count) = ([MeanInnovation::default(); SOURCES_MAX], 0);
+        let mut members = [0; SOURCES_MAX];
+        let extent_m = settings.association.extent_sigma_m;
+        let points_m2 = self.possible_points_m2(extent_m * extent_m);
+        for (member, other) in tracks.contributing_entries(system, now_ns) {
+            let is_known = other.residuals >= MEAN_REPORTS_MIN && self.registration.is_settled(other.source);
+            if !is_known || count == SOURCES_MAX {
+                continue;
+            }
+            let shift_m = self
+                .registration
+                .suspected_shift(other.source, other.latest.velocity_mps);
+            let variance_m2 = MEAN_VARIANCE * other.residual_variance_m2 + points_m2;
+            means[count] = MeanInnovation {
+                source: count,
+                mean_m: std::array::from_fn(|axis| other.residual_mean_m[axis] - shift_m[axis]),
+                covariance_m2: [variance_m2, 0.0, variance_m2],
+            };
+            members[count] = member;
+            count += 1;
+        }
+        let (odd, mut has_led_off) = (odd_one(&mut means[..count]), false);
+        for (place, member) in members[..count].iter().enumerate() {
+            let length = odd
+                .and_then(|(odd, length)| (odd == place).then_some(length))
+                .unwrap_or_default();
+            let entry = tracks.sensors.get_mut(*member);
+            let limit = if entry.is_led_off { AGREES } else { LEADS_OFF };
+            entry.is_led_off = length > limit;
+            has_led_off |= entry.is_led_off;
+        }
+        tracks.systems.get_mut(system).has_led_off = has_led_off;
+    }
+}
