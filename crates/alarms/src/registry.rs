@@ -198,10 +198,11 @@ alarms! {
         "No action is needed for the picture. Report the aircraft to their operators: `koseki decode` of a capture \
          lists the addresses with I021/008 RA = 1.";
     PositionFalse = 36, "position-false", Major, raise 0 s, clear 10 s,
-        "Targets of {source} report false positions: sensors measured the same addresses elsewhere in {bad} of {all} \
-         of the last minute ({share}).",
-        "Find the addresses among the decisions `identity_conflict` of `koseki fuse --explain`. Fusion rejects the \
-         positions of these addresses from this source until the positions agree again.";
+        "{source} gives false positions of single targets: other sources measured the same targets elsewhere in {bad} of \
+         {all} of the last minute ({share}).",
+        "If targets report their positions themselves, find the addresses among the decisions `identity_conflict` of \
+         `koseki fuse --explain`; otherwise check the sensor for reflections and jamming. Fusion does not use the positions \
+         of these targets from this source until they agree again.";
     PlatformSilent = 40, "platform-silent", Major, raise 0 s, clear 2 s,
         "The platform of {process} has sent no state for {silence}.",
         "Check the navigation receiver and its line. States of this time are missing in the recording.";

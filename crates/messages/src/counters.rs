@@ -386,7 +386,8 @@ counters! {
     AdvisoriesStuck = "advisories_stuck", AdapterRemark by [Adapter],
         "Targets with the bit of a resolution advisory for minutes without the advisory's text: the bit is not used.";
     RejectedFalsePosition = "rejected_false_position", FusionRejection by [Fusion],
-        "Reports of targets on their own positions, rejected because sensors measure the same address elsewhere.";
+        "Reports not used because other sources measure the same target elsewhere: targets on their own positions, and \
+         targets that the source leads off.";
     SuspendedTracks = "suspended_tracks", Level by [],
         "Level: suspended system tracks: not shown, while their numbers rest.";
     NumbersResumed = "numbers_resumed", Picture by [Fusion],

@@ -261,8 +261,8 @@ fn false_positions_are_told() {
     let last_minute = |site: &mut Site| site.pass(61);
     assert_eq!(
         site.raise_and_clear(AlarmKind::PositionFalse, |site| rejected(site, 40, 3_000), last_minute),
-        "Targets of ads-b report false positions: sensors measured the same addresses elsewhere in 40 of 3,000 reports of the \
-         last minute (1.3 %)."
+        "ads-b gives false positions of single targets: other sources measured the same targets elsewhere in 40 of 3,000 \
+         reports of the last minute (1.3 %)."
     );
 }
 
