@@ -241,11 +241,11 @@ alarms! {
         "{source}: {refused} of {all} of the last 10 s were refused. {reason}",
         "Correct the sender, or the settings of the source: the text names line, column, field or item, its value, and \
          what is permitted. `koseki status` and the report show the latest refusal of each reason.";
-    SourceOff = 49, "source-off", Warning, raise 5 s, clear 30 s,
+    SourceOff = 49, "source-off", Warning, raise 2 s, clear 30 s,
         "{source} is off by {error}: {partner} and others agree with each other, but not with {source}{verdict}.",
         "Check position, north mark, range and clock of the sensor. Fusion removes the error from its reports once the \
          error is significant, and until then does not use reports that contradict the others.";
-    SourcesContradict = 50, "sources-contradict", Major, raise 5 s, clear 30 s,
+    SourcesContradict = 50, "sources-contradict", Major, raise 2 s, clear 30 s,
         "{source} and {partner} contradict each other: {source} is off by {error} relative to {partner}, and no other \
          source decides.",
         "Check position, north mark, range and clock of both sensors, or name the true one as `reference_source` of \

@@ -6,12 +6,15 @@
 
 use messages::{Bias, BiasKind};
 
+use crate::registration::progress::SETTLED_MIN;
 use crate::registration::rows::{AZIMUTH, NormalMatrix, RANGE, TIME};
 use crate::registration::{MAJORITY, NEAR_2, Registration, partners};
 
 /// Root mean square displacement from which a source is off, and from which two contradict each other, metres.
 const OFF_M: f64 = 25.0;
 const APART_M: f64 = 100.0;
+/// Solutions after which an estimate is told.
+const SOLUTIONS: u8 = 3;
 /// Squared statistical length of a displacement that is none by chance.
 const SIGNIFICANT: f64 = 13.8;
 
@@ -53,7 +56,8 @@ impl Registration {
         let pairs = || partners(self.partners[own]).map(|other| &self.pairs[own * self.sources.len() + other].own);
         let normal = pairs().fold(NormalMatrix::zeros(), |sum, pair| sum + pair);
         let information = 0.5 * (normal[(0, 0)] + normal[(1, 1)]);
-        if !self.is_settled(own as u16) || information <= 0.0 {
+        let is_known = self.sources[own].samples >= SETTLED_MIN && self.solutions[own] >= SOLUTIONS;
+        if !is_known || information <= 0.0 {
             return None;
         }
         let mut plane = self.sources[own].errors;
