@@ -215,13 +215,13 @@ impl Credibility {
         standing != Standing::Contradicted && (!self.is_set_aside(entry.source) || is_alone())
     }
 
-    /// Whether a filter has been misled by a source that is set aside: it is to begin anew. One that the report fits has
-    /// its share of the source from the time before the source was wrong.
+    /// Whether a filter has been misled by a source that is set aside, or leads the target off: it is to begin anew.
+    /// One that the report fits has its share of the source from the time before the source was wrong.
     #[inline]
     pub(crate) fn is_misled(&self, tracks: &Tracks, sensor: SensorSlot) -> bool {
         let entry = tracks.sensors.get(sensor);
         (self.set_aside != 0 || tracks.systems.get(entry.system).has_led_off) && {
-            let is_off = |entry: &SensorEntry| self.is_set_aside(entry.source) || entry.is_led_off;
+            let is_off = |entry: &SensorEntry| self.is_set_aside(entry.source) || entry.led_off > 0;
             let misleads = |entry: &SensorEntry| is_off(entry) && entry.share > MISLEADS_FROM;
             !is_off(entry)
                 && distance_from_track(tracks, entry, 0.0) > FITS

@@ -1,8 +1,8 @@
 //! Mean innovations of several sources, and the one that is apart from all others.
 //!
 //! All means contain what the sources have in common, such as the lag of a filter in a turn, and what the filter has
-//! absorbed of an error. The difference of one mean from those of the others contains the error of that source alone. No
-//! source weighs more than twice what the middle one weighs, however accurate the source is: it may be the wrong one.
+//! absorbed of an error. The difference of one mean from those of the others contains the error of that source alone.
+//! No source weighs more than twice what the middle one weighs, however accurate it is: it may be the wrong one.
 
 use association::distance::{Symmetric2, squared2};
 use serde::{Deserialize, Serialize};

@@ -264,8 +264,8 @@ impl Registration {
         self.of(source).shift(position_m, velocity_mps, place_m)
     }
 
-    /// Returns the estimated horizontal displacement of a report of a target with this velocity by errors that are *not*
-    /// removed, as they are not significant yet, metres.
+    /// Returns the estimated horizontal displacement of a report of a target with this velocity by errors that are
+    /// *not* removed, as they are not significant yet, metres.
     pub(crate) fn suspected_shift(&self, source: u16, velocity_mps: [f64; AXES]) -> [f64; 2] {
         let known = self.of(source);
         let suspected = |row: usize| if known.removed[row] { 0.0 } else { known.errors[row] };

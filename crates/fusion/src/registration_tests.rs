@@ -220,8 +220,8 @@ fn a_named_reference_is_true() {
 #[test]
 fn what_all_offsets_have_in_common_is_as_uncertain_as_they_differ() {
     let offsets = [[0.0, 0.0], [60.0, 0.0], [30.0, 52.0]];
-    // Each lies 34.6 m from their mean: 600 m² per axis of one, a third of that of the mean of three, and three times as
-    // much since it is known from three.
+    // Each lies 34.6 m from their mean: 600 m² per axis of one, a third of that of the mean of three, and three times
+    // as much since it is known from three.
     let common_m2 = registered(None, offsets, [0.0; 3]).common_offset_m2();
     assert!((common_m2 - 600.0).abs() < 80.0, "{common_m2}");
     assert_eq!(registered(Some(1), offsets, [0.0; 3]).common_offset_m2(), 0.0);

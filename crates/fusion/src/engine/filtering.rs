@@ -15,6 +15,8 @@ const COURSE_SPEED_MIN_MPS: f64 = 1.0;
 /// Distance between report and estimate, in combined standard deviations, beyond which either must be wrong.
 const ASTRAY_SIGMAS: f64 = 30.0;
 
+/// Reports in a row after which a source that leads a target off does not only lag behind.
+const LED_OFF_MIN: u8 = 10;
 /// Share of a source in a filter from which the filter starts anew where its covariances were wrong.
 const OWN_SHARE: f64 = 0.3;
 /// Share of an only source in the estimate from which it is compared.
@@ -41,14 +43,20 @@ impl Engine {
     /// Updates the system filter with a measurement, and learns from the innovation.
     pub(super) fn update_filter(&mut self, sensor: SensorSlot, measurement: &Measurement, sink: &mut impl Sink) {
         let entry = self.tracks.sensors.get(sensor);
-        let (is_displaced, is_led_off) = (entry.is_displaced, entry.is_led_off);
+        let (is_displaced, is_led_off) = (entry.is_displaced, entry.led_off > 0);
         if (is_displaced || is_led_off) && self.is_only_source(sensor) {
             self.begin_anew(sensor, sink);
             return;
         }
         if is_led_off {
-            let source = self.tracks.sensors.get(sensor).source;
-            self.outbox.counts.add(source, Counter::RejectedFalsePosition);
+            let entry = self.tracks.sensors.get_mut(sensor);
+            entry.led_off = entry.led_off.saturating_add(1);
+            let counter = match entry.led_off > LED_OFF_MIN {
+                true => Counter::RejectedFalsePosition,
+                false => Counter::RejectedContradicted,
+            };
+            let source = entry.source;
+            self.outbox.counts.add(source, counter);
         }
         let out = &mut self.outbox.to(sink);
         let mut referred = self
@@ -267,6 +275,6 @@ impl Engine {
         let system = self.tracks.sensors.get(sensor).system;
         self.tracks.for_members(system, |member| member.share = 0.0);
         let entry = self.tracks.sensors.get_mut(sensor);
-        (entry.share, entry.is_displaced, entry.is_led_off) = (1.0, false, false);
+        (entry.share, entry.is_displaced, entry.led_off) = (1.0, false, 0);
     }
 }

@@ -1,7 +1,8 @@
 //! The solution of the normal equations of all sources, in steps of bounded work.
 //!
-//! A few sweeps of block Gauss–Seidel solve for the errors of one source after the other, with the errors of the others
-//! fixed; first for those without an estimate, so that a large error does not pass through the estimates of all. Then the models of each source are compared. The estimates change once all of it is complete.
+//! A few sweeps of block Gauss–Seidel solve for the errors of one source after the other, with the errors of the
+//! others fixed; first for those without an estimate, so that a large error does not pass through the estimates of
+//! all. Then the models of each source are compared. The estimates change once all of it is complete.
 
 use crate::registration::displacement::Displacement;
 use crate::registration::errors::{ClockError, PRIOR_SIGMA, SAMPLES_MIN, clock_of, prior_variances};
