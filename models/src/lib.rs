@@ -1,7 +1,14 @@
 //! Protocols of shared memory, checked in all orders of operations.
+//!
+//! The files of the protocols are those of the crates: only the words are others.
 
 #![cfg(test)]
 
+mod atomic;
 mod hint;
+#[path = "../../crates/bus/src/last_words.rs"]
+#[expect(dead_code, reason = "what only the crate needs")]
+mod last_words;
+mod line;
 #[path = "../../crates/bus/src/sends.rs"]
 mod sends;

@@ -61,12 +61,14 @@
 //! Architecture invariant: no other crate names iceoryx2, no stamp on any sample is read from a clock here, and no
 //! function here prints.
 
+mod atomic;
 mod bare;
 pub mod base;
 mod batch_writer;
 mod bus;
 mod error;
 mod hint;
+mod last_words;
 mod line;
 mod loaned;
 mod log;

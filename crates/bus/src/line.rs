@@ -15,15 +15,20 @@
 //! Limits: a publisher in another language has no line; its missing samples are detected by gaps only. Any process of
 //! the same user can write to the file. Readers accept a line only if its fields are consistent, and use no field as
 //! an index or a length. A line reused before a subscriber reads it is not counted.
+//!
+//! The protocol of both sides is in `last_words`.
 
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering::{AcqRel, Acquire, Relaxed, Release};
-use std::sync::atomic::{AtomicU64, fence};
+use std::sync::atomic::AtomicU64;
+use std::sync::atomic::Ordering::{Acquire, Relaxed};
 
 use messages::TopicName;
 
 use crate::error::BusError;
+use crate::last_words::{CLAIMED, DIED, ENDED, EndsSeen, LIVES, Line, LineHead, STATE, word_of};
+pub(crate) use crate::last_words::{Identity, fold};
+pub use crate::last_words::{PublisherLine, PublisherState};
 use crate::mapping::Mapping;
 use crate::seal::SHARED_MEMORY_DIR;
 
@@ -32,57 +37,7 @@ const LINES_MAX: usize = 1024;
 /// Bytes of a line, and of the head.
 const LINE_BYTES: usize = 64;
 
-/// States of a line, in the lower bits of its owner's word.
-const CLAIMED: u64 = 1;
-const LIVES: u64 = 2;
-const ENDED: u64 = 3;
-const DIED: u64 = 4;
-const STATE_BITS: u32 = 3;
-const STATE: u64 = (1 << STATE_BITS) - 1;
-
-#[repr(C, align(64))]
-struct LineHead {
-    /// How many lines have been marked as ended or died.
-    ends: AtomicU64,
-    /// How many slices have been sent: see the module `hint`.
-    sends: AtomicU64,
-    /// How many listeners have come: see the module `wake_up`.
-    listeners: AtomicU64,
-}
-
-#[repr(C, align(64))]
-struct Line {
-    /// Process of the line's present or former publisher, and the line's state; 0 if the line was never used.
-    owner: AtomicU64,
-    origin: AtomicU64,
-    incarnation: AtomicU64,
-    schema: AtomicU64,
-    /// Agrees with the four fields before it.
-    check: AtomicU64,
-    next_sequence: AtomicU64,
-    heartbeat_ns: AtomicU64,
-    /// Count of ends when this one ended: the oldest is filled again first.
-    end: AtomicU64,
-}
-
 const _: () = assert!(size_of::<LineHead>() == LINE_BYTES && size_of::<Line>() == LINE_BYTES);
-
-/// Last words of a publisher.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PublisherLine {
-    /// When the publisher started, by its own statement (monotonic, ns).
-    pub incarnation: u64,
-    /// Sequence number after the last sample that was sent, or that was about to be when its publisher was killed.
-    pub next_sequence: u64,
-    /// Monotonic time of the last send, nanoseconds; 0 before the first one.
-    pub heartbeat_ns: i64,
-    /// Whether the publisher lives, has left, or was killed.
-    pub life: PublisherState,
-    pub(crate) origin: u64,
-    pub(crate) schema: u64,
-    /// Differs from that of every other publisher.
-    pub(crate) check: u64,
-}
 
 /// Reader of the lines of a topic's publishers.
 #[derive(Debug)]
@@ -102,28 +57,6 @@ impl LineReader {
         let lines = self.lines.iter().flat_map(Lines::read);
         lines.filter(|line| line.schema == self.schema).collect()
     }
-}
-
-/// State of a publisher.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PublisherState {
-    /// The publisher lives, or its death is not detected yet.
-    Lives,
-    /// It left.
-    Ended,
-    /// Its process ended without leaving.
-    Died,
-}
-
-/// Identity of a publisher in its line.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Identity {
-    /// iceoryx2's number of the process.
-    pub(crate) node: u128,
-    /// iceoryx2's number of the port.
-    pub(crate) origin: u128,
-    pub(crate) incarnation: u64,
-    pub(crate) schema: u64,
 }
 
 /// All lines of a topic, mapped.
@@ -211,72 +144,12 @@ impl Lines {
             .map(|(_, index, _)| index)
     }
 
-    fn mark(&self, index: usize, from: u64, state: u64) {
-        let (head, line) = (self.head(), &self.list()[index]);
-        line.end.store(head.ends.load(Relaxed).wrapping_add(1), Relaxed);
-        let marked = line
-            .owner
-            .compare_exchange(from, from & !STATE | state, AcqRel, Relaxed);
-        if marked.is_ok() {
-            head.ends.fetch_add(1, AcqRel);
-        }
-    }
-
     /// Returns indices and owners of the lines of living or dead publishers.
     fn owners(&self) -> Vec<(usize, u64)> {
         let owners = self.list().iter().map(|line| line.owner.load(Acquire)).enumerate();
         owners
             .filter(|(_, owner)| matches!(owner & STATE, CLAIMED | LIVES))
             .collect()
-    }
-}
-
-impl Line {
-    /// Fills the line for `who`, unless another was faster.
-    fn begin(&self, owner: u64, who: &Identity) -> bool {
-        let own = word_of(who.node);
-        if self
-            .owner
-            .compare_exchange(owner, own | CLAIMED, AcqRel, Relaxed)
-            .is_err()
-        {
-            return false;
-        }
-        // No reader sees a field of the new publisher under the old one's name.
-        fence(Release);
-        let origin = fold(who.origin);
-        self.origin.store(origin, Relaxed);
-        self.incarnation.store(who.incarnation, Relaxed);
-        self.schema.store(who.schema, Relaxed);
-        self.check
-            .store(check(own, origin, who.incarnation, who.schema), Relaxed);
-        self.next_sequence.store(0, Relaxed);
-        self.heartbeat_ns.store(0, Relaxed);
-        self.owner.store(own | LIVES, Release);
-        true
-    }
-
-    fn read(&self) -> Option<PublisherLine> {
-        let owner = self.owner.load(Acquire);
-        let line = PublisherLine {
-            incarnation: self.incarnation.load(Relaxed),
-            next_sequence: self.next_sequence.load(Relaxed),
-            heartbeat_ns: self.heartbeat_ns.load(Relaxed).cast_signed(),
-            life: match owner & STATE {
-                LIVES => PublisherState::Lives,
-                ENDED => PublisherState::Ended,
-                DIED => PublisherState::Died,
-                _ => return None,
-            },
-            origin: self.origin.load(Relaxed),
-            schema: self.schema.load(Relaxed),
-            check: self.check.load(Relaxed),
-        };
-        // The line was one publisher's all the while.
-        fence(Acquire);
-        let same = self.owner.load(Relaxed) == owner;
-        let agrees = line.check == check(owner & !STATE, line.origin, line.incarnation, line.schema);
-        (same && agrees).then_some(line)
     }
 }
 
@@ -302,22 +175,19 @@ impl OwnLine {
     /// States that all numbers before `next_sequence` have been given to samples.
     #[inline]
     pub(crate) fn number(&self, next_sequence: u64) {
-        self.lines.list()[self.index]
-            .next_sequence
-            .store(next_sequence, Release);
+        self.lines.list()[self.index].number(next_sequence);
     }
 
     /// States that the publisher lived at `now_ns`.
     #[inline]
     pub(crate) fn beat(&self, now_ns: i64) {
-        let heartbeat_ns = &self.lines.list()[self.index].heartbeat_ns;
-        heartbeat_ns.store(now_ns.cast_unsigned(), Release);
+        self.lines.list()[self.index].beat(now_ns);
     }
 }
 
 impl Drop for OwnLine {
     fn drop(&mut self) {
-        self.lines.mark(self.index, self.own, ENDED);
+        self.lines.list()[self.index].mark(self.lines.head(), self.own, ENDED);
     }
 }
 
@@ -325,95 +195,34 @@ impl Drop for OwnLine {
 #[derive(Debug)]
 pub(crate) struct Ends {
     lines: Lines,
-    schema: u64,
-    /// Count of ends when it was last looked.
-    seen: u64,
-    /// For each line, the last publisher with a reported end.
-    told: Vec<u64>,
-    /// Ended publishers not reported yet.
-    waiting: Vec<PublisherLine>,
+    ends: EndsSeen,
 }
 
 impl Ends {
     /// The ends of publishers of `schema` from now on.
     pub(crate) fn from_now_on(lines: Lines, schema: u64) -> Self {
-        let (seen, count) = (lines.head().ends.load(Acquire), lines.count);
-        let mut ends = Self {
-            lines,
-            schema,
-            seen,
-            told: vec![0; count],
-            waiting: Vec::with_capacity(count),
-        };
-        ends.look();
-        ends.waiting.clear();
-        ends
+        let ends = EndsSeen::from_now_on(lines.head(), lines.list(), schema);
+        Self { lines, ends }
     }
 
     /// Returns whether publishers have ended. Their last slices may still be in the queue: empty the queue, then
     /// [settle](Self::settle).
     #[inline]
     pub(crate) fn news(&mut self) -> bool {
-        let ends = self.lines.head().ends.load(Acquire);
-        if ends == self.seen {
-            return false;
-        }
-        self.seen = ends;
-        self.look();
-        true
+        self.ends.news(self.lines.head(), self.lines.list())
     }
 
     /// Whether the queue must be emptied before ends can be settled.
     #[inline]
     pub(crate) fn are_waiting(&self) -> bool {
-        !self.waiting.is_empty()
-    }
-
-    fn look(&mut self) {
-        for (line, told) in self.lines.list().iter().zip(&mut self.told) {
-            let ended = line
-                .read()
-                .filter(|line| line.life != PublisherState::Lives && line.schema == self.schema);
-            if let Some(ended) =
-                ended.filter(|ended| ended.check != *told && self.waiting.len() < self.waiting.capacity())
-            {
-                *told = ended.check;
-                self.waiting.push(ended);
-            }
-        }
+        self.ends.are_waiting()
     }
 
     /// Reports each publisher that ended before the last check with an empty queue.
     #[inline]
-    pub(crate) fn settle(&mut self, mut tell: impl FnMut(&PublisherLine)) {
-        for ended in self.waiting.drain(..) {
-            tell(&ended);
-        }
+    pub(crate) fn settle(&mut self, tell: impl FnMut(&PublisherLine)) {
+        self.ends.settle(tell);
     }
-}
-
-/// The upper bits of an owner's word: iceoryx2's number of the process, folded, without room for the state.
-fn word_of(node: u128) -> u64 {
-    fold(node) << STATE_BITS
-}
-
-/// A number of iceoryx2's, which is unique on the machine, in half the bits.
-pub(crate) fn fold(number: u128) -> u64 {
-    scramble(number as u64 ^ scramble((number >> 64) as u64))
-}
-
-fn check(owner: u64, origin: u64, incarnation: u64, schema: u64) -> u64 {
-    [origin, incarnation, schema]
-        .iter()
-        .fold(owner, |sum, word| scramble(sum ^ word))
-        .max(1)
-}
-
-/// The finaliser of SplitMix64 (Steele, Lea and Flood 2014): each bit of the result depends on all.
-fn scramble(word: u64) -> u64 {
-    let word = (word ^ (word >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let word = (word ^ (word >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    word ^ (word >> 31)
 }
 
 /// Returns the start of the names of files of lines.
@@ -453,7 +262,7 @@ pub(crate) fn mark_dead<E>(prefix: &str, nodes: impl FnOnce() -> Result<Vec<u128
     for (lines, owners) in &had {
         for (index, owner) in owners {
             if !nodes.iter().any(|node| word_of(*node) == owner & !STATE) {
-                lines.mark(*index, *owner, DIED);
+                lines.list()[*index].mark(lines.head(), *owner, DIED);
             }
         }
     }

@@ -12,8 +12,9 @@
 //! and the reader looks until the queue is empty. The workspace `models` checks the protocol in all orders of
 //! operations.
 
-use std::sync::atomic::AtomicU64;
 use std::sync::atomic::Ordering::{Acquire, Release};
+
+use crate::atomic::AtomicU64;
 
 /// The word of a topic.
 pub(crate) trait Word {
