@@ -10,5 +10,9 @@ mod hint;
 #[expect(dead_code, reason = "what only the crate needs")]
 mod last_words;
 mod line;
+mod log;
+#[path = "../../crates/bus/src/ring.rs"]
+#[expect(dead_code, reason = "what only the crate needs")]
+mod ring;
 #[path = "../../crates/bus/src/sends.rs"]
 mod sends;

@@ -81,6 +81,7 @@ mod process;
 mod publisher;
 mod quality;
 mod remains;
+mod ring;
 mod root;
 mod seal;
 mod sends;

@@ -7,27 +7,25 @@
 //!
 //! The ring is a file in shared memory, created by its holder: a head with the time of creation and the number of
 //! samples ever written, and as many places as the topic has depth, a power of two. A reader copies places, then
-//! reads the count again: places overwritten in the meantime are lost to this reader.
+//! reads the count again: places overwritten in the meantime are lost to this reader. The protocol of both sides is in
+//! `ring`.
 
 use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering::{Acquire, Relaxed, Release};
-use std::sync::atomic::{AtomicU64, fence};
+use std::sync::atomic::AtomicU64;
+use std::sync::atomic::Ordering::Relaxed;
 
 use messages::Topic;
 
 use crate::error::BusError;
 use crate::mapping::Mapping;
+use crate::ring::{AT_A_TIME, CREATED, DamagedCount, HEAD, RingWords};
 use crate::seal::SHARED_MEMORY_DIR;
 use crate::transport::Payload;
 
 const WORD: usize = size_of::<u64>();
-/// Words of the head: a cache line.
-const HEAD: usize = 8;
-const CREATED: usize = 0;
-const NEXT: usize = 1;
-/// Samples that a reader copies at a time.
-const AT_A_TIME: usize = 256;
+/// Most words of a sample.
+const WORDS_MAX: usize = 32;
 
 /// The ring, mapped.
 #[derive(Debug)]
@@ -45,6 +43,7 @@ pub(crate) fn log_bytes<T: Payload>(topic: &Topic<T>) -> usize {
 impl<T: Payload> Ring<T> {
     const WORDS: usize = {
         assert!(size_of::<T>().is_multiple_of(WORD) && align_of::<T>() == WORD);
+        assert!(size_of::<T>() <= WORDS_MAX * WORD);
         size_of::<T>() / WORD
     };
 
@@ -67,9 +66,13 @@ impl<T: Payload> Ring<T> {
         unsafe { std::slice::from_raw_parts(self.mapping.start().cast().as_ptr(), count) }
     }
 
-    fn place(&self, number: u64) -> &[AtomicU64] {
-        let first = HEAD + (number & (self.places - 1)) as usize * Self::WORDS;
-        &self.words()[first..first + Self::WORDS]
+    #[inline]
+    fn ring(&self) -> RingWords<'_> {
+        RingWords {
+            words: self.words(),
+            places: self.places,
+            sample: Self::WORDS,
+        }
     }
 }
 
@@ -117,21 +120,16 @@ pub struct LogWriter<T> {
 impl<T: Payload> LogWriter<T> {
     pub(crate) fn open(prefix: Option<&str>, topic: &Topic<T>) -> Result<Self, BusError> {
         let ring = open(prefix, topic)?;
-        let next = ring.words()[NEXT].load(Acquire);
+        let next = ring.ring().begin();
         Ok(Self { ring, next })
     }
 
     /// Writes a sample down: when this returns it is there, even if this process dies.
     #[inline]
     pub fn write(&mut self, sample: &T) {
-        let octets = T::octets(std::slice::from_ref(sample)).chunks_exact(WORD);
-        for (word, octets) in self.ring.place(self.next).iter().zip(octets) {
-            word.store(u64::from_ne_bytes(octets.try_into().expect("a word")), Relaxed);
-        }
-        self.next += 1;
-        self.ring.words()[NEXT].store(self.next, Release);
-        // A reader that sees a word of the next sample also sees this count.
-        fence(Release);
+        let octets = T::octets(std::slice::from_ref(sample)).as_chunks::<WORD>().0;
+        let words = octets.iter().map(|octets| u64::from_ne_bytes(*octets));
+        self.next = self.ring.ring().write(self.next, words);
     }
 }
 
@@ -141,6 +139,7 @@ pub struct LogReader<T> {
     ring: Ring<T>,
     next: u64,
     copied: Vec<T>,
+    refused: u64,
 }
 
 impl<T: Payload> LogReader<T> {
@@ -148,7 +147,8 @@ impl<T: Payload> LogReader<T> {
         Ok(Self {
             ring: open(prefix, topic)?,
             next: 0,
-            copied: Vec::with_capacity(AT_A_TIME),
+            copied: Vec::with_capacity(AT_A_TIME as usize),
+            refused: 0,
         })
     }
 
@@ -167,35 +167,28 @@ impl<T: Payload> LogReader<T> {
     /// written before it. `None` without new samples. A number above the expected number gives the number of lost
     /// samples.
     pub fn read(&mut self) -> Option<(u64, &[T])> {
-        let first = loop {
-            let written = self.ring.words()[NEXT].load(Acquire);
-            // One place may be being written.
-            let oldest = (written + 1).saturating_sub(self.ring.places);
-            let first = self.next.max(oldest);
-            let count = written.checked_sub(first).filter(|count| *count > 0)?;
-            self.copied.clear();
-            for number in first..first + count.min(AT_A_TIME as u64) {
-                self.copied.extend(self.copy(number));
-            }
-            fence(Acquire);
-            self.next = first;
-            let written = self.ring.words()[NEXT].load(Relaxed);
-            if first + self.ring.places > written {
-                break first;
-            }
-        };
-        self.next += self.copied.len() as u64;
+        let read = self.ring.ring().read(self.next, &mut self.copied, of_words);
+        let first = read.unwrap_or_else(|DamagedCount| {
+            self.refused += 1;
+            None
+        })?;
+        self.next = first + self.copied.len() as u64;
         Some((first, &self.copied))
     }
 
-    fn copy(&self, number: u64) -> Option<T> {
-        const WORDS_MAX: usize = 32;
-        let mut octets = [0; WORDS_MAX * WORD];
-        for (word, octets) in self.ring.place(number).iter().zip(octets.chunks_exact_mut(WORD)) {
-            octets.copy_from_slice(&word.load(Relaxed).to_ne_bytes());
-        }
-        T::of_octets(&octets[..size_of::<T>()])
+    /// How often the count of samples was found damaged, and nothing was read.
+    pub fn refused(&self) -> u64 {
+        self.refused
     }
+}
+
+/// The sample that has these words.
+fn of_words<T: Payload>(words: impl Iterator<Item = u64>) -> Option<T> {
+    let mut octets = [[0; WORD]; WORDS_MAX];
+    for (octets, word) in octets.iter_mut().zip(words) {
+        *octets = word.to_ne_bytes();
+    }
+    T::of_octets(octets.as_flattened().get(..size_of::<T>())?)
 }
 
 #[cfg(test)]
@@ -224,6 +217,7 @@ mod tests {
             ring: ring(),
             next: 0,
             copied: Vec::new(),
+            refused: 0,
         };
         (writer, reader, folder)
     }
@@ -241,6 +235,36 @@ mod tests {
         (30..34).for_each(|number| writer.write(&step(number)));
         reader.go_on(33);
         assert_eq!(reader.read(), Some((33, &[step(33)][..])));
+    }
+
+    #[test]
+    fn a_count_with_a_wrong_bit_is_refused_until_the_next_sample() {
+        for bit in 0..64 {
+            let (mut writer, mut reader, _folder) = pair(8);
+            (0..3).for_each(|number| writer.write(&step(number)));
+            assert_eq!(reader.read(), Some((0, &[0, 1, 2].map(step)[..])));
+            reader.ring.words()[1].fetch_xor(1 << bit, Relaxed);
+            assert!(reader.read().is_none());
+            assert_eq!(reader.refused(), 1);
+            writer.write(&step(3));
+            assert_eq!(reader.read(), Some((3, &[step(3)][..])));
+        }
+    }
+
+    #[test]
+    fn whatever_is_in_a_log_reader_and_writer_go_on() {
+        for word in [u64::MAX, 1 << 63, (1 << 48) - 1, (1 << 48) - 3, 1 << 47] {
+            let (mut writer, mut reader, _folder) = pair(8);
+            reader.ring.words().iter().for_each(|place| place.store(word, Relaxed));
+            // Of all these words, only the first agrees with its check.
+            assert_eq!(reader.read().is_some(), word == u64::MAX);
+            writer.next = writer.ring.ring().begin();
+            // The numbers begin again at 0 before they overflow.
+            (0..9).for_each(|number| writer.write(&step(number)));
+            while reader.read().is_some() {}
+            reader.go_on(u64::MAX);
+            assert!(reader.read().is_none());
+        }
     }
 
     #[test]

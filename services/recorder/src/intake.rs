@@ -138,7 +138,10 @@ impl<S: Transport, T: Payload> Arriving<S> for LogReader<T> {
     }
 
     fn counts(&self) -> SubscriberCounts {
-        SubscriberCounts::default()
+        SubscriberCounts {
+            schema_mismatch: self.refused(),
+            ..SubscriberCounts::default()
+        }
     }
 }
 
