@@ -11,6 +11,9 @@ mod hint;
 mod last_words;
 mod line;
 mod log;
+mod outlasting;
+#[path = "../../crates/kept/src/record.rs"]
+mod record;
 #[path = "../../crates/bus/src/ring.rs"]
 #[expect(dead_code, reason = "what only the crate needs")]
 mod ring;

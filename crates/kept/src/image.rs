@@ -1,21 +1,18 @@
 //! Memory with areas of records, each in two copies.
 //!
 //! A process can be killed between any two stores. A record is therefore never overwritten: of its two copies, the
-//! older is replaced. Each copy states the number of writes of the record and a checksum of all its words. A reader
-//! takes the newest copy with a correct checksum. A kill during a write leaves the previous copy of that record;
-//! every other record is whole.
+//! older is replaced. A kill during a write leaves the previous copy of that record; every other record is whole. The
+//! protocol is in `record`.
 
 use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 use std::sync::atomic::Ordering::{Relaxed, Release};
 
-/// "KOSEKI" and the kind of file.
-const MAGIC: u64 = u64::from_le_bytes(*b"KOSEKICP");
+/// "KOSEKI", the kind of file, and how its records are checked.
+const MAGIC: u64 = u64::from_le_bytes(*b"KOSEKIC2");
 /// Words before the first area: the magic number and a fingerprint of the layout.
 pub const HEAD: usize = 2;
-/// Words of a copy before its contents: number of writes and checksum.
-const FRONT: usize = 2;
 
 /// Words that outlive their process, or words in their place in tests.
 pub trait Memory: std::fmt::Debug + Send {
@@ -66,140 +63,12 @@ pub fn is_marked(memory: &[AtomicU64], words: usize, fingerprint: u64) -> bool {
     memory.len() == words && memory[0].load(Relaxed) == MAGIC && memory[1].load(Relaxed) == fingerprint
 }
 
-/// Mixes a word for a fingerprint.
-pub fn mixed(word: u64) -> u64 {
-    word.wrapping_mul(FACTOR).rotate_left(29)
-}
-
-const FACTOR: u64 = 0x9e37_79b9_7f4a_7c15;
-
-/// Records of one kind in the memory.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct RecordArea {
-    /// First word of the area.
-    pub first: usize,
-    /// Number of records.
-    pub places: usize,
-    /// Words of a record's contents.
-    pub words: usize,
-}
-
-/// State of a record in memory.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RecordState {
-    /// Never written.
-    Nothing,
-    /// The newest copy is whole; the other copy is whole or blank.
-    Whole,
-    /// One copy is not whole: its writer was killed, or the memory was damaged. The other copy is whole or blank.
-    Torn {
-        /// Whether the other copy is whole.
-        has_other: bool,
-    },
-    /// Neither copy is whole.
-    Damaged,
-}
-
-/// State of one copy of a record.
-#[derive(Debug, PartialEq, Eq)]
-pub(crate) enum Copy {
-    Blank,
-    Whole(u64),
-    Broken,
-}
-
-impl RecordArea {
-    const fn copy(&self) -> usize {
-        FRONT + self.words
-    }
-
-    /// Returns the number of words of the area.
-    #[expect(clippy::len_without_is_empty, reason = "it never is")]
-    pub const fn len(&self) -> usize {
-        2 * self.copy() * self.places
-    }
-
-    fn copy_at(&self, place: usize, copy: usize) -> usize {
-        self.first + (2 * place + copy) * self.copy()
-    }
-
-    /// Writes `contents` as the record of `place` for the `times`-th time, counted from 1.
-    #[inline]
-    pub fn write(&self, memory: &[AtomicU64], place: usize, times: u64, contents: &[u64]) {
-        debug_assert!(place < self.places, "record {place} of {}", self.places);
-        let start = self.copy_at(place, (times & 1) as usize);
-        let Some(copy) = memory.get(start..start + FRONT + contents.len()) else {
-            return;
-        };
-        copy[0].store(times, Relaxed);
-        copy[1].store(checksum(start, times, contents), Relaxed);
-        for (word, content) in copy[FRONT..].iter().zip(contents) {
-            word.store(*content, Relaxed);
-        }
-    }
-
-    /// Reads the newest whole copy of the record of `place` into `contents`.
-    pub fn read(&self, memory: &[AtomicU64], place: usize, contents: &mut Vec<u64>) -> RecordState {
-        let mut other = Vec::with_capacity(self.words);
-        let first = self.read_copy(memory, place, 0, contents);
-        let second = self.read_copy(memory, place, 1, &mut other);
-        let is_second_newer = match (&first, &second) {
-            (Copy::Whole(first), Copy::Whole(second)) => second > first,
-            (_, second) => matches!(second, Copy::Whole(_)),
-        };
-        if is_second_newer {
-            *contents = other;
-        }
-        match (first, second) {
-            (Copy::Blank, Copy::Blank) => RecordState::Nothing,
-            (Copy::Broken, Copy::Broken) => RecordState::Damaged,
-            (Copy::Broken, Copy::Blank) | (Copy::Blank, Copy::Broken) => RecordState::Torn { has_other: false },
-            (Copy::Broken, _) | (_, Copy::Broken) => RecordState::Torn { has_other: true },
-            _ => RecordState::Whole,
-        }
-    }
-
-    /// Reads copy 0 or 1 of the record of `place` into `contents`.
-    pub(crate) fn read_copy(&self, memory: &[AtomicU64], place: usize, copy: usize, contents: &mut Vec<u64>) -> Copy {
-        let start = self.copy_at(place, copy);
-        let words = &memory[start..start + self.copy()];
-        let (times, check) = (words[0].load(Relaxed), words[1].load(Relaxed));
-        contents.clear();
-        contents.extend(words[FRONT..].iter().map(|word| word.load(Relaxed)));
-        if times == 0 && check == 0 {
-            Copy::Blank
-        } else if times & 1 == copy as u64 && check == checksum(start, times, contents) {
-            Copy::Whole(times)
-        } else {
-            Copy::Broken
-        }
-    }
-}
-
-/// Returns the checksum of a copy's words and place. A change of a single word always changes the checksum.
-#[inline]
-fn checksum(start: usize, times: u64, contents: &[u64]) -> u64 {
-    // Four words at a time: each product depends on the product before it.
-    let mut lanes = [start as u64, times, 1, 2];
-    let (fours, rest) = contents.as_chunks::<4>();
-    for four in fours {
-        for (lane, word) in lanes.iter_mut().zip(four) {
-            *lane = (*lane ^ word).wrapping_mul(FACTOR).rotate_left(29);
-        }
-    }
-    for (lane, word) in lanes.iter_mut().zip(rest) {
-        *lane = (*lane ^ word).wrapping_mul(FACTOR).rotate_left(29);
-    }
-    lanes
-        .iter()
-        .fold(0, |sum: u64, lane| (sum ^ lane).wrapping_mul(FACTOR).rotate_left(31))
-}
-
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::record::{FRONT, RecordArea, RecordState};
 
     const AREA: RecordArea = RecordArea {
         first: 3,
@@ -273,5 +142,48 @@ mod tests {
             prop_assert_eq!(AREA.read(&memory, 0, &mut contents), RecordState::Torn { has_other: true });
             prop_assert!(contents == first || contents == second);
         }
+    }
+
+    #[test]
+    fn a_content_that_counts_like_the_writes_does_not_hide_a_torn_record() {
+        let memory = blank();
+        let mut contents = Vec::new();
+        for times in 1..=2 {
+            AREA.write(&memory, 0, times, &[0, times, 0, 0, 0]);
+        }
+        let start = AREA.copy_at(0, 1);
+        // Of the third write, the number of writes and the second word of the contents have been stored.
+        memory[start].store(3, Relaxed);
+        memory[start + FRONT + 1].store(3, Relaxed);
+        assert_eq!(
+            AREA.read(&memory, 0, &mut contents),
+            RecordState::Torn { has_other: true }
+        );
+        assert_eq!(contents, [0, 2, 0, 0, 0]);
+    }
+
+    #[test]
+    fn a_record_without_a_whole_copy_has_no_contents() {
+        let memory = blank();
+        let mut contents = vec![1];
+        AREA.write(&memory, 0, 1, &[7; 5]);
+        memory[AREA.copy_at(0, 1) + FRONT].store(8, Relaxed);
+        assert_eq!(
+            AREA.read(&memory, 0, &mut contents),
+            RecordState::Torn { has_other: false }
+        );
+        assert!(contents.is_empty(), "torn contents: {contents:?}");
+        memory[AREA.copy_at(0, 0)].store(u64::MAX, Relaxed);
+        assert_eq!(AREA.read(&memory, 0, &mut contents), RecordState::Damaged);
+        assert!(contents.is_empty(), "torn contents: {contents:?}");
+    }
+
+    #[test]
+    fn memory_that_is_too_short_is_damaged() {
+        let memory = blank();
+        let mut contents = vec![1];
+        let short = &memory[..memory.len() - AREA.len() / 2 - 1];
+        assert_eq!(AREA.read(short, 1, &mut contents), RecordState::Damaged);
+        assert!(contents.is_empty());
     }
 }

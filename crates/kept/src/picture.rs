@@ -7,7 +7,8 @@
 use std::marker::PhantomData;
 use std::sync::atomic::AtomicU64;
 
-use crate::image::{Copy, HEAD, Memory, MemoryRefusal, RecordArea, is_marked, mark, mixed};
+use crate::image::{HEAD, Memory, MemoryRefusal, is_marked, mark};
+use crate::record::{Copy, RecordArea, mixed};
 use crate::value::{Get, Kept, Put};
 
 /// Snapshot of a limited number of values `T`, with a head `F`.
