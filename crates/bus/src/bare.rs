@@ -10,7 +10,7 @@ use std::time::Duration;
 use iceoryx2::node::Node;
 use iceoryx2::port::listener::{Listener, ListenerWaitError};
 use iceoryx2::port::notifier::Notifier;
-use iceoryx2::prelude::{AllocationStrategy, BackpressureStrategy, EventId, ServiceName};
+use iceoryx2::prelude::{AllocationStrategy, BackpressureStrategy, EventId, PayloadHeader as _, ServiceName};
 use iceoryx2::service::port_factory::{event, publish_subscribe};
 use iceoryx2::service::static_config::message_type_details::{TypeDetail, TypeVariant};
 
@@ -96,6 +96,7 @@ pub struct BareReceiver<T: Payload> {
     port: DropGuard<SubscriberPort<SharedMemory>>,
     listener: Option<DropGuard<Listener<SharedMemory>>>,
     service: String,
+    slice_len: usize,
     samples: PhantomData<fn() -> T>,
 }
 
@@ -110,6 +111,7 @@ impl<T: Payload> BareReceiver<T> {
             port,
             listener,
             service: service.to_owned(),
+            slice_len: settings.slice_len,
             samples: PhantomData,
         })
     }
@@ -117,15 +119,19 @@ impl<T: Payload> BareReceiver<T> {
     /// Shows the oldest slice that waits to `visit`; `false` if none does.
     ///
     /// # Errors
-    /// If iceoryx2 refuses.
+    /// If iceoryx2 refuses, or the slice is longer than any.
     pub fn receive(&self, visit: impl FnOnce(&[T])) -> Result<bool, BusError> {
         let received = SharedMemory::receive(&self.port);
         let slice = received.map_err(|error| failed(&self.service, "receive", error.to_string()))?;
         let Some(slice) = slice else { return Ok(false) };
-        let octets = slice.payload();
-        // SAFETY: the service was opened with the size and alignment of `T`, so the bytes are whole samples; any bits
-        // are one.
-        visit(unsafe { std::slice::from_raw_parts(octets.as_ptr().cast(), octets.len() / size_of::<T>()) });
+        // Read once: in shared memory it may change.
+        let count = slice.header().number_of_elements() as usize;
+        if count > self.slice_len {
+            return Err(failed(&self.service, "receive", format!("a slice of {count} samples")));
+        }
+        // SAFETY: the service was opened with the size and alignment of `T`, each slice has room for `slice_len`
+        // samples, and any bits are one.
+        visit(unsafe { std::slice::from_raw_parts(slice.payload().as_ptr().cast(), count) });
         Ok(true)
     }
 

@@ -267,3 +267,85 @@ pub(crate) fn mark_dead<E>(prefix: &str, nodes: impl FnOnce() -> Result<Vec<u128
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn identity(origin: u128) -> Identity {
+        Identity {
+            node: 5,
+            origin,
+            incarnation: 6,
+            schema: 7,
+        }
+    }
+
+    /// Lines of two publishers, and their words.
+    fn lines(folder: &tempfile::TempDir) -> (Lines, Mapping) {
+        let path = folder.path().join("lines");
+        let mapping = || Mapping::create(&path, 5 * LINE_BYTES).unwrap();
+        (Lines::of(mapping()).unwrap(), mapping())
+    }
+
+    fn words(mapping: &Mapping) -> &[AtomicU64] {
+        // SAFETY: the mapping is aligned to a page and has so many words, of which any bits are atomic ones.
+        unsafe { std::slice::from_raw_parts(mapping.start().cast().as_ptr(), mapping.bytes() / size_of::<u64>()) }
+    }
+
+    #[test]
+    fn a_line_is_read_only_if_it_is_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let (all, mapping) = lines(&folder);
+        let own = OwnLine::begin(lines(&folder).0, &identity(1)).unwrap();
+        own.number(9);
+        let found: Vec<_> = all.read().collect();
+        assert_eq!((found.len(), found[0].next_sequence), (1, 9));
+        // The owner, its identity and the check are the first words of a line; the head is as long as a line.
+        let first = LINE_BYTES / size_of::<u64>();
+        for word in &words(&mapping)[first..first + 5] {
+            for bit in 0..64 {
+                word.fetch_xor(1 << bit, Relaxed);
+                let read: Vec<_> = all.read().collect();
+                // Other bits of a state are another state, or none.
+                assert!(read.is_empty() || read[0].life != PublisherState::Lives, "bit {bit}");
+                word.fetch_xor(1 << bit, Relaxed);
+            }
+        }
+        assert_eq!(all.read().collect::<Vec<_>>(), found);
+    }
+
+    #[test]
+    fn lines_of_absurd_values_are_neither_read_nor_an_end_of_their_readers() {
+        let folder = tempfile::tempdir().unwrap();
+        for word in [1, 2, 3, 4, 7, 1 << 63, u64::MAX, u64::MAX - 4, u64::MAX - 5] {
+            let (all, mapping) = lines(&folder);
+            let mut ends = Ends::from_now_on(lines(&folder).0, word);
+            let own = OwnLine::begin(lines(&folder).0, &identity(1));
+            words(&mapping).iter().for_each(|place| place.store(word, Relaxed));
+            assert_eq!(all.read().count(), 0);
+            assert!(all.owners().len() <= 4);
+            ends.news();
+            ends.settle(|ended| panic!("no publisher has ended: {ended:?}"));
+            if let Some(own) = &own {
+                own.number(u64::MAX);
+                own.beat(i64::MIN);
+            }
+            drop(own);
+            drop(OwnLine::begin(lines(&folder).0, &identity(2)));
+            words(&mapping).iter().for_each(|place| place.store(0, Relaxed));
+        }
+    }
+
+    #[test]
+    fn a_file_without_a_whole_line_is_none_of_lines() {
+        let folder = tempfile::tempdir().unwrap();
+        for bytes in [1, LINE_BYTES, 2 * LINE_BYTES - 1] {
+            let mapping = Mapping::create(&folder.path().join(bytes.to_string()), bytes).unwrap();
+            assert!(Lines::of(mapping).is_err(), "{bytes} bytes");
+        }
+        let longest = (LINES_MAX + 9) * LINE_BYTES + 1;
+        let lines = Lines::of(Mapping::create(&folder.path().join("long"), longest).unwrap()).unwrap();
+        assert_eq!(lines.list().len(), LINES_MAX);
+    }
+}

@@ -43,7 +43,7 @@ impl Mapping {
     pub(crate) fn open(path: &Path) -> io::Result<Self> {
         let file = options().open(path)?;
         let found = file.metadata()?;
-        let bytes = found.len() as usize;
+        let bytes = usize::try_from(found.len()).unwrap_or(0);
         if found.uid() != rustix::process::geteuid().as_raw() || bytes == 0 {
             return Err(io::Error::other("not a file of this user's shared memory"));
         }
@@ -66,12 +66,16 @@ impl Mapping {
     /// other thread writes them meanwhile.
     ///
     /// # Errors
-    /// If the file cannot be created; the memory is unchanged then.
+    /// If the file cannot be created, or has another length; the memory is unchanged then.
     pub(crate) fn move_to(&self, path: &Path) -> io::Result<()> {
         let file = Self::create(path, self.bytes)?;
+        let found = options().open(path)?;
+        // Beyond the end of a shorter file, an access would end the process.
+        if file.bytes != self.bytes || found.metadata()?.len() != self.bytes as u64 {
+            return Err(io::Error::other("a file of another length"));
+        }
         // SAFETY: both mappings have this number of bytes, and the file's mapping is new.
         unsafe { std::ptr::copy_nonoverlapping(self.start.as_ptr(), file.start.as_ptr(), self.bytes) };
-        let found = options().open(path)?;
         // SAFETY: the place is this mapping's own, and the file has as many bytes, with the same values.
         unsafe {
             mmap(
@@ -116,4 +120,22 @@ fn options() -> OpenOptions {
         .write(true)
         .custom_flags(OFlags::NOFOLLOW.bits().cast_signed());
     options
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_of_another_length_takes_no_memory_over() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("file");
+        let memory = Mapping::anonymous(100).unwrap();
+        std::fs::write(&path, [7; 101]).unwrap();
+        assert!(memory.move_to(&path).is_err());
+        assert_eq!(std::fs::read(&path).unwrap(), [7; 101], "and its octets stay");
+        std::fs::write(&path, [7; 99]).unwrap();
+        memory.move_to(&path).unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), [0; 100]);
+    }
 }

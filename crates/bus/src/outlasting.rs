@@ -415,4 +415,22 @@ mod tests {
         }
         root.remove_outlasting();
     }
+
+    #[test]
+    fn memory_of_any_length_has_its_whole_words_only() {
+        let base = tempfile::tempdir().unwrap();
+        let root = Root::in_base(base.path(), "short").unwrap();
+        let memory = root.make_outlasting("a", 3).unwrap();
+        memory.publish().unwrap();
+        for (length, words) in [(1, 0), (7, 0), (8, 1), (23, 2)] {
+            let file = File::options().write(true).open(&memory.path).unwrap();
+            file.set_len(length).unwrap();
+            let found = root.outlasting("a").unwrap().unwrap();
+            assert_eq!((found.words().len(), found.is_blank()), (words, words == 1));
+            assert!(!kept::is_marked(found.words(), 3, 0));
+        }
+        fs::write(&memory.path, []).unwrap();
+        assert!(root.outlasting("a").is_err(), "without any");
+        root.remove_outlasting();
+    }
 }

@@ -24,10 +24,12 @@
 //! of a publisher precede the next publisher's: sources that must not displace each other have separate topics.
 
 use std::marker::PhantomData;
+use std::ptr::NonNull;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use iceoryx2::port::ReceiveError;
+use iceoryx2::prelude::PayloadHeader as _;
 use messages::{BatchHeader, Epochs, Topic};
 
 use crate::error::BusError;
@@ -39,12 +41,16 @@ use crate::sends::{ReceivedSends, Word as _};
 use crate::service::{SubscriberPort, TakenSlice};
 use crate::transport::Payload;
 
+/// No publisher gets as far as this number in a hundred years: a greater one is damaged, and sums with it may overflow.
+const SEQUENCE_MAX: u64 = u64::MAX >> 2;
+
 /// Takes slices of samples `T` from one topic.
 #[derive(Debug)]
 pub struct Subscriber<S: Transport, T: Payload> {
     port: DropGuard<SubscriberPort<S>>,
     samples: PhantomData<fn() -> T>,
     topic: Arc<str>,
+    slice_len: usize,
     joined_ns: u64,
     publishers: Publishers,
     ends: Option<Ends>,
@@ -62,7 +68,7 @@ pub struct Subscriber<S: Transport, T: Payload> {
 pub enum ReceiveOutcome<S: Transport, T: Payload> {
     /// The next slice.
     Slice(Slice<S, T>),
-    /// A slice of another layout: counted, and given back.
+    /// A slice of another layout, or a damaged one: counted, and given back.
     Rejected,
     /// A slice of an older epoch: counted, and given back.
     OfOlderEpoch,
@@ -72,22 +78,44 @@ pub enum ReceiveOutcome<S: Transport, T: Payload> {
 
 /// A slice in shared memory, kept from being overwritten as long as this lives.
 #[derive(Debug)]
-pub struct Slice<S: Transport, T: Payload>(DropGuard<TakenSlice<S>>, PhantomData<fn() -> T>);
+pub struct Slice<S: Transport, T: Payload> {
+    taken: DropGuard<TakenSlice<S>>,
+    /// The samples of `taken`. Their count was read once: in shared memory it may change.
+    first: NonNull<T>,
+    count: usize,
+}
+
+// SAFETY: the samples are numbers that nobody writes as long as `taken` lives, so who has the one has the other.
+unsafe impl<S: Transport, T: Payload> Send for Slice<S, T> where DropGuard<TakenSlice<S>>: Send {}
+
+// SAFETY: likewise.
+unsafe impl<S: Transport, T: Payload> Sync for Slice<S, T> where DropGuard<TakenSlice<S>>: Sync {}
 
 impl<S: Transport, T: Payload> Slice<S, T> {
+    /// Of a topic whose slices have `slice_len` samples at most; `None` if its memory says that there are more.
+    #[inline]
+    fn of(taken: DropGuard<TakenSlice<S>>, slice_len: usize) -> Option<Self> {
+        let count = usize::try_from(taken.header().number_of_elements()).ok()?;
+        (count <= slice_len).then(|| Self {
+            first: NonNull::from(taken.payload()).cast(),
+            count,
+            taken,
+        })
+    }
+
     /// Header that its publisher has written.
     pub fn header(&self) -> &BatchHeader {
         // SAFETY: the topic was opened with the size and alignment of a `BatchHeader` for this place, and any bits are
         // one.
-        unsafe { &*std::ptr::from_ref(self.0.user_header()).cast() }
+        unsafe { &*std::ptr::from_ref(self.taken.user_header()).cast() }
     }
 
     /// Samples of the slice.
+    #[inline]
     pub fn samples(&self) -> &[T] {
-        let octets = self.0.payload();
-        // SAFETY: the topic was opened with the size and alignment of `T`, so the bytes are whole samples; any bits
-        // are one.
-        unsafe { std::slice::from_raw_parts(octets.as_ptr().cast(), octets.len() / size_of::<T>()) }
+        // SAFETY: the topic was opened with the size and alignment of `T`; the publishers of this crate reserve
+        // `slice_len` samples for each slice, which are not fewer than `count`; any bits are one.
+        unsafe { NonNull::slice_from_raw_parts(self.first, self.count).as_ref() }
     }
 }
 
@@ -107,7 +135,8 @@ pub struct SubscriberCounts {
     pub out_of_order: u64,
     /// Samples dropped because they came from a fusion that has been replaced since.
     pub of_older_epochs: u64,
-    /// Slices refused because their publisher was built with another layout.
+    /// Slices refused because their publisher was built with another layout, or their length or number is none that a
+    /// publisher of the topic writes.
     pub schema_mismatch: u64,
     /// Times a connection to a publisher could not be made; others are not affected.
     pub failed_connections: u64,
@@ -128,6 +157,7 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
             port: opened.port,
             samples: PhantomData,
             topic: topic.name.as_str().into(),
+            slice_len: topic.capacity.slice_len,
             joined_ns,
             publishers: Publishers::with_room_for(topic.capacity.publishers),
             ends,
@@ -178,18 +208,20 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
         let Some(sample) = received else {
             return Ok(ReceiveOutcome::Nothing);
         };
-        let slice = Slice(sample, PhantomData);
-        let header = slice.header();
-        if header.schema != T::SCHEMA {
+        let Some(slice) = Slice::<S, T>::of(sample, self.slice_len).filter(|slice| {
+            let header = slice.header();
+            header.schema == T::SCHEMA && header.first_sequence <= SEQUENCE_MAX
+        }) else {
             self.counts.schema_mismatch += 1;
             return Ok(ReceiveOutcome::Rejected);
-        }
-        let (count, standing) = (slice.samples().len(), self.epochs.compare(header));
+        };
+        let header = slice.header();
+        let (count, standing) = (slice.count, self.epochs.compare(header));
         match self
             .publishers
-            .follow(slice.0.origin().value(), header, count, self.joined_ns)
+            .follow(slice.taken.origin().value(), header, count, self.joined_ns)
         {
-            Step::Next { skipped } => self.counts.lost += skipped,
+            Step::Next { skipped } => self.counts.lost = self.counts.lost.saturating_add(skipped),
             Step::Passed => self.counts.out_of_order += count as u64,
         }
         if standing.is_lt() && !self.takes_older {
@@ -231,8 +263,8 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
         if slice.is_none() {
             ends.settle(|ended| {
                 let lost = self.publishers.settle(ended, self.joined_ns);
-                self.counts.lost += lost;
-                self.counts.lost_at_end += lost;
+                self.counts.lost = self.counts.lost.saturating_add(lost);
+                self.counts.lost_at_end = self.counts.lost_at_end.saturating_add(lost);
             });
         }
         Ok(slice)
@@ -335,7 +367,7 @@ impl Publishers {
         publisher.last_age = self.age;
         match header.first_sequence.checked_sub(publisher.next_sequence) {
             Some(skipped) => {
-                publisher.next_sequence = header.first_sequence + count as u64;
+                publisher.next_sequence = header.first_sequence.saturating_add(count as u64);
                 Step::Next { skipped }
             }
             None => Step::Passed,
@@ -385,7 +417,17 @@ impl Publishers {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
+    use messages::SensorTrack;
+
     use super::*;
+    use crate::bus::Bus;
+    use crate::mapping::Mapping;
+    use crate::publisher::Mark;
+    use crate::root::Root;
+    use crate::seal::SHARED_MEMORY_DIR;
+    use crate::transport::SharedMemory;
 
     fn header(incarnation: u64, first_sequence: u64) -> BatchHeader {
         BatchHeader {
@@ -420,5 +462,107 @@ mod tests {
         let mut publishers = Publishers::with_room_for(2);
         assert_eq!(publishers.follow(1, &header(99, 7), 1, 100), Step::Next { skipped: 0 });
         assert_eq!(publishers.follow(2, &header(100, 7), 1, 100), Step::Next { skipped: 7 });
+    }
+
+    /// Words of a slice in front of its samples, counted from its header's first.
+    const SLICE_COUNT: isize = -2;
+    const FIRST_SEQUENCE: isize = 2;
+
+    /// Writes a word of the slice that begins with number `first`, as a fault of the memory would.
+    fn damage(root: &Root, first: u64, place: isize, word: u64) {
+        let prefix = root.prefix().unwrap().unwrap();
+        let mut found = 0;
+        for entry in fs::read_dir(SHARED_MEMORY_DIR).unwrap().flatten() {
+            if !entry.file_name().to_str().is_some_and(|name| name.starts_with(&prefix)) {
+                continue;
+            }
+            let Ok(mapping) = Mapping::open(&entry.path()) else {
+                continue;
+            };
+            let count = mapping.bytes() / size_of::<u64>();
+            // SAFETY: the mapping is aligned to a page and has so many words, of which any bits are atomic ones.
+            let words: &[AtomicU64] = unsafe { std::slice::from_raw_parts(mapping.start().cast().as_ptr(), count) };
+            let is = |place: usize, value| {
+                words
+                    .get(place)
+                    .is_some_and(|word| word.load(Ordering::Relaxed) == value)
+            };
+            let is_header = |schema: &usize| {
+                is(*schema, <SensorTrack as messages::layout::Sample>::SCHEMA)
+                    && is(*schema + FIRST_SEQUENCE as usize, first)
+            };
+            for header in (0..count).filter(is_header) {
+                words[header.checked_add_signed(place).unwrap()].store(word, Ordering::Relaxed);
+                found += 1;
+            }
+        }
+        assert_eq!(found, 1, "not the slice");
+    }
+
+    #[test]
+    fn a_slice_of_absurd_length_or_number_is_counted_and_refused() {
+        const SAMPLES: usize = 11;
+        let folder = tempfile::tempdir().unwrap();
+        let root = Root::in_base(folder.path(), "damaged").unwrap();
+        let claim = root.claim().unwrap();
+        let bus: Bus<SharedMemory> = Bus::open(&root, "test").unwrap();
+        let topic = messages::sensor_tracks("a");
+        let held = bus.hold(&topic).unwrap();
+        let mut subscriber = bus.subscriber(&topic, || 0).unwrap();
+        let mut publisher = bus.publisher(&topic, 1).unwrap();
+        let mark = Mark {
+            progress_ns: i64::MIN,
+            sent_ns: 0,
+            end: false,
+        };
+        let (samples, longest) = (SAMPLES as u64, topic.capacity.slice_len as u64);
+        let absurd = [longest + 1, samples ^ 1 << 20, samples ^ 1 << 58, 1 << 63, u64::MAX];
+        let mut next = 0;
+        for (place, is_length) in [(SLICE_COUNT, true), (FIRST_SEQUENCE, false)] {
+            for word in absurd.into_iter().filter(|word| is_length || *word > SEQUENCE_MAX) {
+                // One that is whole, so that no number is missing when the damaged one is.
+                for is_damaged in [false, true] {
+                    publisher.send(mark, SAMPLES, |_, _| SensorTrack::default()).unwrap();
+                    if is_damaged {
+                        damage(&root, next, place, word);
+                    }
+                    next += samples;
+                    let before = subscriber.counts();
+                    let mut taken = 0;
+                    assert_eq!(subscriber.take(2, |_, samples| taken += samples.len()).unwrap(), 1);
+                    let refused = subscriber.counts().schema_mismatch - before.schema_mismatch;
+                    assert_eq!((taken, refused), if is_damaged { (0, 1) } else { (SAMPLES, 0) });
+                }
+            }
+        }
+        let counts = subscriber.counts();
+        assert_eq!(
+            counts.lost + counts.taken,
+            next - samples,
+            "the last refused slice is not missed yet"
+        );
+        drop((publisher, subscriber, held, bus));
+        claim.remove().unwrap();
+    }
+
+    #[test]
+    fn absurd_numbers_of_ended_publishers_are_counted() {
+        let mut publishers = Publishers::with_room_for(1);
+        assert_eq!(publishers.follow(1, &header(10, 0), 5, 0), Step::Next { skipped: 0 });
+        let ended = PublisherLine {
+            incarnation: 10,
+            next_sequence: u64::MAX,
+            heartbeat_ns: i64::MIN,
+            life: crate::line::PublisherState::Died,
+            origin: fold(1),
+            schema: 0,
+            check: 1,
+        };
+        assert_eq!(publishers.settle(&ended, 0), u64::MAX - 5);
+        assert_eq!(publishers.settle(&ended, 0), 0);
+        assert_eq!(
+            publishers.follow(1, &header(10, u64::MAX), 5, 0),
+            Step::Next { skipped: 0 }
+        );
     }
 }
