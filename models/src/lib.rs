@@ -13,6 +13,7 @@ mod line;
 mod log;
 mod outlasting;
 #[path = "../../crates/kept/src/record.rs"]
+#[allow(unfulfilled_lint_expectations, reason = "what is public in the crate only")]
 mod record;
 #[path = "../../crates/bus/src/ring.rs"]
 #[expect(dead_code, reason = "what only the crate needs")]
