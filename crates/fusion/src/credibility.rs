@@ -221,7 +221,7 @@ impl Credibility {
     pub(crate) fn is_misled(&self, tracks: &Tracks, sensor: SensorSlot) -> bool {
         let entry = tracks.sensors.get(sensor);
         (self.set_aside != 0 || tracks.systems.get(entry.system).has_led_off) && {
-            let is_off = |entry: &SensorEntry| self.is_set_aside(entry.source) || entry.led_off > 0;
+            let is_off = |entry: &SensorEntry| self.is_set_aside(entry.source) || entry.is_led_off;
             let misleads = |entry: &SensorEntry| is_off(entry) && entry.share > MISLEADS_FROM;
             !is_off(entry)
                 && distance_from_track(tracks, entry, 0.0) > FITS

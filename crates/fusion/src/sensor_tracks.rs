@@ -146,9 +146,8 @@ pub(crate) struct SensorEntry {
     pub(crate) evidence: GainEvidence,
     /// Whether its source has displaced it, and nothing supports the new place yet.
     pub(crate) is_displaced: bool,
-    /// Reports in a row that are not used since its source leads it off the target, as the other sources show, plus
-    /// one; 0 while it does not.
-    pub(crate) led_off: u8,
+    /// Whether its source leads it off the target, as the other sources show.
+    pub(crate) is_led_off: bool,
     /// Way of `latest` from where the report before led to, east and north, metres.
     pub(crate) moved_m: [f32; 2],
     /// Where the covariance of `latest` comes from.
@@ -205,7 +204,7 @@ impl Default for SensorEntry {
             verification: Verification::default(),
             evidence: GainEvidence::default(),
             is_displaced: false,
-            led_off: 0,
+            is_led_off: false,
             moved_m: [0.0; 2],
             basis: CovarianceBasis::Stated,
             claimed_too_much: 1.0,
@@ -349,7 +348,7 @@ impl SensorEntry {
         self.residual_variance_m2 = 0.0;
         self.point = DetectionPoint::default();
         self.is_displaced = false;
-        self.led_off = 0;
+        self.is_led_off = false;
     }
 }
 

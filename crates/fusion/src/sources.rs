@@ -437,7 +437,7 @@ impl Sources {
         }
         self.look_for_led_off(settings, tracks, sensor);
         let entry = tracks.sensors.get(sensor);
-        let is_led_off = entry.led_off > 0;
+        let is_led_off = entry.is_led_off;
         let about_mean = std::array::from_fn(|axis| innovation.residual_m[axis] - before[axis]);
         let squared = association::distance::squared2(about_mean, innovation.covariance_m2);
         let registered = |source: u16| settings.sources[usize::from(source)].is_registered;

@@ -15,8 +15,8 @@ const COURSE_SPEED_MIN_MPS: f64 = 1.0;
 /// Distance between report and estimate, in combined standard deviations, beyond which either must be wrong.
 const ASTRAY_SIGMAS: f64 = 30.0;
 
-/// Reports in a row after which a source that leads a target off does not only lag behind.
-const LED_OFF_MIN: u8 = 10;
+/// Distance of a report from its track beyond which its position is false: an aircraft flies as far in a second.
+const FALSE_M: f64 = 300.0;
 /// Share of a source in a filter from which the filter starts anew where its covariances were wrong.
 const OWN_SHARE: f64 = 0.3;
 /// Share of an only source in the estimate from which it is compared.
@@ -43,20 +43,13 @@ impl Engine {
     /// Updates the system filter with a measurement, and learns from the innovation.
     pub(super) fn update_filter(&mut self, sensor: SensorSlot, measurement: &Measurement, sink: &mut impl Sink) {
         let entry = self.tracks.sensors.get(sensor);
-        let (is_displaced, is_led_off) = (entry.is_displaced, entry.led_off > 0);
+        let (is_displaced, is_led_off) = (entry.is_displaced, entry.is_led_off);
         if (is_displaced || is_led_off) && self.is_only_source(sensor) {
             self.begin_anew(sensor, sink);
             return;
         }
         if is_led_off {
-            let entry = self.tracks.sensors.get_mut(sensor);
-            entry.led_off = entry.led_off.saturating_add(1);
-            let counter = match entry.led_off > LED_OFF_MIN {
-                true => Counter::RejectedFalsePosition,
-                false => Counter::RejectedContradicted,
-            };
-            let source = entry.source;
-            self.outbox.counts.add(source, counter);
+            self.count_led_off(sensor, measurement);
         }
         let out = &mut self.outbox.to(sink);
         let mut referred = self
@@ -202,6 +195,20 @@ impl Engine {
         is_filtered && model.cannot_be_undone()
     }
 
+    /// Counts a report that is not used since its source leads the target off: as a false position if the report lies
+    /// farther from the track than what latencies explain.
+    #[cold]
+    fn count_led_off(&mut self, sensor: SensorSlot, measurement: &Measurement) {
+        let entry = self.tracks.sensors.get(sensor);
+        let place_m = self.tracks.systems.get(entry.system).filter.place_at(entry.time_ns);
+        let apart = |axis: usize| measurement.position_m[axis] - place_m[axis];
+        let counter = match apart(0).hypot(apart(1)) > FALSE_M {
+            true => Counter::RejectedFalsePosition,
+            false => Counter::RejectedContradicted,
+        };
+        self.outbox.counts.add(entry.source, counter);
+    }
+
     /// Returns whether nothing but the sensor track contributes to its system track.
     fn is_only_source(&self, sensor: SensorSlot) -> bool {
         self.tracks.is_alone(sensor, self.tracks.sensors.get(sensor).time_ns)
@@ -275,6 +282,6 @@ impl Engine {
         let system = self.tracks.sensors.get(sensor).system;
         self.tracks.for_members(system, |member| member.share = 0.0);
         let entry = self.tracks.sensors.get_mut(sensor);
-        (entry.share, entry.is_displaced, entry.led_off) = (1.0, false, 0);
+        (entry.share, entry.is_displaced, entry.is_led_off) = (1.0, false, false);
     }
 }

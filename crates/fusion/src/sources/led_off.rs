@@ -25,7 +25,7 @@ impl Sources {
         let entry = tracks.sensors.get(sensor);
         let [east, north] = entry.residual_mean_m;
         let is_suspicious = east * east + north * north > SUSPICIOUS * MEAN_VARIANCE * entry.residual_variance_m2;
-        if is_suspicious || entry.led_off > 0 {
+        if is_suspicious || entry.is_led_off {
             self.compare_means(settings, tracks, sensor);
         }
     }
@@ -61,9 +61,9 @@ impl Sources {
                 .and_then(|(odd, length)| (odd == place).then_some(length))
                 .unwrap_or_default();
             let entry = tracks.sensors.get_mut(*member);
-            let limit = if entry.led_off > 0 { AGREES } else { LEADS_OFF };
-            entry.led_off = if length > limit { entry.led_off.max(1) } else { 0 };
-            has_led_off |= entry.led_off > 0;
+            let limit = if entry.is_led_off { AGREES } else { LEADS_OFF };
+            entry.is_led_off = length > limit;
+            has_led_off |= entry.is_led_off;
         }
         tracks.systems.get_mut(system).has_led_off = has_led_off;
     }
