@@ -16,6 +16,10 @@ use crate::registration::{EMPTY, Registration, TARGETS_MIN, partners};
 
 /// Samples for which the innovations count that showed a step.
 const SEEDED_SAMPLES: f64 = 1.2 * SAMPLES_MIN;
+/// Least size of a small step, metres, and in standard deviations of detection points: what is less may be that of the
+/// few targets that dominate a mean, such as those at their stands.
+const CARRIED_MIN_M: f64 = 12.0;
+const POINTS_SIGMAS: f64 = 2.0;
 /// Chi-square with two degrees of freedom up to which an offset may be none.
 const EXPLAINED_2: f64 = 9.2;
 
@@ -129,7 +133,8 @@ impl Registration {
         }
         let own = step.source;
         if step.effect_m < 0.5 * largest_m {
-            if !step.turns {
+            let least_m = CARRIED_MIN_M.max(POINTS_SIGMAS * points_m2.sqrt());
+            if !step.turns && (step.is_further || step.effect_m >= least_m) {
                 self.carry(&step);
             }
             return;

@@ -169,6 +169,8 @@ pub(crate) struct Step {
     pub(crate) turns: bool,
     /// Whether it is larger than the innovations can show.
     pub(crate) is_beyond: bool,
+    /// Whether the source has changed lately.
+    pub(crate) is_further: bool,
     /// Number of targets that show it, at most 64.
     pub(crate) targets: u32,
     /// Interval in which the step was found, and number of intervals up to it since the step.
@@ -432,10 +434,10 @@ impl StepSearch {
                 second = second.max(step.length);
             }
         }
-        best.filter(|best| {
-            let limit = if self.moving[best.source] > 0 { FURTHER } else { STEP };
-            best.length > limit && second < SECOND_MAX * best.length && sought(best.source)
-        })
+        let mut best = best?;
+        best.is_further = self.moving[best.source] > 0;
+        let limit = if best.is_further { FURTHER } else { STEP };
+        (best.length > limit && second < SECOND_MAX * best.length && sought(best.source)).then_some(best)
     }
 
     /// Compares the mean innovation of each source in the latest intervals with that of all others.
@@ -481,6 +483,7 @@ fn step_of(
         covariance: Matrix3::new(xx, xy, 0.0, xy, yy, 0.0, 0.0, 0.0, 0.0),
         turns: false,
         is_beyond: 2.0 * sums.bounded > sums.count,
+        is_further: false,
         targets: sums.targets.count_ones(),
         found,
         intervals,

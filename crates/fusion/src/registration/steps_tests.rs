@@ -130,6 +130,7 @@ fn the_former_estimate_is_taken_up_again_only_where_it_explains_the_step() {
         covariance: Matrix3::from_diagonal(&Vector3::new(100.0, 100.0, 0.0)),
         turns: false,
         is_beyond: false,
+        is_further: false,
         targets: 20,
         found: 0,
         intervals: 1,
