@@ -242,7 +242,7 @@ alarms! {
         "Correct the sender, or the settings of the source: the text names line, column, field or item, its value, and \
          what is permitted. `koseki status` and the report show the latest refusal of each reason.";
     SourceOff = 49, "source-off", Warning, raise 2 s, clear 30 s,
-        "{source} is off by {error}: {partner} and others agree with each other, but not with {source}{verdict}.",
+        "{source} is off by {error}: the reference or a majority, with {partner}, shows it{verdict}.",
         "Check position, north mark, range and clock of the sensor. Fusion removes the error from its reports once the \
          error is significant, and until then does not use reports that contradict the others.";
     SourcesContradict = 50, "sources-contradict", Major, raise 2 s, clear 30 s,

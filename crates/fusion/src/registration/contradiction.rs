@@ -1,8 +1,8 @@
 //! Contradictions: sources whose errors displace their reports far from those of others.
 //!
 //! The errors are relative to what all sources have in common. Where at least two other sources are near that, they
-//! agree, and the source is off. Otherwise two sources contradict each other, and nobody decides. Both are found at any
-//! size, whether or not the errors are removed.
+//! agree, and the source is off; a configured reference decides alone. Otherwise two sources contradict each other, and
+//! nobody decides. Both are found at any size, whether or not the errors are removed.
 
 use messages::{Bias, BiasKind};
 
@@ -24,6 +24,9 @@ impl Registration {
     pub(crate) fn contradiction(&self, source: u16) -> Option<Bias> {
         let own = usize::from(source);
         let size_m = self.settled_size_m(own).filter(|size_m| *size_m >= OFF_M)?;
+        if let Some(reference) = self.reference {
+            return (source != reference).then(|| self.bias(own, None, (usize::from(reference), true)));
+        }
         if let Some(partner) = self.majority_beside(own, size_m) {
             return Some(self.bias(own, None, (partner, true)));
         }

@@ -34,6 +34,11 @@ impl Sources {
     fn compare_means(&self, settings: &Settings, tracks: &mut Tracks, sensor: SensorSlot) {
         let entry = tracks.sensors.get(sensor);
         let (system, now_ns) = (entry.system, entry.time_ns);
+        if entry.is_led_off && !self.registration.is_settled(entry.source) {
+            // What the source errs on all targets is unknown again, and with it what it errs on this one.
+            tracks.sensors.get_mut(sensor).is_led_off = false;
+            return;
+        }
         let (mut means, mut count) = ([MeanInnovation::default(); SOURCES_MAX], 0);
         let mut members = [0; SOURCES_MAX];
         let extent_m = settings.association.extent_sigma_m;

@@ -560,8 +560,8 @@ fn a_source_beside_a_majority_is_named_and_of_two_alone_both() {
     };
     assert_eq!(
         told(AlarmKind::SourceOff, true),
-        "radar-west is off by +4 m east and +150 m north: ads-b and others agree with each other, but not with \
-         radar-west; fusion removes it."
+        "radar-west is off by +4 m east and +150 m north: the reference or a majority, with ads-b, shows it; fusion \
+         removes it."
     );
     assert_eq!(
         told(AlarmKind::SourcesContradict, false),
