@@ -103,7 +103,7 @@ impl Engine {
                 ),
             ),
             sources: Sources::new(&settings),
-            points: ReferencePoints::default(),
+            points: ReferencePoints::new(settings.sources.len()),
             scans: Scans::new(&settings.sources, settings.association.scan_wait),
             life: Life::new(&settings.sources),
             publisher: TrackPublisher::new(rule, &settings.sources),

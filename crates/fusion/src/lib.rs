@@ -74,6 +74,7 @@ mod orders;
 mod outlet;
 mod places;
 mod plane_filter;
+mod point_leaps;
 mod pressure;
 mod principal;
 mod publishing;

@@ -43,6 +43,11 @@ impl Quota {
         }
     }
 
+    /// Number of places that `source` has.
+    pub(crate) fn taken(&self, source: u16) -> usize {
+        self.sources[usize::from(source)].taken
+    }
+
     /// Takes a place for `source`; `false` if none is available.
     pub(crate) fn take(&mut self, source: u16) -> bool {
         let places = &mut self.sources[usize::from(source)];

@@ -19,6 +19,7 @@ use crate::filter::FilterInnovation;
 use crate::kept_measurement::UsedMeasurement;
 use crate::measurement::Measurement;
 use crate::outlet::Outlet;
+use crate::point_leaps::SourceLeaps;
 use crate::sensor_tracks::{DetectionPoint, SensorEntry, SensorSlot};
 use crate::settings::Settings;
 use crate::source_model::SourceModel;
@@ -49,6 +50,8 @@ pub(crate) struct ReferencePoints {
     apart_m2: f64,
     /// Number of changes of `keeps_points`: estimates before the last change are void.
     epoch: u32,
+    /// Leaps of detection points, by source.
+    pub(crate) leaps: Vec<SourceLeaps>,
 }
 
 /// A measurement's relation to the target's reference point.
@@ -85,8 +88,19 @@ impl Referred {
 }
 
 impl ReferencePoints {
+    pub(crate) fn new(sources: usize) -> Self {
+        Self {
+            leaps: vec![SourceLeaps::default(); sources],
+            ..Self::default()
+        }
+    }
+
     pub(crate) fn sees_points(&self) -> bool {
         self.sees_points
+    }
+
+    pub(crate) fn keeps_points(&self) -> bool {
+        self.keeps_points
     }
 
     /// Variance per axis of the points that filters follow about the targets' middles, m².
@@ -121,13 +135,14 @@ impl ReferencePoints {
         (sensor, measurement): (SensorSlot, &Measurement),
         out: &mut Outlet<'_, S>,
     ) -> Referred {
-        if !self.keeps_points {
-            return Referred::ITSELF;
-        }
         let entry = tracks.sensors.get_mut(sensor);
-        if entry.point.epoch != self.epoch {
+        if entry.point.has_leapt && self.leaps[usize::from(entry.source)].has_changed(entry.time_ns) {
             entry.point = self.unknown();
         }
+        if !self.keeps_points {
+            return self.known(tracks, sensor, measurement);
+        }
+        self.refresh(&mut entry.point);
         let (system, now_ns) = (entry.system, entry.time_ns);
         if !self.is_anchored(tracks, system, now_ns)
             && let Some(foremost) = foremost(settings, tracks, system, now_ns)
@@ -163,16 +178,14 @@ impl ReferencePoints {
 
     /// Where the detection point of a sensor track lies, as far as it is known; chooses nothing.
     pub(crate) fn known(&self, tracks: &Tracks, sensor: SensorSlot, measurement: &Measurement) -> Referred {
-        if !self.keeps_points {
-            return Referred::ITSELF;
-        }
         let entry = tracks.sensors.get(sensor);
         let point = &entry.point;
-        if point.epoch == self.epoch && point.is_reference {
+        if !self.follows(point) || (point.epoch == self.epoch && point.is_reference) {
             return Referred::ITSELF;
         }
-        if point.epoch != self.epoch || point.reports < REPORTS_MIN {
-            let is_usable = self.is_uncertain(tracks.systems.get(entry.system).filter.variance_m2());
+        if !self.is_known(point) {
+            let is_usable =
+                !point.has_leapt && self.is_uncertain(tracks.systems.get(entry.system).filter.variance_m2());
             return Referred {
                 is_usable,
                 point_m: [0.0; 2],
@@ -191,7 +204,24 @@ impl ReferencePoints {
         variance_m2 > UNCERTAIN * self.apart_m2
     }
 
-    fn unknown(&self) -> DetectionPoint {
+    /// Whether a detection point is told from the target's reference point.
+    pub(crate) fn follows(&self, point: &DetectionPoint) -> bool {
+        self.keeps_points || (point.has_leapt && point.epoch == self.epoch)
+    }
+
+    /// Whether it is known where a detection point lies.
+    pub(crate) fn is_known(&self, point: &DetectionPoint) -> bool {
+        !self.follows(point) || (point.epoch == self.epoch && (point.is_reference || point.reports >= REPORTS_MIN))
+    }
+
+    /// Forgets what was known of a detection point before points were last kept, or not.
+    fn refresh(&self, point: &mut DetectionPoint) {
+        if point.epoch != self.epoch {
+            *point = self.unknown();
+        }
+    }
+
+    pub(crate) fn unknown(&self) -> DetectionPoint {
         DetectionPoint {
             epoch: self.epoch,
             ..DetectionPoint::default()
@@ -200,18 +230,17 @@ impl ReferencePoints {
 
     /// Whether some contributing sensor track carries the target's reference point.
     fn is_anchored(&self, tracks: &Tracks, system: SystemSlot, now_ns: i64) -> bool {
-        tracks.contributing(system, now_ns).any(|member| {
-            let point = &tracks.sensors.get(member).point;
-            point.epoch == self.epoch && (point.is_reference || point.reports >= REPORTS_MIN)
-        })
+        tracks
+            .contributing(system, now_ns)
+            .any(|member| self.is_known(&tracks.sensors.get(member).point))
     }
 
     /// Learns where a sensor track's detection point lies on the target.
     pub(crate) fn learn(&self, tracks: &mut Tracks, sensor: SensorSlot, innovation: &FilterInnovation) {
-        if !self.keeps_points {
+        let entry = tracks.sensors.get_mut(sensor);
+        if !self.follows(&entry.point) {
             return;
         }
-        let entry = tracks.sensors.get_mut(sensor);
         let course = tracks.systems.get(entry.system).course;
         let point = &mut entry.point;
         if point.is_reference {
@@ -275,12 +304,12 @@ fn variance_at(report: &SensorTrack, time_ns: i64) -> f64 {
 }
 
 /// A horizontal vector in the frame of a course: along, across to the right.
-fn to_body([east, north]: [f64; 2], [sin, cos]: [f64; 2]) -> [f64; 2] {
+pub(crate) fn to_body([east, north]: [f64; 2], [sin, cos]: [f64; 2]) -> [f64; 2] {
     [east * sin + north * cos, east * cos - north * sin]
 }
 
 /// The inverse of [`to_body`].
-fn from_body([along, across]: [f64; 2], [sin, cos]: [f64; 2]) -> [f64; 2] {
+pub(crate) fn from_body([along, across]: [f64; 2], [sin, cos]: [f64; 2]) -> [f64; 2] {
     [along * sin + across * cos, along * cos - across * sin]
 }
 

@@ -16,6 +16,7 @@ use crate::measurement::{
 };
 use crate::number_hasher::{NumberHasher, table};
 use crate::places::{self, TablePlace};
+use crate::point_leaps::LeapWatch;
 use crate::quality::Qualities;
 use crate::quota::Quota;
 use crate::recognition::is_reachable;
@@ -148,6 +149,8 @@ pub(crate) struct SensorEntry {
     pub(crate) is_displaced: bool,
     /// Whether its source leads it off the target, as the other sources show.
     pub(crate) is_led_off: bool,
+    /// What its measurements show of leaps of its detection point.
+    pub(crate) leap_watch: LeapWatch,
     /// Way of `latest` from where the report before led to, east and north, metres.
     pub(crate) moved_m: [f32; 2],
     /// Where the covariance of `latest` comes from.
@@ -165,6 +168,8 @@ pub(crate) struct DetectionPoint {
     pub(crate) reports: u32,
     /// Whether it is the reference point itself.
     pub(crate) is_reference: bool,
+    /// Whether it has leapt to another place on the target: see `point_leaps`.
+    pub(crate) has_leapt: bool,
     /// When that was estimated: see `Engine::points_epoch`.
     pub(crate) epoch: u32,
 }
@@ -205,6 +210,7 @@ impl Default for SensorEntry {
             evidence: GainEvidence::default(),
             is_displaced: false,
             is_led_off: false,
+            leap_watch: LeapWatch::default(),
             moved_m: [0.0; 2],
             basis: CovarianceBasis::Stated,
             claimed_too_much: 1.0,
@@ -349,6 +355,7 @@ impl SensorEntry {
         self.point = DetectionPoint::default();
         self.is_displaced = false;
         self.is_led_off = false;
+        self.leap_watch = LeapWatch::default();
     }
 }
 
@@ -524,6 +531,11 @@ impl SensorTracks {
             entries: &self.entries,
             next: MemberLink::to(first),
         }
+    }
+
+    /// Number of sensor tracks of `source`.
+    pub(crate) fn count_of(&self, source: u16) -> usize {
+        self.quota.taken(source)
     }
 
     /// Calls `change` with each of these members, which it may not link elsewhere.

@@ -19,6 +19,7 @@ use crate::measurement::{
     recovered_measurement, shows_filter, whole_report,
 };
 use crate::motion::Motion;
+use crate::reference_point::from_body;
 use crate::registration::{ClockError, Registration, TARGETS_MIN};
 use crate::schedule::TICK_NS;
 use crate::sensor_tracks::{SensorEntry, SensorSlot};
@@ -31,7 +32,7 @@ use crate::tracks::Tracks;
 /// Offset of a clock, seconds, that is no error beside the others.
 const CLOCK_SOUND_S: f64 = 0.5;
 /// Innovations of one sensor track before their mean is used.
-const MEAN_REPORTS_MIN: u32 = 4;
+pub(crate) const MEAN_REPORTS_MIN: u32 = 4;
 /// Every how many innovations of a sensor track its mean teaches where detection points lie: in between it hardly
 /// changes.
 const SPREAD_EVERY: u32 = 4;
@@ -437,13 +438,13 @@ impl Sources {
         }
         self.look_for_led_off(settings, tracks, sensor);
         let entry = tracks.sensors.get(sensor);
-        let is_led_off = entry.is_led_off;
+        let (is_led_off, has_leapt) = (entry.is_led_off, entry.point.has_leapt);
         let about_mean = std::array::from_fn(|axis| innovation.residual_m[axis] - before[axis]);
         let squared = association::distance::squared2(about_mean, innovation.covariance_m2);
         let registered = |source: u16| settings.sources[usize::from(source)].is_registered;
         let is_registered = registered(entry.source);
         let is_confirmed = tracks.systems.get(system).life == TrackState::Confirmed;
-        if settings.registration.enabled && is_registered && is_confirmed {
+        if settings.registration.enabled && is_registered && is_confirmed && !has_leapt {
             self.registration.add_innovation(
                 source,
                 (innovation.residual_m, innovation.covariance_m2),
@@ -463,7 +464,7 @@ impl Sources {
         }
         let looks = !self.models[source].knows_spread_well() || entry.residuals.is_multiple_of(SPREAD_EVERY);
         if looks
-            && !is_led_off
+            && !(is_led_off || has_leapt)
             && is_registered
             && is_confirmed
             && let Some((offset, noise_m2)) = self.offset(tracks, sensor, registered)
@@ -471,6 +472,19 @@ impl Sources {
             let size_m = settings.target_size.of(&tracks.sensors.get(sensor).latest.target_type);
             self.models[source].learn_spread(offset, 2.0 * noise_m2, measurement.variance_m2(), size_m);
         }
+    }
+
+    /// The mean innovation of a sensor track, east and north, metres, without what its source is suspected to err on all
+    /// targets, and about its detection point if that has leapt.
+    fn mean_about_point(&self, tracks: &Tracks, entry: &SensorEntry) -> [f64; 2] {
+        let shift_m = self
+            .registration
+            .suspected_shift(entry.source, entry.latest.velocity_mps);
+        let point_m = match entry.point.has_leapt {
+            true => from_body(entry.point.offset_m, tracks.systems.get(entry.system).course),
+            false => [0.0; 2],
+        };
+        std::array::from_fn(|axis| entry.residual_mean_m[axis] - shift_m[axis] - point_m[axis])
     }
 
     /// The difference of a sensor track's mean innovation from that of the others of its system track, east and north,
@@ -482,11 +496,9 @@ impl Sources {
         let (mut sum, mut count, mut variance) = ([0.0; 2], 0.0, 0.0);
         for (member, other) in tracks.contributing_entries(system, now_ns) {
             if member != sensor && compared(other.source) && other.residuals >= MEAN_REPORTS_MIN {
-                let shift = self
-                    .registration
-                    .suspected_shift(other.source, other.latest.velocity_mps);
+                let mean_m = self.mean_about_point(tracks, other);
                 for axis in 0..2 {
-                    sum[axis] += other.residual_mean_m[axis] - shift[axis];
+                    sum[axis] += mean_m[axis];
                 }
                 variance += other.residual_variance_m2;
                 count += 1.0;
@@ -495,10 +507,8 @@ impl Sources {
         if count == 0.0 || entry.residuals < MEAN_REPORTS_MIN {
             return None;
         }
-        let shift = self
-            .registration
-            .suspected_shift(entry.source, entry.latest.velocity_mps);
-        let offset = std::array::from_fn(|axis| entry.residual_mean_m[axis] - shift[axis] - sum[axis] / count);
+        let mean_m = self.mean_about_point(tracks, entry);
+        let offset = std::array::from_fn(|axis| mean_m[axis] - sum[axis] / count);
         let variance_m2 = MEAN_VARIANCE * (entry.residual_variance_m2 + variance / (count * count));
         Some((offset, variance_m2))
     }

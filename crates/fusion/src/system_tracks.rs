@@ -86,6 +86,8 @@ pub(crate) struct SystemEntry {
     pub(crate) is_foreign: bool,
     /// Whether a source leads the target off.
     pub(crate) has_led_off: bool,
+    /// Whether measurements of a detection point that may have leapt wait.
+    pub(crate) awaits_leap: bool,
     /// Sources that the filter has learned from, as bits.
     pub(crate) contributors: u64,
     /// Number of another system track that seems to be the same target, and how many looks in a row it did.
@@ -278,6 +280,7 @@ impl SystemEntry {
             is_counted: false,
             is_foreign: false,
             has_led_off: false,
+            awaits_leap: false,
             contributors: 0,
             duplicate: None,
             duplicate_due_ns: i64::MIN,

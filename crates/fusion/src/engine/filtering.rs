@@ -8,6 +8,7 @@ use crate::assumed::assumed_of;
 use crate::explanation::Sink;
 use crate::filter::FilterInnovation;
 use crate::measurement::{CovarianceBasis, FilterInput, Measurement, shows_filter, states_velocity};
+use crate::point_leaps::PointMotion;
 use crate::sensor_tracks::SensorSlot;
 
 /// Speed below which the course is meaningless, m/s.
@@ -55,6 +56,17 @@ impl Engine {
         let mut referred = self
             .points
             .refer(&self.settings, &mut self.tracks, (sensor, measurement), out);
+        let point_motion =
+            self.points
+                .look_for_leap(&self.settings, &mut self.tracks, (sensor, measurement), &referred);
+        if point_motion != PointMotion::None {
+            let source = self.tracks.sensors.get(sensor).source;
+            self.outbox.counts.add(source, Counter::RejectedContradicted);
+            if point_motion == PointMotion::Suspected {
+                return;
+            }
+            referred = self.points.known(&self.tracks, sensor, measurement);
+        }
         // Others go on where they are: a source that is off to one side would show a motion that nobody states.
         referred.is_usable &= !(is_displaced || is_led_off);
         let entry = self.tracks.sensors.get(sensor);

@@ -28,10 +28,12 @@ impl Sources {
         let samples = self.registration.of(source).samples;
         let settled = REGISTRATION_SETTLED.iter().find(|(least, _)| samples > *least);
         let is_registered = |source: u16| settings.sources[usize::from(source)].is_registered;
+        let has_leapt = |entry: &SensorEntry| entry.point.has_leapt || entry.leap_watch.is_waiting();
         if !(settings.registration.enabled && is_registered(source))
             || report.state != TrackState::Confirmed as u8
             || entry.repaired
             || entry.is_foreign
+            || has_leapt(entry)
             || tracks.systems.get(system).life != TrackState::Confirmed
             || settled.is_some_and(|(_, every)| !entry.reports.is_multiple_of(*every))
         {
@@ -42,7 +44,7 @@ impl Sources {
         for (member, other) in tracks.contributing_entries(system, now_ns) {
             let is_comparable =
                 other.latest.state == TrackState::Confirmed as u8 && !other.is_foreign && is_registered(other.source);
-            if member == sensor || !is_comparable {
+            if member == sensor || !is_comparable || has_leapt(other) {
                 continue;
             }
             let key = (!self.registration.is_young(other.source), other.time_ns, other.source);

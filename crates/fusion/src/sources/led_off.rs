@@ -48,13 +48,10 @@ impl Sources {
             if !is_known || count == SOURCES_MAX {
                 continue;
             }
-            let shift_m = self
-                .registration
-                .suspected_shift(other.source, other.latest.velocity_mps);
             let variance_m2 = MEAN_VARIANCE * other.residual_variance_m2 + points_m2;
             means[count] = MeanInnovation {
                 source: count,
-                mean_m: std::array::from_fn(|axis| other.residual_mean_m[axis] - shift_m[axis]),
+                mean_m: self.mean_about_point(tracks, other),
                 covariance_m2: [variance_m2, 0.0, variance_m2],
             };
             members[count] = member;
