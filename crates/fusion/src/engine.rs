@@ -357,6 +357,10 @@ impl Engine {
     /// is no entry yet; `None` if the report is older.
     fn earlier(&mut self, report: &SensorTrack, known: Option<SensorSlot>) -> Option<Option<(SensorSlot, f64)>> {
         let time_ns = report.time_of_measurement_ns;
+        if known.is_none() && self.is_outdated(report) {
+            self.outbox.counts.add(report.source, Counter::RejectedClock);
+            return None;
+        }
         let source = (
             report.source,
             self.settings.sources[usize::from(report.source)].period_ns,
@@ -386,6 +390,15 @@ impl Engine {
             self.tracks.lifetimes.learn_gap(report.source, age_ns);
         }
         Some(Some((sensor, age_ns as f64 / NS_PER_S)))
+    }
+
+    /// Returns whether a report is older than a track without a further report becomes. Brought to the present, it would
+    /// fit any target.
+    #[inline]
+    fn is_outdated(&self, report: &SensorTrack) -> bool {
+        let lifetimes = &self.tracks.lifetimes;
+        let longest_ns = lifetimes.silence_ns(report.source) + lifetimes.fresh_ns(report.source);
+        self.schedule.now_ns().saturating_sub(report.time_of_measurement_ns) > longest_ns
     }
 
     /// Returns whether a sensor that has begun anew gave the number of a sensor track to another target.

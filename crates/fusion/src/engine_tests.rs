@@ -407,6 +407,24 @@ fn a_wrong_join_is_split_and_a_target_started_twice_is_merged() {
 }
 
 #[test]
+fn a_filter_begins_anew_only_if_what_it_was_told_was_very_wrong() {
+    for (claimed_too_much, begins_anew) in [(1.3, false), (10.0, true)] {
+        let mut harness = Harness::new(test_settings(2));
+        for second in 0..30 {
+            let (time_s, east_m) = (f64::from(second), 100.0 * f64::from(second));
+            harness.take(&report(0, 1, time_s, [east_m, 0.0], [100.0, 0.0]));
+            harness.take(&report(1, 1, time_s + 0.5, [east_m + 50.0, 0.0], [100.0, 0.0]));
+        }
+        let sensor = harness.engine.tracks.sensors.find(0, 1).unwrap();
+        let entry = harness.engine.tracks.sensors.get_mut(sensor);
+        (entry.claimed_too_much, entry.share) = (claimed_too_much, 0.6);
+        let began = harness.engine.corrects_claims(sensor, &mut |_: &SystemTrack| {});
+        assert_eq!(began, begins_anew, "{claimed_too_much}");
+        assert_eq!(harness.count(Counter::EstimatesRestarted), u64::from(begins_anew));
+    }
+}
+
+#[test]
 fn without_reports_a_track_coasts_and_ends_at_the_configured_times() {
     let mut harness = Harness::new(test_settings(1));
     for step in 0..4 {

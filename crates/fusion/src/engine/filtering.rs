@@ -18,8 +18,10 @@ const ASTRAY_SIGMAS: f64 = 30.0;
 
 /// Distance of a report from its track beyond which its position is false: an aircraft flies as far in a second.
 const FALSE_M: f64 = 300.0;
-/// Share of a source in a filter from which the filter starts anew where its covariances were wrong.
+/// Share of a source in a filter from which the filter starts anew where its covariances were wrong, and by what factor:
+/// what a filter knows from others, or from before a restart, is worth more than a little certainty too much.
 const OWN_SHARE: f64 = 0.3;
+const WRONG_CLAIM: f64 = 2.0;
 /// Share of an only source in the estimate from which it is compared.
 const LONE_SHARE: f64 = 0.5;
 /// Squared distance of the estimate from what its only source states, in the source's own standard deviations, beyond
@@ -229,10 +231,10 @@ impl Engine {
     /// Enlarges the covariance of a filter that a source has made too small with covariances that turn out wrong with
     /// this report of the sensor track.
     #[inline]
-    pub(super) fn corrects_claims(&mut self, sensor: SensorSlot, sink: &mut impl Sink) -> bool {
+    pub(crate) fn corrects_claims(&mut self, sensor: SensorSlot, sink: &mut impl Sink) -> bool {
         let entry = self.tracks.sensors.get_mut(sensor);
         let claimed_too_much = std::mem::replace(&mut entry.claimed_too_much, 1.0);
-        if claimed_too_much > 1.0 && entry.share > OWN_SHARE {
+        if claimed_too_much > WRONG_CLAIM && entry.share > OWN_SHARE {
             self.restart(sensor, sink);
             return true;
         } else if claimed_too_much > 1.0 {

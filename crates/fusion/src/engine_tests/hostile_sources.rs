@@ -5,7 +5,7 @@ use messages::{Counter, SensorTrack, SystemTrack, TrackState, sensor_track_bits}
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 
-use super::{S, random, report, with_address};
+use super::{Harness, S, random, report, with_address};
 use crate::Engine;
 use crate::settings::{CoverageArea, Settings};
 use crate::testing::test_settings;
@@ -175,4 +175,17 @@ proptest! {
         engine.advance(i64::MAX, &mut count);
         prop_assert!(published < 1_000_000, "{}", published);
     }
+}
+
+#[test]
+fn a_report_that_is_older_than_any_track_becomes_starts_none() {
+    let mut harness = Harness::new(test_settings(2));
+    for second in 0..60 {
+        let east_m = 100.0 * f64::from(second);
+        harness.take(&report(0, 1, f64::from(second), [east_m, 0.0], [100.0, 0.0]));
+    }
+    // Brought to the present over so long a time, it would fit any target.
+    assert!(harness.take(&report(1, 7, -1000.0, [5e3, 3e3], [0.0; 2])).is_none());
+    assert_eq!(harness.count(Counter::RejectedClock), 1);
+    assert_eq!(harness.engine.tracks.sensors.find(1, 7), None);
 }
