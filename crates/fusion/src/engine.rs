@@ -392,7 +392,7 @@ impl Engine {
         Some(Some((sensor, age_ns as f64 / NS_PER_S)))
     }
 
-    /// Returns whether a report is older than a track without a further report becomes. Brought to the present, it would
+    /// Returns whether a report is older than a track without further reports becomes. Brought to the present, it would
     /// fit any target.
     #[inline]
     fn is_outdated(&self, report: &SensorTrack) -> bool {

@@ -21,6 +21,7 @@ mod accuracy;
 mod alignment;
 mod association_step;
 mod assumed;
+mod body_frame;
 mod border;
 pub mod checkpoint;
 pub mod comparison;

@@ -14,12 +14,12 @@
 use messages::{AXES, DecisionKind, NS_PER_S, SensorTrack};
 use serde::{Deserialize, Serialize};
 
+use crate::body_frame::{from_body, to_body};
 use crate::explanation::Sink;
 use crate::filter::FilterInnovation;
 use crate::kept_measurement::UsedMeasurement;
 use crate::measurement::Measurement;
 use crate::outlet::Outlet;
-use crate::point_leaps::SourceLeaps;
 use crate::sensor_tracks::{DetectionPoint, SensorEntry, SensorSlot};
 use crate::settings::Settings;
 use crate::source_model::SourceModel;
@@ -35,6 +35,11 @@ const UNCERTAIN: f64 = 4.0;
 const CHANGE_REPORTS_MIN: u32 = 12;
 /// Smallest weight of a new innovation in the estimate of a detection point.
 const GAIN_MIN: f64 = 0.05;
+
+/// Time within which most targets of a source leap together if the source has changed, nanoseconds, and time for which
+/// no leaps of this source are looked for then.
+const TOGETHER_NS: i64 = 2_000_000_000;
+const STEP_NS: i64 = 30_000_000_000;
 
 /// Whether the sources see different points, and whether one is kept.
 #[derive(Debug, Default, Serialize, Deserialize)]
@@ -52,6 +57,33 @@ pub(crate) struct ReferencePoints {
     epoch: u32,
     /// Leaps of detection points, by source.
     pub(crate) leaps: Vec<SourceLeaps>,
+}
+
+/// Leaps of one source's targets.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct SourceLeaps {
+    since_ns: i64,
+    count: usize,
+    /// Until when none are looked for, nanoseconds.
+    until_ns: i64,
+}
+
+impl SourceLeaps {
+    /// Counts a leap of one of `targets`.
+    pub(crate) fn add(&mut self, now_ns: i64, targets: usize) {
+        if now_ns - self.since_ns > TOGETHER_NS {
+            (self.since_ns, self.count) = (now_ns, 0);
+        }
+        self.count += 1;
+        if self.count >= 2 && 5 * self.count >= 3 * targets {
+            self.until_ns = now_ns + STEP_NS;
+        }
+    }
+
+    /// Whether the source has changed, not the points of its targets.
+    pub(crate) fn has_changed(&self, now_ns: i64) -> bool {
+        now_ns < self.until_ns
+    }
 }
 
 /// A measurement's relation to the target's reference point.
@@ -301,28 +333,4 @@ fn variance_at(report: &SensorTrack, time_ns: i64) -> f64 {
     let of = |axis: usize| report.covariance.get(axis, axis);
     let (position_m2, velocity_m2ps2) = (of(0) + of(1), of(AXES) + of(AXES + 1));
     0.5 * (position_m2 + seconds * seconds * velocity_m2ps2)
-}
-
-/// A horizontal vector in the frame of a course: along, across to the right.
-pub(crate) fn to_body([east, north]: [f64; 2], [sin, cos]: [f64; 2]) -> [f64; 2] {
-    [east * sin + north * cos, east * cos - north * sin]
-}
-
-/// The inverse of [`to_body`].
-pub(crate) fn from_body([along, across]: [f64; 2], [sin, cos]: [f64; 2]) -> [f64; 2] {
-    [along * sin + across * cos, along * cos - across * sin]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn body_frame_and_back() {
-        let course = [0.6, 0.8];
-        let [along, across] = to_body([6.0, 8.0], course);
-        assert!((along - 10.0).abs() < 1e-12 && across.abs() < 1e-12);
-        let back = from_body(to_body([3.0, -7.0], course), course);
-        assert!((back[0] - 3.0).abs() < 1e-12 && (back[1] + 7.0).abs() < 1e-12);
-    }
 }

@@ -16,7 +16,6 @@ use crate::measurement::{
 };
 use crate::number_hasher::{NumberHasher, table};
 use crate::places::{self, TablePlace};
-use crate::point_leaps::LeapWatch;
 use crate::quality::Qualities;
 use crate::quota::Quota;
 use crate::recognition::is_reachable;
@@ -172,6 +171,29 @@ pub(crate) struct DetectionPoint {
     pub(crate) has_leapt: bool,
     /// When that was estimated: see `Engine::points_epoch`.
     pub(crate) epoch: u32,
+}
+
+/// What the measurements of a sensor track show of leaps.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct LeapWatch {
+    /// Time of the latest measurement, nanoseconds, and how far it was from where it was expected, east and north,
+    /// metres.
+    pub(crate) latest_ns: i64,
+    pub(crate) latest_m: [f32; 2],
+    /// Distance of the first measurement that waits, and how many of them wait.
+    pub(crate) leap_m: [f32; 2],
+    pub(crate) waiting: u8,
+    /// Logarithm of the likelihood ratio, from other sources, of a target that has stayed to one that has moved.
+    pub(crate) stayed: f32,
+    /// Until when no leap is looked for, nanoseconds.
+    pub(crate) again_ns: i64,
+}
+
+impl LeapWatch {
+    /// Whether measurements wait.
+    pub(crate) fn is_waiting(&self) -> bool {
+        self.waiting > 0
+    }
 }
 
 impl Default for SensorEntry {

@@ -10,6 +10,7 @@ use messages::{NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 use serde::{Deserialize, Serialize};
 
 use crate::alignment::Alignment;
+use crate::body_frame::from_body;
 use crate::credibility::Credibility;
 use crate::error_shape::Stretch;
 use crate::filter::{FilterInnovation, TargetFilter};
@@ -19,7 +20,6 @@ use crate::measurement::{
     recovered_measurement, shows_filter, whole_report,
 };
 use crate::motion::Motion;
-use crate::reference_point::from_body;
 use crate::registration::{ClockError, Registration, TARGETS_MIN};
 use crate::schedule::TICK_NS;
 use crate::sensor_tracks::{SensorEntry, SensorSlot};

@@ -18,8 +18,9 @@ const ASTRAY_SIGMAS: f64 = 30.0;
 
 /// Distance of a report from its track beyond which its position is false: an aircraft flies as far in a second.
 const FALSE_M: f64 = 300.0;
-/// Share of a source in a filter from which the filter starts anew where its covariances were wrong, and by what factor:
-/// what a filter knows from others, or from before a restart, is worth more than a little certainty too much.
+/// Share of a source in a filter from which the filter starts anew where the source's covariances were wrong, and by
+/// which factor: what a filter knows from others, or from before a restart, is worth more than a little certainty too
+/// much.
 const OWN_SHARE: f64 = 0.3;
 const WRONG_CLAIM: f64 = 2.0;
 /// Share of an only source in the estimate from which it is compared.
