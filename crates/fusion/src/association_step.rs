@@ -20,7 +20,7 @@ use messages::{Covariance, Identity, NS_PER_S, SensorTrack, TrackState, sensor_t
 
 use crate::identity;
 use crate::measurement::gaussian_of;
-use crate::sensor_tracks::{NO_SYSTEM, SensorSlot};
+use crate::sensor_tracks::{NO_SYSTEM, SensorEntry, SensorSlot};
 use crate::settings::Settings;
 use crate::sources::Sources;
 use crate::system_tracks::{Bond, SystemSlot};
@@ -56,6 +56,8 @@ pub(crate) struct Search<'a> {
 
 /// Distance by which the sources may be off while nothing is known of them, metres.
 const UNKNOWN_M: f64 = 600.0;
+/// Time for which a sensor track has just left a system track, nanoseconds.
+const LEFT_NS: i64 = 20_000_000_000;
 
 /// Distance within which a new track of a sensor in a turn may be of a target, metres.
 const FOLLOWED_M: f64 = 1000.0;
@@ -189,12 +191,22 @@ impl Search<'_> {
         is_shown
     }
 
-    /// Whether a target that is shown already may be that of the system track `own`, none of whose sources has been
-    /// compared enough to know how far it is off: a track of other sources near by with like velocity.
-    pub(crate) fn is_shown_aside(&self, own: SystemSlot, now_ns: i64) -> bool {
+    /// Whether a target that is shown already may be that of the system track `own`: a track of other sources near by
+    /// with like velocity, while nothing tells how far `own`'s sources are off. None of them has been compared enough,
+    /// and the track `is_new`; or all its sensor tracks have just left another system track, beside which what they
+    /// state of their accuracy was wrong.
+    pub(crate) fn is_shown_aside(&self, own: SystemSlot, now_ns: i64, is_new: bool) -> bool {
         let sources = self.tracks.sources_of(own, now_ns);
-        let registration = &self.sources.registration;
-        if (0..u64::BITS as u16).any(|source| sources & (1 << source) != 0 && registration.is_acquainted(source)) {
+        let is_acquainted = |source| self.sources.registration.is_acquainted(source);
+        let has_just_left = |entry: &SensorEntry| now_ns.saturating_sub(entry.left_ns) < LEFT_NS;
+        let is_unknown =
+            is_new && !(0..u64::BITS as u16).any(|source| sources & (1 << source) != 0 && is_acquainted(source));
+        if !is_unknown
+            && !self
+                .tracks
+                .contributing_entries(own, now_ns)
+                .all(|(_, entry)| has_just_left(entry))
+        {
             return false;
         }
         let state = self.state(own, now_ns);

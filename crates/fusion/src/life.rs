@@ -411,7 +411,8 @@ fn may_be_another(
     is_nameless
         && (is_patient && search.is_shown_already(system, now_ns)
             || search.is_shown_elsewhere(system, now_ns)
-            || is_new && (search.was_followed(system, now_ns) || search.is_shown_aside(system, now_ns)))
+            || is_new && search.was_followed(system, now_ns)
+            || search.is_shown_aside(system, now_ns, is_new))
 }
 
 /// Lets a system track with a due deadline coast, rest or terminate. Returns the next deadline; `None` after

@@ -266,6 +266,8 @@ impl Linking<'_> {
         let split = self.misfits(sensor, d2 > gate && !self.search().is_held(sensor));
         if split {
             out.decision(&self.tracks.decision(sensor, DecisionKind::Split, d2, gate));
+            let entry = self.tracks.sensors.get_mut(sensor);
+            entry.left_ns = entry.time_ns;
         }
         split
     }

@@ -28,8 +28,12 @@ const CHANGES: f64 = 6.0;
 const FITS: f64 = 9.2;
 /// Acceleration that explains a distance: targets on straight courses do not exceed it, m/s².
 const ACCELERATION_MPS2: f64 = 10.0;
+/// Innovations of a sensor track before its measurements prove a leap.
+const REPORTS_MIN: u32 = 12;
 /// Share of a leap that the filter of the source itself must have seen.
 const OWN_PART: f64 = 0.5;
+/// How many times as far a point leaps along the course as across it: in a turn, points move across it.
+const ALONG: f64 = 2.0;
 /// Share of a leap that the next measurements must show: an outlier does not stay.
 const STAYS_PART: f64 = 0.5;
 /// Probability of steady motion below which a filter's predictions prove no leap.
@@ -187,6 +191,7 @@ impl ReferencePoints {
         let seconds = (entry.time_ns - before.latest_ns) as f64 / NS_PER_S;
         let explained_m = 0.5 * ACCELERATION_MPS2 * seconds * seconds;
         let square_m2 = square(seen.apart_m);
+        let [along_m, across_m] = to_body(seen.apart_m, system.course);
         let size_m = settings.target_size.of(&entry.latest.target_type);
         let before_m = self.offset_m(entry, system.course);
         let offset_m = std::array::from_fn(|axis| before_m[axis] + seen.apart_m[axis]);
@@ -194,7 +199,7 @@ impl ReferencePoints {
         let change_m = std::array::from_fn(|axis| seen.apart_m[axis] - latest_m[axis]);
         let is_predicted = system.life == TrackState::Confirmed
             && system.filter.steadiness() > STEADY_MIN
-            && entry.residuals >= MEAN_REPORTS_MIN
+            && entry.residuals >= REPORTS_MIN
             && self.is_known(&entry.point)
             && square(latest_m) < LEAPS * seen.variance_m2
             && square(change_m) > CHANGES * (seen.variance_m2 + seen.noise_m2);
@@ -207,6 +212,7 @@ impl ReferencePoints {
             && square_m2 > explained_m * explained_m + LEAPS * seen.variance_m2
             && square_m2.max(square(offset_m)) <= size_m * size_m
             && own_part(0) + own_part(1) > OWN_PART
+            && along_m.abs() > ALONG * across_m.abs()
             && self.is_followed_by_another(tracks, (entry.system, entry.source), entry.time_ns)
     }
 

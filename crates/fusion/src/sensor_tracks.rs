@@ -116,6 +116,8 @@ pub(crate) struct SensorEntry {
     pub(crate) repaired: bool,
     /// Reports in a row that did not fit the rest of the system track.
     pub(crate) misfits: u32,
+    /// When it left a system track for that, nanoseconds.
+    pub(crate) left_ns: i64,
     /// Number of another system track that the last reports fitted, and how many in a row.
     pub(crate) competing: Option<(u32, u32)>,
     /// Number of the system track with which it may be crossed, and the sum of log-likelihood ratios.
@@ -212,6 +214,7 @@ impl Default for SensorEntry {
             next: MemberLink::NONE,
             repaired: false,
             misfits: 0,
+            left_ns: i64::MIN,
             competing: None,
             crossed: None,
             epoch: 0,

@@ -474,8 +474,8 @@ impl Sources {
         }
     }
 
-    /// The mean innovation of a sensor track, east and north, metres, without what its source is suspected to err on all
-    /// targets, and about its detection point if that has leapt.
+    /// The mean innovation of a sensor track, east and north, metres, without what its source is suspected to err on
+    /// all targets, and about its detection point if that has leapt.
     fn mean_about_point(&self, tracks: &Tracks, entry: &SensorEntry) -> [f64; 2] {
         let shift_m = self
             .registration
