@@ -143,26 +143,29 @@ fn ways_m(shown: &[Shown], time_s: (f64, f64)) -> Vec<f64> {
 const IN_ORDER: [u32; 3] = [1, 2, 3];
 
 #[test]
-fn a_track_stays_where_it_was_when_a_point_leaps() {
-    for (ranks, seed) in [(IN_ORDER, 1), ([2, 3, 1], 2), ([3, 1, 2], 3)] {
-        let case = Case {
-            ranks,
-            turn_mps2: 0.0,
-            leaps: true,
-            seed,
-        };
-        let shown = case.run();
+fn tracks_stay_where_they_were_when_points_leap() {
+    for ranks in [IN_ORDER, [2, 3, 1], [3, 1, 2]] {
+        let runs = (1..=10).map(|seed| {
+            let case = Case {
+                ranks,
+                turn_mps2: 0.0,
+                leaps: true,
+                seed,
+            };
+            case.run()
+        });
+        let runs: Vec<_> = runs.collect();
         for time_s in [(2.0, 4.0), (4.0, 8.0), (20.0, 24.0), (36.0, 44.0)] {
-            let ways_m = ways_m(&shown, time_s);
-            // Tracks wander by some metres without a leap.
-            assert!(
-                ways_m[5] < 5.0 && ways_m[9] < 12.0,
-                "{case:?}, {time_s:?}: {ways_m:.1?} m"
-            );
-            for target in 0..TARGETS {
-                let speed_mps = mean(&shown, target, time_s, |shown| shown.speed_error_mps);
-                assert!(speed_mps < 2.0, "{case:?}, {time_s:?}, {target}: {speed_mps:.1} m/s");
-            }
+            let mut all_m: Vec<f64> = runs.iter().flat_map(|shown| ways_m(shown, time_s)).collect();
+            all_m.sort_by(f64::total_cmp);
+            // Tracks wander by some metres without a leap; one that follows the point moves by more than 30 m. Two or
+            // three leaps in a hundred are taken for noise.
+            let [middle_m, most_m] = [50, 94].map(|place| all_m[place]);
+            assert!(middle_m < 4.0 && most_m < 10.0, "{ranks:?}, {time_s:?}: {all_m:.1?} m");
+            let speed_mps = |shown: &[Shown], target| mean(shown, target, time_s, |shown| shown.speed_error_mps);
+            let count_off = |shown: &Vec<Shown>| (0..TARGETS).filter(|target| speed_mps(shown, *target) > 2.0).count();
+            let off: usize = runs.iter().map(count_off).sum();
+            assert!(off < 6, "{ranks:?}, {time_s:?}: {off} velocities");
         }
     }
 }
