@@ -425,6 +425,25 @@ fn a_filter_begins_anew_only_if_what_it_was_told_was_very_wrong() {
 }
 
 #[test]
+fn what_has_just_left_a_track_waits_beside_it() {
+    let shown_s = |has_left: bool| {
+        let mut harness = Harness::new(test_settings(2));
+        (0..60).map(f64::from).find(|time_s| {
+            harness.take(&report(0, 1, *time_s, [100.0 * time_s, 0.0], [100.0, 0.0]));
+            let aside = report(1, 1, time_s + 0.5, [100.0 * time_s + 50.0, 400.0], [100.0, 0.0]);
+            let state = harness.take(&aside).map(|track| track.state);
+            if has_left && *time_s == 0.0 {
+                let sensor = harness.engine.tracks.sensors.find(1, 1).unwrap();
+                harness.engine.tracks.sensors.get_mut(sensor).left_ns = 0;
+            }
+            state == Some(TrackState::Confirmed as u8)
+        })
+    };
+    let [new_s, left_s] = [false, true].map(|has_left| shown_s(has_left).unwrap());
+    assert!(new_s < 10.0 && (18.0..25.0).contains(&left_s), "{new_s}, {left_s}");
+}
+
+#[test]
 fn without_reports_a_track_coasts_and_ends_at_the_configured_times() {
     let mut harness = Harness::new(test_settings(1));
     for step in 0..4 {
