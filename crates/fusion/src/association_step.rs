@@ -56,6 +56,8 @@ pub(crate) struct Search<'a> {
 
 /// Distance by which the sources may be off while nothing is known of them, metres.
 const UNKNOWN_M: f64 = 600.0;
+/// The same of a track that is not new, in its standard deviations.
+const SIGMAS: f64 = 4.0;
 /// Time for which a sensor track has just left a system track, nanoseconds.
 const LEFT_NS: i64 = 20_000_000_000;
 
@@ -193,14 +195,18 @@ impl Search<'_> {
 
     /// Whether a target that is shown already may be that of the system track `own`: a track of other sources near by
     /// with like velocity, while nothing tells how far `own`'s sources are off. None of them has been compared enough,
-    /// and the track `is_new`; or all its sensor tracks have just left another system track, beside which what they
-    /// state of their accuracy was wrong.
+    /// and the track `is_new`, or they cannot be compared, since their errors change with the place; or all its sensor
+    /// tracks have just left another system track, beside which what they state of their accuracy was wrong.
     pub(crate) fn is_shown_aside(&self, own: SystemSlot, now_ns: i64, is_new: bool) -> bool {
         let sources = self.tracks.sources_of(own, now_ns);
+        let of_own = |source: &u16| sources & (1 << source) != 0;
+        let mut own_sources = (0..self.settings.sources.len() as u16).filter(of_own);
         let is_acquainted = |source| self.sources.registration.is_acquainted(source);
         let has_just_left = |entry: &SensorEntry| now_ns.saturating_sub(entry.left_ns) < LEFT_NS;
-        let is_unknown =
-            is_new && !(0..u64::BITS as u16).any(|source| sources & (1 << source) != 0 && is_acquainted(source));
+        let is_comparable = own_sources
+            .clone()
+            .any(|source| self.settings.sources[usize::from(source)].is_registered);
+        let is_unknown = (is_new || !is_comparable) && !own_sources.any(is_acquainted);
         if !is_unknown
             && !self
                 .tracks
@@ -210,9 +216,15 @@ impl Search<'_> {
             return false;
         }
         let state = self.state(own, now_ns);
+        let variance_m2 = state.covariance.get(0, 0) + state.covariance.get(1, 1);
+        let reach_m = if is_new {
+            UNKNOWN_M
+        } else {
+            UNKNOWN_M.min(SIGMAS * variance_m2.sqrt())
+        };
         let gate = self.settings.association.join_gate();
         let mut is_shown = false;
-        self.others(own, now_ns, (&state, UNKNOWN_M), |system, theirs, heights| {
+        self.others(own, now_ns, (&state, reach_m), |system, theirs, heights| {
             let life = self.tracks.systems.get(system).life;
             is_shown |= matches!(life, TrackState::Confirmed | TrackState::Coasted)
                 && move_alike(&state, theirs)
