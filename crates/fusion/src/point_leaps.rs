@@ -2,7 +2,7 @@
 //!
 //! An aircraft changes from the transponder at its nose to that at its belly when it takes off: to a sensor that
 //! locates transponders, the aircraft leaps along its course. No motion of the target explains a leap: the distance is
-//! too great for the time since the source's last measurement, which fitted, and the source's own filter is as
+//! too great for the time since the source's last measurements, which fitted, and the source's own filter is as
 //! surprised. Such a measurement is not used. If the next one agrees with it, and measurements of other sources in
 //! between show that the target has not moved, the detection point is estimated anew from there on.
 //!
@@ -22,7 +22,7 @@ use crate::system_tracks::SystemSlot;
 use crate::tracks::Tracks;
 
 /// Squared distance of a measurement from where it was expected, in variances per axis, from which its point may have
-/// leapt; that by which it must differ from the measurement before; and that within which two agree.
+/// leapt; that by which it must differ from the latest ones; and that within which two agree.
 const LEAPS: f64 = 16.0;
 const CHANGES: f64 = 6.0;
 const FITS: f64 = 9.2;
@@ -65,6 +65,8 @@ pub(crate) enum PointMotion {
 struct Seen {
     /// Distance from where the point was expected, east and north, metres.
     apart_m: [f64; 2],
+    /// The point from the target's reference point, east and north, metres.
+    point_m: [f64; 2],
     /// Variances per axis of the measurement, and of the distance, m².
     noise_m2: f64,
     variance_m2: f64,
@@ -91,24 +93,17 @@ impl ReferencePoints {
         (sensor, measurement): (SensorSlot, &Measurement),
         referred: &Referred,
     ) -> PointMotion {
-        let entry = tracks.sensors.get_mut(sensor);
+        let entry = tracks.sensors.get(sensor);
         let system = tracks.systems.get(entry.system);
         let place_m = system.filter.place_at(entry.time_ns);
-        let seen = Seen {
-            apart_m: std::array::from_fn(|axis| measurement.position_m[axis] - referred.point_m[axis] - place_m[axis]),
-            noise_m2: measurement.variance_m2(),
-            variance_m2: measurement.variance_m2() + referred.variance_m2 + system.filter.variance_m2(),
-        };
-        if entry.time_ns < system.filter.time_ns {
-            // What came meanwhile knows more of this time than a prediction does.
+        let apart_m = std::array::from_fn(|axis| measurement.position_m[axis] - referred.point_m[axis] - place_m[axis]);
+        let noise_m2 = measurement.variance_m2();
+        // Few are so far away that the rest matters. What came after an older measurement knows more of that time than a
+        // prediction does.
+        if square(apart_m) <= LEAPS * noise_m2 && !system.awaits_leap || entry.time_ns < system.filter.time_ns {
             return PointMotion::None;
         }
-        let before = entry.leap_watch;
-        (entry.leap_watch.latest_ns, entry.leap_watch.latest_m) = (entry.time_ns, seen.apart_m.map(|way| way as f32));
-        if square(seen.apart_m) <= LEAPS * seen.variance_m2 && !system.awaits_leap {
-            return PointMotion::None;
-        }
-        self.judge_leap(settings, tracks, (sensor, measurement), (&seen, &before))
+        self.judge_leap(settings, tracks, (sensor, measurement), (apart_m, referred))
     }
 
     #[cold]
@@ -117,14 +112,23 @@ impl ReferencePoints {
         settings: &Settings,
         tracks: &mut Tracks,
         (sensor, measurement): (SensorSlot, &Measurement),
-        (seen, before): (&Seen, &LeapWatch),
+        (apart_m, referred): ([f64; 2], &Referred),
     ) -> PointMotion {
         let SensorEntry {
             system,
             source,
             time_ns,
+            leap_watch: before,
             ..
         } = *tracks.sensors.get(sensor);
+        let noise_m2 = measurement.variance_m2();
+        let filter_m2 = tracks.systems.get(system).filter.variance_m2();
+        let seen = &Seen {
+            apart_m,
+            point_m: referred.point_m,
+            noise_m2,
+            variance_m2: noise_m2 + referred.variance_m2 + filter_m2,
+        };
         if self.is_witness(tracks.sensors.get(sensor)) {
             tracks.for_members(system, |member| {
                 if member.source != source && member.leap_watch.is_waiting() {
@@ -133,12 +137,12 @@ impl ReferencePoints {
             });
         }
         let motion = if before.is_waiting() {
-            self.confirm_leap(tracks, sensor, (seen, before))
+            self.confirm_leap(tracks, sensor, (seen, &before))
         } else if !self.leaps[usize::from(source)].has_changed(time_ns)
-            && self.may_leap(settings, tracks, (sensor, measurement), (seen, before))
+            && self.may_leap(settings, tracks, (sensor, measurement), (seen, before.again_ns))
         {
             let watch = &mut tracks.sensors.get_mut(sensor).leap_watch;
-            (watch.leap_m, watch.waiting, watch.stayed) = (watch.latest_m, 1, 0.0);
+            (watch.leap_m, watch.waiting, watch.stayed) = (apart_m.map(|way| way as f32), 1, 0.0);
             PointMotion::Suspected
         } else {
             PointMotion::None
@@ -181,27 +185,28 @@ impl ReferencePoints {
         settings: &Settings,
         tracks: &Tracks,
         (sensor, measurement): (SensorSlot, &Measurement),
-        (seen, before): (&Seen, &LeapWatch),
+        (seen, again_ns): (&Seen, i64),
     ) -> bool {
         let entry = tracks.sensors.get(sensor);
         let system = tracks.systems.get(entry.system);
-        if settings.sources[usize::from(entry.source)].is_self_reported || entry.time_ns < before.again_ns {
+        let source = &settings.sources[usize::from(entry.source)];
+        if source.is_self_reported || entry.time_ns < again_ns {
             return false;
         }
-        let seconds = (entry.time_ns - before.latest_ns) as f64 / NS_PER_S;
+        let seconds = source.period_ns as f64 / NS_PER_S;
         let explained_m = 0.5 * ACCELERATION_MPS2 * seconds * seconds;
         let square_m2 = square(seen.apart_m);
         let [along_m, across_m] = to_body(seen.apart_m, system.course);
         let size_m = settings.target_size.of(&entry.latest.target_type);
         let before_m = self.offset_m(entry, system.course);
         let offset_m = std::array::from_fn(|axis| before_m[axis] + seen.apart_m[axis]);
-        let latest_m = before.latest_m.map(f64::from);
-        let change_m = std::array::from_fn(|axis| seen.apart_m[axis] - latest_m[axis]);
+        let mean_m = std::array::from_fn(|axis| entry.residual_mean_m[axis] - seen.point_m[axis]);
+        let change_m = std::array::from_fn(|axis| seen.apart_m[axis] - mean_m[axis]);
         let is_predicted = system.life == TrackState::Confirmed
             && system.filter.steadiness() > STEADY_MIN
             && entry.residuals >= REPORTS_MIN
             && self.is_known(&entry.point)
-            && square(latest_m) < LEAPS * seen.variance_m2
+            && square(mean_m) < LEAPS * seen.variance_m2
             && square(change_m) > CHANGES * (seen.variance_m2 + seen.noise_m2);
         // Along the way from where the source's own filter expected the measurement.
         let own_part = |axis: usize| {

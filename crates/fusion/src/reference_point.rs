@@ -168,6 +168,9 @@ impl ReferencePoints {
         out: &mut Outlet<'_, S>,
     ) -> Referred {
         let entry = tracks.sensors.get_mut(sensor);
+        if !self.keeps_points && !entry.point.has_leapt {
+            return Referred::ITSELF;
+        }
         if entry.point.has_leapt && self.leaps[usize::from(entry.source)].has_changed(entry.time_ns) {
             entry.point = self.unknown();
         }

@@ -178,10 +178,6 @@ pub(crate) struct DetectionPoint {
 /// What the measurements of a sensor track show of leaps.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct LeapWatch {
-    /// Time of the latest measurement, nanoseconds, and how far it was from where it was expected, east and north,
-    /// metres.
-    pub(crate) latest_ns: i64,
-    pub(crate) latest_m: [f32; 2],
     /// Distance of the first measurement that waits, and how many of them wait.
     pub(crate) leap_m: [f32; 2],
     pub(crate) waiting: u8,
