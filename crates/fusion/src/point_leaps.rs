@@ -98,8 +98,8 @@ impl ReferencePoints {
         let place_m = system.filter.place_at(entry.time_ns);
         let apart_m = std::array::from_fn(|axis| measurement.position_m[axis] - referred.point_m[axis] - place_m[axis]);
         let noise_m2 = measurement.variance_m2();
-        // Few are so far away that the rest matters. What came after an older measurement knows more of that time than a
-        // prediction does.
+        // Few are so far away that the rest matters. Of the time of an older measurement, those that came after it show
+        // more than a prediction.
         if square(apart_m) <= LEAPS * noise_m2 && !system.awaits_leap || entry.time_ns < system.filter.time_ns {
             return PointMotion::None;
         }
