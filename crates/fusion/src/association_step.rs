@@ -58,7 +58,7 @@ pub(crate) struct Search<'a> {
 const UNKNOWN_M: f64 = 600.0;
 /// The same of a track that is not new, in its standard deviations.
 const SIGMAS: f64 = 4.0;
-/// Time for which a sensor track has just left a system track, nanoseconds.
+/// Time for which a system track of those that left another one waits, nanoseconds.
 const LEFT_NS: i64 = 20_000_000_000;
 
 /// Distance within which a new track of a sensor in a turn may be of a target, metres.
@@ -202,7 +202,7 @@ impl Search<'_> {
         let of_own = |source: &u16| sources & (1 << source) != 0;
         let mut own_sources = (0..self.settings.sources.len() as u16).filter(of_own);
         let is_acquainted = |source| self.sources.registration.is_acquainted(source);
-        let has_just_left = |entry: &SensorEntry| now_ns.saturating_sub(entry.left_ns) < LEFT_NS;
+        let has_just_begun = now_ns.saturating_sub(self.tracks.systems.get(own).first_seen_ns) < LEFT_NS;
         let is_comparable = own_sources
             .clone()
             .any(|source| self.settings.sources[usize::from(source)].is_registered);
@@ -211,7 +211,7 @@ impl Search<'_> {
             && !self
                 .tracks
                 .contributing_entries(own, now_ns)
-                .all(|(_, entry)| has_just_left(entry))
+                .all(|(_, entry)| has_just_begun && entry.has_left)
         {
             return false;
         }

@@ -434,7 +434,7 @@ fn what_has_just_left_a_track_waits_beside_it() {
             let state = harness.take(&aside).map(|track| track.state);
             if has_left && *time_s == 0.0 {
                 let sensor = harness.engine.tracks.sensors.find(1, 1).unwrap();
-                harness.engine.tracks.sensors.get_mut(sensor).left_ns = 0;
+                harness.engine.tracks.sensors.get_mut(sensor).has_left = true;
             }
             state == Some(TrackState::Confirmed as u8)
         })

@@ -266,8 +266,7 @@ impl Linking<'_> {
         let split = self.misfits(sensor, d2 > gate && !self.search().is_held(sensor));
         if split {
             out.decision(&self.tracks.decision(sensor, DecisionKind::Split, d2, gate));
-            let entry = self.tracks.sensors.get_mut(sensor);
-            entry.left_ns = entry.time_ns;
+            self.tracks.sensors.get_mut(sensor).has_left = true;
         }
         split
     }

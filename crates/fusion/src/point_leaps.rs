@@ -28,7 +28,8 @@ const CHANGES: f64 = 6.0;
 const FITS: f64 = 9.2;
 /// Acceleration that explains a distance: targets on straight courses do not exceed it, m/s².
 const ACCELERATION_MPS2: f64 = 10.0;
-/// Innovations of a sensor track before its measurements prove a leap.
+/// Innovations of a sensor track before its measurements prove a leap, and between two leaps: what leaps more often is
+/// no point.
 const REPORTS_MIN: u32 = 12;
 /// Share of a leap that the filter of the source itself must have seen.
 const OWN_PART: f64 = 0.5;
@@ -46,9 +47,6 @@ const MOVED: f64 = -4.0;
 const WITNESS_MAX: f64 = 3.0;
 /// Measurements in a row that may wait for other sources.
 const WAITING_MAX: u8 = 3;
-
-/// Time after a leap in which a point does not leap again, nanoseconds: what leaps more often is no point.
-const REST_NS: i64 = 15_000_000_000;
 
 /// What a measurement shows of its detection point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -139,7 +137,7 @@ impl ReferencePoints {
         let motion = if before.is_waiting() {
             self.confirm_leap(tracks, sensor, (seen, &before))
         } else if !self.leaps[usize::from(source)].has_changed(time_ns)
-            && self.may_leap(settings, tracks, (sensor, measurement), (seen, before.again_ns))
+            && self.may_leap(settings, tracks, (sensor, measurement), seen)
         {
             let watch = &mut tracks.sensors.get_mut(sensor).leap_watch;
             (watch.leap_m, watch.waiting, watch.stayed) = (apart_m.map(|way| way as f32), 1, 0.0);
@@ -185,12 +183,12 @@ impl ReferencePoints {
         settings: &Settings,
         tracks: &Tracks,
         (sensor, measurement): (SensorSlot, &Measurement),
-        (seen, again_ns): (&Seen, i64),
+        seen: &Seen,
     ) -> bool {
         let entry = tracks.sensors.get(sensor);
         let system = tracks.systems.get(entry.system);
         let source = &settings.sources[usize::from(entry.source)];
-        if source.is_self_reported || entry.time_ns < again_ns {
+        if source.is_self_reported {
             return false;
         }
         let seconds = source.period_ns as f64 / NS_PER_S;
@@ -261,7 +259,7 @@ impl ReferencePoints {
                 ..entry.point
             };
         }
-        (entry.leap_watch.waiting, entry.leap_watch.again_ns) = (0, now_ns + REST_NS);
+        entry.leap_watch.waiting = 0;
         // The mean innovation of before is that of another point.
         entry.residuals = 0;
         self.leaps[usize::from(source)].add(now_ns, tracks.sensors.count_of(source));

@@ -116,8 +116,6 @@ pub(crate) struct SensorEntry {
     pub(crate) repaired: bool,
     /// Reports in a row that did not fit the rest of the system track.
     pub(crate) misfits: u32,
-    /// When it left a system track for that, nanoseconds.
-    pub(crate) left_ns: i64,
     /// Number of another system track that the last reports fitted, and how many in a row.
     pub(crate) competing: Option<(u32, u32)>,
     /// Number of the system track with which it may be crossed, and the sum of log-likelihood ratios.
@@ -128,6 +126,8 @@ pub(crate) struct SensorEntry {
     live: bool,
     /// Whether the track waits for the end of its scan.
     pub(crate) waits: bool,
+    /// Whether it founded its system track, since it did not fit another one.
+    pub(crate) has_left: bool,
     /// True while an order keeps it from starting or joining a system track.
     pub(crate) blocked: bool,
     /// Correction that was made to `latest`.
@@ -183,8 +183,6 @@ pub(crate) struct LeapWatch {
     pub(crate) waiting: u8,
     /// Logarithm of the likelihood ratio, from other sources, of a target that has stayed to one that has moved.
     pub(crate) stayed: f32,
-    /// Until when no leap is looked for, nanoseconds.
-    pub(crate) again_ns: i64,
 }
 
 impl LeapWatch {
@@ -210,7 +208,7 @@ impl Default for SensorEntry {
             next: MemberLink::NONE,
             repaired: false,
             misfits: 0,
-            left_ns: i64::MIN,
+            has_left: false,
             competing: None,
             crossed: None,
             epoch: 0,
