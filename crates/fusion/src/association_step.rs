@@ -20,7 +20,7 @@ use messages::{Covariance, Identity, NS_PER_S, SensorTrack, TrackState, sensor_t
 
 use crate::identity;
 use crate::measurement::gaussian_of;
-use crate::sensor_tracks::{NO_SYSTEM, SensorEntry, SensorSlot};
+use crate::sensor_tracks::{NO_SYSTEM, SensorSlot};
 use crate::settings::Settings;
 use crate::sources::Sources;
 use crate::system_tracks::{Bond, SystemSlot};
