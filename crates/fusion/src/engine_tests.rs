@@ -425,6 +425,33 @@ fn a_filter_begins_anew_only_if_what_it_was_told_was_very_wrong() {
 }
 
 #[test]
+fn a_fix_whose_error_persists_moves_no_target_that_is_known_better() {
+    let furthest_m = |is_registered: bool| {
+        let mut settings = test_settings(2);
+        settings.rule.name.0 = messages::FusionRule::SystemFilter;
+        settings.sources[1].is_registered = is_registered;
+        let mut harness = Harness::new(settings);
+        let mut furthest_m = 0.0_f64;
+        for second in 0..70 {
+            let (time_s, east_m) = (f64::from(second), 20.0 * f64::from(second));
+            // The better source misses the target for some seconds.
+            if !(60..65).contains(&second) {
+                harness.take(&report(0, 1, time_s, [east_m, 0.0], [20.0, 0.0]));
+            }
+            let mut fix = report(1, 1, time_s + 0.5, [east_m + 10.0, 300.0], [20.0, 0.0]);
+            fix.covariance = Covariance::diagonal([200.0; 3], [20.0; 3]);
+            let shown = harness.take(&fix);
+            if second >= 30 {
+                furthest_m = shown.map_or(furthest_m, |track| furthest_m.max(track.position_m[1].abs()));
+            }
+        }
+        furthest_m
+    };
+    let [averaged_m, left_out_m] = [true, false].map(furthest_m);
+    assert!(left_out_m < 2.0 && averaged_m > 10.0, "{left_out_m} m, {averaged_m} m");
+}
+
+#[test]
 fn what_has_just_left_a_track_waits_beside_it() {
     let shown_s = |has_left: bool| {
         let mut harness = Harness::new(test_settings(2));

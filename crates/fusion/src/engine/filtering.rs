@@ -10,6 +10,7 @@ use crate::filter::FilterInnovation;
 use crate::measurement::{CovarianceBasis, FilterInput, Measurement, shows_filter, states_velocity};
 use crate::point_leaps::PointMotion;
 use crate::sensor_tracks::SensorSlot;
+use crate::system_tracks::SystemSlot;
 
 /// Speed below which the course is meaningless, m/s.
 const COURSE_SPEED_MIN_MPS: f64 = 1.0;
@@ -23,6 +24,8 @@ const FALSE_M: f64 = 300.0;
 /// much.
 const OWN_SHARE: f64 = 0.3;
 const WRONG_CLAIM: f64 = 2.0;
+/// Times that a variance is as large as the filter's from which a source with persistent errors adds nothing to it.
+const KNOWN_BETTER: f64 = 4.0;
 /// Share of an only source in the estimate from which it is compared.
 const LONE_SHARE: f64 = 0.5;
 /// Squared distance of the estimate from what its only source states, in the source's own standard deviations, beyond
@@ -74,6 +77,8 @@ impl Engine {
         referred.is_usable &= !(is_displaced || is_led_off);
         let entry = self.tracks.sensors.get(sensor);
         let (system, time_ns, source) = (entry.system, entry.time_ns, entry.source);
+        referred.is_usable &= self.settings.sources[usize::from(source)].is_registered
+            || !self.is_known_better(system, source, measurement.variance_m2());
         let doubt_m2 = self.sources.registration.doubt_m2(source);
         if doubt_m2 > 0.0 && self.tracks.systems.get(system).contributors & !(1 << source) != 0 {
             referred.variance_m2 += doubt_m2;
@@ -222,6 +227,14 @@ impl Engine {
             false => Counter::RejectedContradicted,
         };
         self.outbox.counts.add(entry.source, counter);
+    }
+
+    /// Returns whether a target is known from other sources so well that a measurement of this variance per axis, m²,
+    /// by a source whose errors persist, adds nothing: its errors do not average out.
+    #[cold]
+    fn is_known_better(&self, system: SystemSlot, source: u16, variance_m2: f64) -> bool {
+        let target = self.tracks.systems.get(system);
+        target.contributors & !(1 << source) != 0 && KNOWN_BETTER * target.filter.variance_m2() < variance_m2
     }
 
     /// Returns whether nothing but the sensor track contributes to its system track.
