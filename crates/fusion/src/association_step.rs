@@ -202,17 +202,16 @@ impl Search<'_> {
         let of_own = |source: &u16| sources & (1 << source) != 0;
         let mut own_sources = (0..self.settings.sources.len() as u16).filter(of_own);
         let is_acquainted = |source| self.sources.registration.is_acquainted(source);
-        let has_just_begun = now_ns.saturating_sub(self.tracks.systems.get(own).first_seen_ns) < LEFT_NS;
         let is_comparable = own_sources
             .clone()
             .any(|source| self.settings.sources[usize::from(source)].is_registered);
         let is_unknown = (is_new || !is_comparable) && !own_sources.any(is_acquainted);
-        if !is_unknown
-            && !self
+        let has_just_left = now_ns.saturating_sub(self.tracks.systems.get(own).first_seen_ns) < LEFT_NS
+            && self
                 .tracks
                 .contributing_entries(own, now_ns)
-                .all(|(_, entry)| has_just_begun && entry.has_left)
-        {
+                .all(|(_, entry)| entry.has_left);
+        if !(is_unknown || has_just_left) {
             return false;
         }
         let state = self.state(own, now_ns);

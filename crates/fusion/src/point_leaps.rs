@@ -43,19 +43,19 @@ const STEADY_MIN: f64 = 0.25;
 /// below which the target has moved.
 const STAYED: f64 = 1.0;
 const MOVED: f64 = -4.0;
-/// What one measurement can add to it: no single one decides.
+/// Largest part of the logarithm from one measurement: no single measurement decides.
 const WITNESS_MAX: f64 = 3.0;
 /// Measurements in a row that may wait for other sources.
 const WAITING_MAX: u8 = 3;
 
-/// What a measurement shows of its detection point.
+/// Motion of a detection point on its target, as a measurement shows the motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum PointMotion {
     /// The point is where it was.
     None,
-    /// It may have leapt: the measurement cannot be used.
+    /// The point may have leapt: the measurement cannot be used.
     Suspected,
-    /// It has leapt, and is estimated anew.
+    /// The point has leapt, and is estimated anew.
     Leapt,
 }
 
@@ -71,7 +71,7 @@ struct Seen {
 }
 
 /// Lets a sensor track whose measurements wait take in where another source's measurement of the target lies.
-fn hear(watch: &mut LeapWatch, seen: &Seen) {
+fn take_witness(watch: &mut LeapWatch, seen: &Seen) {
     let leap_m = watch.leap_m.map(f64::from);
     let along_m2 = leap_m[0] * seen.apart_m[0] + leap_m[1] * seen.apart_m[1];
     let ratio = (0.5 * square(leap_m) - along_m2) / seen.variance_m2;
@@ -116,7 +116,7 @@ impl ReferencePoints {
             system,
             source,
             time_ns,
-            leap_watch: before,
+            leap_watch,
             ..
         } = *tracks.sensors.get(sensor);
         let noise_m2 = measurement.variance_m2();
@@ -130,12 +130,12 @@ impl ReferencePoints {
         if self.is_witness(tracks.sensors.get(sensor)) {
             tracks.for_members(system, |member| {
                 if member.source != source && member.leap_watch.is_waiting() {
-                    hear(&mut member.leap_watch, seen);
+                    take_witness(&mut member.leap_watch, seen);
                 }
             });
         }
-        let motion = if before.is_waiting() {
-            self.confirm_leap(tracks, sensor, (seen, &before))
+        let motion = if leap_watch.is_waiting() {
+            self.confirm_leap(tracks, sensor, seen)
         } else if !self.leaps[usize::from(source)].has_changed(time_ns)
             && self.may_leap(settings, tracks, (sensor, measurement), seen)
         {
@@ -153,18 +153,13 @@ impl ReferencePoints {
     }
 
     /// Judges a measurement after one that may have been the first after a leap.
-    fn confirm_leap(
-        &mut self,
-        tracks: &mut Tracks,
-        sensor: SensorSlot,
-        (seen, before): (&Seen, &LeapWatch),
-    ) -> PointMotion {
+    fn confirm_leap(&mut self, tracks: &mut Tracks, sensor: SensorSlot, seen: &Seen) -> PointMotion {
         let watch = &mut tracks.sensors.get_mut(sensor).leap_watch;
-        let leap_m = before.leap_m.map(f64::from);
+        let leap_m = watch.leap_m.map(f64::from);
         let change_m = std::array::from_fn(|axis| seen.apart_m[axis] - leap_m[axis]);
         let stays_part = (seen.apart_m[0] * leap_m[0] + seen.apart_m[1] * leap_m[1]) / square(leap_m);
         let agrees = square(change_m) < FITS * 2.0 * seen.variance_m2 && stays_part > STAYS_PART;
-        if !agrees || !watch.is_waiting() {
+        if !agrees {
             watch.waiting = 0;
             return PointMotion::None;
         }
@@ -219,7 +214,7 @@ impl ReferencePoints {
             && self.is_followed_by_another(tracks, (entry.system, entry.source), entry.time_ns)
     }
 
-    /// Whether a sensor track's measurements show where its target is.
+    /// Returns whether measurements of a sensor track show where its target is.
     fn is_witness(&self, entry: &SensorEntry) -> bool {
         entry.residuals >= MEAN_REPORTS_MIN
             && !entry.is_led_off

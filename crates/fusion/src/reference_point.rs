@@ -80,7 +80,7 @@ impl SourceLeaps {
         }
     }
 
-    /// Whether the source has changed, not the points of its targets.
+    /// Returns whether a step of the source, not of the points of its targets, explains its leaps.
     pub(crate) fn has_changed(&self, now_ns: i64) -> bool {
         now_ns < self.until_ns
     }
@@ -171,13 +171,13 @@ impl ReferencePoints {
         if !self.keeps_points && !entry.point.has_leapt {
             return Referred::ITSELF;
         }
+        self.refresh(&mut entry.point);
         if entry.point.has_leapt && self.leaps[usize::from(entry.source)].has_changed(entry.time_ns) {
             entry.point = self.unknown();
         }
         if !self.keeps_points {
             return self.known(tracks, sensor, measurement);
         }
-        self.refresh(&mut entry.point);
         let (system, now_ns) = (entry.system, entry.time_ns);
         if !self.is_anchored(tracks, system, now_ns)
             && let Some(foremost) = foremost(settings, tracks, system, now_ns)
@@ -239,7 +239,7 @@ impl ReferencePoints {
         variance_m2 > UNCERTAIN * self.apart_m2
     }
 
-    /// Whether a detection point is told from the target's reference point.
+    /// Returns whether a detection point and the target's reference point are two points.
     pub(crate) fn follows(&self, point: &DetectionPoint) -> bool {
         self.keeps_points || (point.has_leapt && point.epoch == self.epoch)
     }

@@ -132,7 +132,7 @@ pub(crate) struct SensorEntry {
     live: bool,
     /// Whether the track waits for the end of its scan.
     pub(crate) waits: bool,
-    /// Whether it founded its system track, since it did not fit another one.
+    /// Whether it has left a system track that it did not fit.
     pub(crate) has_left: bool,
     /// True while an order keeps it from starting or joining a system track.
     pub(crate) blocked: bool,
