@@ -20,7 +20,8 @@ use messages::{Covariance, Identity, NS_PER_S, SensorTrack, TrackState, sensor_t
 
 use crate::identity;
 use crate::measurement::gaussian_of;
-use crate::sensor_tracks::{NO_SYSTEM, SensorSlot};
+use crate::restarts;
+use crate::sensor_tracks::{NO_SYSTEM, SensorEntry, SensorSlot};
 use crate::settings::Settings;
 use crate::sources::Sources;
 use crate::system_tracks::{Bond, SystemSlot};
@@ -93,6 +94,31 @@ impl Search<'_> {
                 .primary_of(system, entry.source, own, entry.time_ns)
                 .is_none()
             && !self.must_wait_for(own, system)
+    }
+
+    /// Whether a sensor track may be of a target that its source follows under another number, from which nothing has
+    /// come for the greater part of a period: the source may have begun anew, before enough of its reports show it.
+    pub(crate) fn may_be_renumbered(&self, own: SensorSlot) -> bool {
+        let SensorEntry {
+            latest: report,
+            time_ns,
+            ..
+        } = self.tracks.sensors.get(own);
+        let period_ns = self.settings.sources[usize::from(report.source)].period_ns;
+        let state = gaussian_of(report);
+        let is_silent = |primary: SensorSlot| {
+            let silence_ns = time_ns.saturating_sub(self.tracks.sensors.get(primary).time_ns);
+            silence_ns as f64 >= restarts::SILENT * period_ns as f64
+        };
+        let mut may_be = false;
+        self.near(report, &state, |system| {
+            may_be |= self
+                .tracks
+                .primary_of(system, report.source, own, *time_ns)
+                .is_some_and(is_silent)
+                && self.distance(report, &state, system).is_some();
+        });
+        may_be
     }
 
     /// Returns a system track already tracked by the sensor track's source whose extent covers the sensor track, with

@@ -175,7 +175,11 @@ impl Scans {
                 }
             });
             // A first report has no velocity: it joins where nothing else is possible, or waits for the second.
-            if self.pairs.len() > first + 1 && !search.tracks.is_established(assigned.sensor) {
+            let tracks = search.tracks;
+            let is_one_of_several = self.pairs.len() > first + 1 && !tracks.is_established(assigned.sensor);
+            let is_first = tracks.sensors.get(assigned.sensor).reports < 2;
+            let may_be_another = || self.pairs.len() > first && is_first && search.may_be_renumbered(assigned.sensor);
+            if is_one_of_several || may_be_another() {
                 self.pairs.truncate(first);
             }
         }

@@ -40,3 +40,51 @@ fn each_target_of_a_slow_radar_is_started_once() {
         );
     }
 }
+
+#[test]
+fn a_first_report_after_a_restart_does_not_join_what_its_target_flies_over() {
+    for state in [TrackState::Tentative, TrackState::Confirmed] {
+        fly_over(state);
+    }
+}
+
+/// A radar restarts while a target of it flies over what a coarse locator follows; first reports bear `state`.
+fn fly_over(state: TrackState) {
+    let mut settings = test_settings(3);
+    settings.association.scan_wait = 0.05;
+    settings.sources[0].period_ns = 4 * S;
+    settings.sources[0].fresh_ns = 10 * S;
+    let mut harness = Harness::new(settings);
+    for second in 0..40 {
+        let time_s = f64::from(second);
+        for target in 0..8 {
+            let place = [1e4 * f64::from(target), 0.0];
+            harness.take(&report(1, target, time_s, place, [0.0, 100.0]));
+            // The radar is silent for a turn, and begins anew.
+            if second % 4 == target % 4 && !(24..28).contains(&second) {
+                let number = if second < 24 { target } else { target + 100 };
+                let mut seen = report(0, number, time_s + 0.1, place, [0.0, 100.0]);
+                // A tracker gives no velocity with the first report of a track.
+                if second < 4 || (28..32).contains(&second) {
+                    (seen.valid, seen.state) = (0, state as u8);
+                }
+                harness.take(&seen);
+            }
+        }
+        // What a coarse locator follows comes towards the first target, and passes it as the radar begins anew.
+        harness.take(&SensorTrack {
+            covariance: Covariance::diagonal([300.0, 300.0, 100.0], [10.0, 10.0, 2.0]),
+            ..report(2, 0, time_s + 0.2, [200.0, 5600.0], [0.0, -100.0])
+        });
+        harness.advance(time_s + 0.5);
+    }
+    let mut followed = [0; 8];
+    for track in &harness.published {
+        let sources = sources_of(track);
+        assert!(!sources.contains(&2) || sources == [2], "{state:?} {track:?}");
+        if track.time_of_measurement_ns > 33 * S && sources == [0, 1] {
+            followed[(track.position_m[0] / 1e4).round() as usize] += 1;
+        }
+    }
+    assert!(followed.iter().all(|states| *states > 2), "{followed:?}");
+}
