@@ -496,11 +496,12 @@ impl Engine {
         let entry = self.tracks.sensors.get(sensor);
         let (system, is_foreign) = (entry.system, entry.is_foreign);
         let target = self.tracks.systems.get_mut(system);
-        let (was_shown, follows_centre) = (target.was_shown, target.is_foreign);
+        let (life, was_shown, follows_centre) = (target.life, target.was_shown, target.is_foreign);
         target.nis = 0.0;
         if target.life == TrackState::Tentative && !was_shown {
             self.recognise(sensor, system);
         }
+        let tells_nothing = measurement.is_some_and(|measurement| self.tells_nothing(sensor, measurement));
         if is_foreign {
             self.follow_centre(sensor);
         } else if follows_centre {
@@ -526,9 +527,12 @@ impl Engine {
         if !was_shown && self.tracks.systems.get(system).was_shown && !self.tracks.systems.silent.is_empty() {
             self.take_former_number(sensor, report.time_of_measurement_ns, sink);
         }
-        let out = &mut self.outbox.to(sink);
-        self.publisher
-            .refresh(&self.settings, &mut self.tracks, &self.sources, cause, out);
+        // The same state again is no news.
+        if !tells_nothing || self.tracks.systems.get(system).life != life {
+            let out = &mut self.outbox.to(sink);
+            self.publisher
+                .refresh(&self.settings, &mut self.tracks, &self.sources, cause, out);
+        }
     }
 
     /// Returns whether the filter of the system track lies ahead of all reports, led there by a clock that has since

@@ -452,6 +452,30 @@ fn a_fix_whose_error_persists_moves_no_target_that_is_known_better() {
 }
 
 #[test]
+fn a_fix_that_tells_nothing_of_a_target_leads_to_no_state() {
+    let states = |fix_sigma_m: f64, late_s: f64| {
+        let mut settings = test_settings(2);
+        settings.sources[1].is_registered = false;
+        let mut harness = Harness::new(settings);
+        for second in 0..20 {
+            let time_s = f64::from(second);
+            let mut fix = report(1, 1, time_s - late_s, [10.0, 0.0], [20.0, 0.0]);
+            fix.covariance = Covariance::diagonal([fix_sigma_m; 3], [20.0; 3]);
+            harness.take(&report(0, 1, time_s, [0.0, 0.0], [20.0, 0.0]));
+            harness.take(&fix);
+        }
+        let by_fix = harness.published.iter().filter(|track| track.trigger_source == 1);
+        let (states, track) = (by_fix.count(), harness.published.last().unwrap());
+        assert_eq!(sources_of(track), [0, 1], "the fix shows that the target is there");
+        states
+    };
+    assert_eq!(
+        [states(200.0, 0.1), states(5.0, 0.1), states(200.0, -0.1)].map(|states| states > 10),
+        [false, true, true]
+    );
+}
+
+#[test]
 fn what_has_just_left_a_track_waits_beside_it() {
     let shown_s = |has_left: bool| {
         let mut harness = Harness::new(test_settings(2));

@@ -47,6 +47,15 @@ impl Engine {
         }
     }
 
+    /// Returns whether a measurement tells nothing of a target: its errors persist, and the target is known better and
+    /// later from others.
+    pub(super) fn tells_nothing(&self, sensor: SensorSlot, measurement: &Measurement) -> bool {
+        let entry = self.tracks.sensors.get(sensor);
+        !self.settings.sources[usize::from(entry.source)].is_registered
+            && entry.time_ns <= self.tracks.systems.get(entry.system).filter.time_ns
+            && self.is_known_better(entry.system, entry.source, measurement.variance_m2())
+    }
+
     /// Updates the system filter with a measurement, and learns from the innovation.
     pub(super) fn update_filter(&mut self, sensor: SensorSlot, measurement: &Measurement, sink: &mut impl Sink) {
         let entry = self.tracks.sensors.get(sensor);
