@@ -131,5 +131,6 @@ fn state(header: &BatchHeader, track: &SystemTrack) -> State {
         position_m: is_finite.then_some(track.position_m),
         velocity_mps: (is_finite && track.velocity_valid != 0).then_some(track.velocity_mps),
         has_height: track.height_valid != 0,
+        sources: track.contributions().iter().map(|part| part.source).collect(),
     }
 }

@@ -104,6 +104,9 @@ pub(crate) struct State {
     pub(crate) velocity_mps: Option<[f64; 3]>,
     /// Whether the third axis of both is known.
     pub(crate) has_height: bool,
+    /// Sources that contribute, for the reader of a finding: the judge does not look at them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(crate) sources: Vec<u16>,
 }
 
 /// The simulated world at a whole second, and a run without faults beside it.

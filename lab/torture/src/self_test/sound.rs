@@ -224,6 +224,7 @@ impl Deployment {
             position_m: Some([x + wander, y - wander, z + 0.5 * wander]),
             velocity_mps: Some([vx + 0.2 * wander, vy, vz]),
             has_height: true,
+            sources: Vec::new(),
         };
         self.add(now, What::State(state));
     }
