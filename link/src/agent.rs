@@ -6,7 +6,8 @@ use std::time::Duration;
 
 use anyhow::anyhow;
 use bus::{Bus, Payload, SharedMemory, WaitMode, Waiter};
-use deployment::{Link, Process};
+use deployment::Link;
+use runtime::Process;
 use messages::{Counter, FrameOrigin, SystemTrack, Topic, Visitor};
 use runtime::{Agent, HealthEntry, Now, Turn};
 use zenoh::bytes::ZBytes;

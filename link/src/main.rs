@@ -39,7 +39,7 @@ use std::process::ExitCode;
 use anyhow::Context as _;
 use clap::{Args, CommandFactory as _, Parser, Subcommand};
 use configuration::{Config, ConfigError};
-use deployment::Process;
+use runtime::Process;
 use messages::ProcessKind;
 use runtime::{Now, Options, Speed};
 

@@ -10,8 +10,7 @@ use configuration::{Config, ConfigError};
 use deployment::{Deployment, Link, RemoteTopic};
 use messages::layout::Sample as _;
 use messages::{SensorTrack, Topic, Visitor, WideArea};
-use runtime::DeploymentParts as _;
-use runtime::instance::Visit;
+use runtime::instance::{Visit, each_stream};
 use settings::{Document, SettingsError, nearest};
 
 use crate::side_places;
@@ -78,7 +77,7 @@ impl Side {
         }
         let mut names = Names(Vec::new());
         // Names are collected, which cannot fail.
-        let _ = self.config.deployment.each_stream(1, &mut names);
+        let _ = each_stream(&self.config.deployment, 1, &mut names);
         names.0
     }
 

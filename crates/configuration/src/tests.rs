@@ -181,7 +181,6 @@ fn mistakes_are_named_with_file_line_value_and_remedy() {
             "name = \"radar\"",
             "is the name of an earlier source",
         ),
-        ("# core = 1 ", "core = 4711 #", "this machine offers cores"),
         (
             "latitude_deg = 41.295618",
             "latitude_deg = 141.0",

@@ -5,14 +5,11 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use bus::WaitMode;
-use runtime::cores::Placement;
 use settings::{Seconds, SettingsError};
 
 settings::settings! {
     /// The fusion process.
     pub struct Fusion {
-        check Fusion::check;
         /// Kind of waiting for work: `spin` polls without a pause and uses a whole core; `event` sleeps until
         /// notified; `hybrid` does both in turn.
         wait: WaitWord = WaitWord::Event;
@@ -87,37 +84,6 @@ settings::words! {
 }
 
 impl Fusion {
-    fn check(&self) -> Result<(), SettingsError> {
-        let cores = runtime::cores::online();
-        for (key, core) in [("core", self.core), ("standby_core", self.standby_core)] {
-            if let Some(core) = core.filter(|core| !cores.contains(core)) {
-                let what = format!("{core} does not exist or is switched off; this machine offers cores {cores:?}");
-                return Err(SettingsError::new(key, what));
-            }
-        }
-        Ok(())
-    }
-
-    /// How it waits for work.
-    pub fn wait_mode(&self) -> WaitMode {
-        match self.wait {
-            WaitWord::Event => WaitMode::Event,
-            WaitWord::Spin => WaitMode::Spin,
-            WaitWord::Hybrid => WaitMode::Hybrid {
-                spin_ns: (self.hybrid_spin_us * 1e3) as u64,
-            },
-        }
-    }
-
-    /// Demands on the machine.
-    pub fn placement(&self) -> Placement {
-        Placement {
-            core: self.core,
-            realtime_priority: self.realtime_priority,
-            lock_memory: self.lock_memory,
-        }
-    }
-
     /// Time for which a fusion may stand still before another one takes over, nanoseconds.
     pub fn takeover_ns(&self) -> i64 {
         (self.takeover_ms * 1e6) as i64

@@ -26,16 +26,15 @@ pub use fusion::{Checkpoint, Fusion, Machine, WaitWord};
 pub use link::{Link, LinkPeer, LinkTls, RemoteTopic, check_endpoint, check_links};
 pub use names::check_name;
 pub use network::{Asterix, Live, NetworkOutput, Receiver, ReceiverTransport, category};
+pub use observed::SourceFacts;
 pub use parts::Parts;
 pub use processes::{ReportOrder, Secret, Segments, Services, SystemTracks};
 pub use source::{
     Input, Instrument, Links, OnBoard, PlotFormat, Recorded, RecordedFormat, SampleDelivery, Simulated, Source,
     TrackerInput, Truncated,
 };
+pub use streams::DecisionUse;
 pub use wide_area::{CountedTracks, TrackFeed, WideAreaInput, WideAreaSensor};
-
-/// One process of a deployment, connected and ready.
-pub type Process = runtime::DeploymentProcess<Deployment>;
 
 /// File in the folder of a running instance that contains its [`Deployment::text`].
 pub const IN_INSTANCE: &str = "configuration.toml";

@@ -1,60 +1,21 @@
 //! Topics of a deployment.
 
-use bus::BusError;
 use messages::{Stream, StreamId, SystemTrack, Topic};
-use runtime::DecisionUse;
-use runtime::instance::Visit;
 
 use crate::Deployment;
 
-impl runtime::DeploymentParts for Deployment {
-    fn fusion_core(&self) -> Option<usize> {
-        self.fusion.core
-    }
-
-    fn first_day_ns(&self) -> Option<i64> {
-        self.first_day_ns
-    }
-
-    fn each_stream(&self, publishers: usize, visit: &mut impl Visit) -> Result<(), BusError> {
-        for (id, name) in self.streams() {
-            match id.stream {
-                Stream::SensorTracks => visit.visit(&messages::sensor_tracks(name), publishers)?,
-                Stream::Detections => visit.visit(&messages::sensor_detections(name), publishers)?,
-                Stream::Bearings => visit.visit(&messages::sensor_bearings(name), publishers)?,
-                Stream::Arrivals => visit.visit(&messages::sensor_arrivals(name), publishers)?,
-                Stream::Fixes => visit.visit(&messages::sensor_fixes(name), publishers)?,
-                Stream::PlatformStates => visit.visit(&messages::platform_states(name), publishers)?,
-                Stream::Cues => visit.visit(&messages::cues(name), publishers)?,
-                Stream::WideArea => visit.visit(&messages::wide_area(name), publishers)?,
-                Stream::SystemTracks => visit.visit(&self.system_tracks_topic(), publishers)?,
-                Stream::Alarms => visit.visit(&messages::alarms(), publishers)?,
-                Stream::Decisions => visit.visit(&messages::decisions(), publishers)?,
-                Stream::Orders => visit.visit(&messages::order_states(), publishers)?,
-            }
-        }
-        for sensor in &self.tracker_sensors {
-            visit.visit(&messages::sensor_detections(&sensor.name), publishers)?;
-        }
-        for source in self.sources.iter().filter(|source| source.has_array()) {
-            visit.visit(&messages::sensor_spectrum(&source.name), publishers)?;
-        }
-        for platform in &self.platforms {
-            visit.visit(&messages::platform_states(&platform.name), publishers)?;
-        }
-        if self.system_tracks.exchange {
-            visit.visit(&messages::own_tracks(), publishers)?;
-        }
-        if self.system_tracks.smooths {
-            visit.visit(&messages::smoothed_tracks(), publishers)?;
-        }
-        Ok(())
-    }
+/// Use of published decisions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DecisionUse {
+    /// Recordings and other readers: none may be lost.
+    Record,
+    /// The display alone, which shows the latest: a burst may exceed the queue of the topic.
+    Show,
 }
 
 impl Deployment {
     /// Topic of the system tracks, with the longest queue that its readers may request.
-    fn system_tracks_topic(&self) -> Topic<SystemTrack> {
+    pub fn system_tracks_topic(&self) -> Topic<SystemTrack> {
         let mut topic = messages::system_tracks();
         topic.capacity.depth = self.machine.queue_slices;
         topic
@@ -100,27 +61,6 @@ impl Deployment {
             (true, _) => Some(DecisionUse::Record),
             (false, true) => Some(DecisionUse::Show),
             (false, false) => None,
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use crate::Machine;
-
-    #[test]
-    fn the_usual_queue_and_the_memory_are_as_stated_for_the_key() {
-        let mut topic = messages::system_tracks();
-        assert_eq!(Machine::default().queue_slices, topic.capacity.depth);
-        for length in [256, 1024, 8192] {
-            topic.capacity.depth = length;
-            // Fusion and its successor publish.
-            let megabytes = bus::needed_bytes(&topic, 2) as f64 / 1e6;
-            let stated = 0.41 * length as f64 + 20.0;
-            assert!(
-                (0.95 * stated - 10.0..=stated).contains(&megabytes),
-                "{length}: {megabytes}"
-            );
         }
     }
 }

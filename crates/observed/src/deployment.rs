@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use deployment::SourceFacts;
 use frames::{Geodetic, SystemFrame};
 use messages::{
     Alarm, BatchHeader, Counter, FrameOrigin, Health, LifeState, NO_SOURCE, OrderState, OrderStatus, ProcessKind,
@@ -12,7 +13,7 @@ use telemetry::{DataOffset, Journey, JourneyEnd, Stages};
 use crate::book::{HealthBook, LatestHealth};
 use crate::present::PresentAlarms;
 use crate::process::{ObservedProcess, process_title};
-use crate::source::{self, Delivery, RefusedInput, SourceFacts, SourceState};
+use crate::source::{self, Delivery, RefusedInput, SourceState};
 use crate::track_counts::TrackCounts;
 
 /// Silence after which a process counts as absent, nanoseconds: ten health messages are missing then.

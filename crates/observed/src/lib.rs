@@ -30,5 +30,5 @@ pub use book::{ChildState, HealthBook, LatestHealth, NO_MESSAGE};
 pub use deployment::Deployment;
 pub use present::StandingAlarm;
 pub use process::{ObservedProcess, ProcessState, process_title, remark};
-pub use source::{RefusedInput, SourceFacts, SourceState};
+pub use source::{RefusedInput, SourceState};
 pub use track_counts::TrackCounts;

@@ -2,43 +2,10 @@
 
 use serde::Serialize;
 
-use messages::{Bias, BiasKind, Counter, CounterClass, Counters, NO_SOURCE, ProcessKind, Registration};
+use deployment::SourceFacts;
+use messages::{Counter, CounterClass, Counters, NO_SOURCE, ProcessKind, Registration};
 
 use crate::book::HealthBook;
-
-/// Configured facts about a source.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SourceFacts {
-    /// Number.
-    pub number: u16,
-    /// Name.
-    pub name: String,
-    /// Name of the adapter process that publishes the source.
-    pub adapter: String,
-    /// Number of the source whose tracker takes the detections, if this is a sensor of a tracker: then fusion takes
-    /// none of its samples.
-    pub sensor_of: Option<u16>,
-    /// Whether a program of others publishes the source, without an adapter.
-    pub is_external: bool,
-    /// Silence after which the source is silent, nanoseconds; `None`: never.
-    pub silent_after_ns: Option<i64>,
-    /// Time between two reports of one target, nanoseconds.
-    pub period_ns: i64,
-    /// Configured direction of the sensor's own north, radians clockwise from true north; `None` where the direction
-    /// has no effect on positions.
-    pub north_offset_rad: Option<f64>,
-}
-
-impl SourceFacts {
-    /// Returns the value of `north_offset_deg` that ends a bias of azimuth, in hundredths of a degree; `None` for
-    /// another bias, or where the key has no effect.
-    pub fn north_offset_against(&self, bias: &Bias) -> Option<f64> {
-        let configured_rad = self.north_offset_rad.filter(|_| bias.kind == BiasKind::Azimuth)?;
-        let correct_deg = (configured_rad - bias.value[0]).to_degrees();
-        // Adding 0 makes a negative zero positive.
-        Some((correct_deg * 100.0).round() / 100.0 + 0.0)
-    }
-}
 
 /// State of a source.
 #[derive(Clone, Debug, Default)]

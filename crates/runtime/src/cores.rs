@@ -21,6 +21,16 @@ pub struct Placement {
     pub lock_memory: bool,
 }
 
+impl From<&deployment::Fusion> for Placement {
+    fn from(fusion: &deployment::Fusion) -> Self {
+        Self {
+            core: fusion.core,
+            realtime_priority: fusion.realtime_priority,
+            lock_memory: fusion.lock_memory,
+        }
+    }
+}
+
 /// File in which the kernel lists the cores that are switched on.
 const ONLINE: &str = "/sys/devices/system/cpu/online";
 

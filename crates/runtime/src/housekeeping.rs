@@ -39,10 +39,10 @@ use crate::agent::Agent;
 use crate::clock::{Now, mono_ns};
 use crate::cores;
 use crate::health::{HealthEntry, Reporter};
-use crate::instance::{DeploymentParts, QUARANTINED};
+use crate::instance::QUARANTINED;
 use crate::order_desk::OrderDesk;
 use crate::pause::LookPause;
-use crate::process::DeploymentProcess;
+use crate::process::Process;
 pub use crate::queues::{Queues, SnapshotParts};
 
 /// Number of buffers for health entries.
@@ -91,7 +91,7 @@ impl Housekeeper {
     /// # Errors
     /// If a topic cannot be opened.
     pub fn start(
-        process: &DeploymentProcess<impl DeploymentParts>,
+        process: &Process,
         core: Option<usize>,
         entries_max: usize,
         queues: Arc<Queues>,

@@ -12,7 +12,8 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use bus::{Bus, BusError, Claim, Payload, Root, SharedMemory, TopicHold};
-use messages::Topic;
+use deployment::Deployment;
+use messages::{Stream, Topic};
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 
 use crate::clock;
@@ -74,7 +75,7 @@ impl Instance {
     /// # Errors
     /// If the instance runs already, is still in use, or the machine lacks memory or permissions.
     pub fn claim(
-        deployment: &impl DeploymentParts,
+        deployment: &Deployment,
         instance: &str,
         processes: usize,
         stop: &Stop,
@@ -161,7 +162,7 @@ fn list(processes: &[bus::MemberProcess]) -> String {
 ///
 /// # Errors
 /// If the machine refuses a topic.
-pub fn hold_topics(deployment: &impl DeploymentParts, bus: &Bus<SharedMemory>) -> Result<Vec<TopicHold>, BusError> {
+pub fn hold_topics(deployment: &Deployment, bus: &Bus<SharedMemory>) -> Result<Vec<TopicHold>, BusError> {
     let mut hold = Hold { bus, held: Vec::new() };
     // Only the required space depends on the number of processes.
     each_topic(deployment, 0, &mut hold)?;
@@ -170,26 +171,11 @@ pub fn hold_topics(deployment: &impl DeploymentParts, bus: &Bus<SharedMemory>) -
 }
 
 /// Returns the maximum size in shared memory of a deployment of `processes` processes, bytes.
-pub fn needed_bytes(deployment: &impl DeploymentParts, processes: usize) -> u64 {
+pub fn needed_bytes(deployment: &Deployment, processes: usize) -> u64 {
     let mut need = Need(bus::needed_log_bytes(&messages::event_log()));
     // The sum cannot fail.
     let _ = each_topic(deployment, processes, &mut need);
     need.0
-}
-
-/// Parts of a deployment's configuration that every process needs.
-pub trait DeploymentParts {
-    /// Core of fusion alone; `None` if fusion shares a core.
-    fn fusion_core(&self) -> Option<usize>;
-
-    /// Midnight of the recordings' first day, UTC, nanoseconds since 1970; `None` without recordings.
-    fn first_day_ns(&self) -> Option<i64>;
-
-    /// Visits the topic of each stream of data, with the number of its publishers.
-    ///
-    /// # Errors
-    /// The first error of `visit`.
-    fn each_stream(&self, publishers: usize, visit: &mut impl Visit) -> Result<(), BusError>;
 }
 
 /// Maximum number of processes that give orders at a time.
@@ -204,9 +190,48 @@ pub trait Visit {
     fn visit<T: Payload>(&mut self, topic: &Topic<T>, publishers: usize) -> Result<(), BusError>;
 }
 
+/// Visits the topic of each stream of data of a deployment, with the number of its publishers.
+///
+/// # Errors
+/// The first error of `visit`.
+pub fn each_stream(deployment: &Deployment, publishers: usize, visit: &mut impl Visit) -> Result<(), BusError> {
+    for (id, name) in deployment.streams() {
+        match id.stream {
+            Stream::SensorTracks => visit.visit(&messages::sensor_tracks(name), publishers)?,
+            Stream::Detections => visit.visit(&messages::sensor_detections(name), publishers)?,
+            Stream::Bearings => visit.visit(&messages::sensor_bearings(name), publishers)?,
+            Stream::Arrivals => visit.visit(&messages::sensor_arrivals(name), publishers)?,
+            Stream::Fixes => visit.visit(&messages::sensor_fixes(name), publishers)?,
+            Stream::PlatformStates => visit.visit(&messages::platform_states(name), publishers)?,
+            Stream::Cues => visit.visit(&messages::cues(name), publishers)?,
+            Stream::WideArea => visit.visit(&messages::wide_area(name), publishers)?,
+            Stream::SystemTracks => visit.visit(&deployment.system_tracks_topic(), publishers)?,
+            Stream::Alarms => visit.visit(&messages::alarms(), publishers)?,
+            Stream::Decisions => visit.visit(&messages::decisions(), publishers)?,
+            Stream::Orders => visit.visit(&messages::order_states(), publishers)?,
+        }
+    }
+    for sensor in &deployment.tracker_sensors {
+        visit.visit(&messages::sensor_detections(&sensor.name), publishers)?;
+    }
+    for source in deployment.sources.iter().filter(|source| source.has_array()) {
+        visit.visit(&messages::sensor_spectrum(&source.name), publishers)?;
+    }
+    for platform in &deployment.platforms {
+        visit.visit(&messages::platform_states(&platform.name), publishers)?;
+    }
+    if deployment.system_tracks.exchange {
+        visit.visit(&messages::own_tracks(), publishers)?;
+    }
+    if deployment.system_tracks.smooths {
+        visit.visit(&messages::smoothed_tracks(), publishers)?;
+    }
+    Ok(())
+}
+
 /// Visits every topic of a deployment, with the number of its publishers at a time.
-fn each_topic(deployment: &impl DeploymentParts, processes: usize, visit: &mut impl Visit) -> Result<(), BusError> {
-    deployment.each_stream(ONE_AND_ITS_SUCCESSOR, visit)?;
+fn each_topic(deployment: &Deployment, processes: usize, visit: &mut impl Visit) -> Result<(), BusError> {
+    each_stream(deployment, ONE_AND_ITS_SUCCESSOR, visit)?;
     visit.visit(&messages::frame_origin(), ONE_AND_ITS_SUCCESSOR)?;
     visit.visit(&messages::health(), processes + FURTHER_HEALTH)?;
     visit.visit(&messages::progress(), PROGRESS_PUBLISHERS)?;
@@ -280,6 +305,22 @@ fn raise_file_limit() {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_usual_queue_and_the_memory_are_as_stated_for_the_key() {
+        let mut topic = messages::system_tracks();
+        assert_eq!(deployment::Machine::default().queue_slices, topic.capacity.depth);
+        for length in [256, 1024, 8192] {
+            topic.capacity.depth = length;
+            // Fusion and its successor publish.
+            let megabytes = bus::needed_bytes(&topic, 2) as f64 / 1e6;
+            let stated = 0.41 * length as f64 + 20.0;
+            assert!(
+                (0.95 * stated - 10.0..=stated).contains(&megabytes),
+                "{length}: {megabytes}"
+            );
+        }
+    }
 
     #[test]
     fn whoever_holds_the_lock_leads() {

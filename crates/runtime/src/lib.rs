@@ -1,8 +1,8 @@
 //! Access of Koseki's processes to the machine.
 //!
 //! Algorithms use no clock, file or core. This crate alone reads clocks, catches signals and pins threads. It
-//! contains no algorithm and no configuration of one: the crate `configuration` implements [`DeploymentParts`], and the
-//! services use both crates.
+//! contains no algorithm and no configuration of one: a process gets the facts of its [`deployment`], and its own
+//! settings.
 
 #![forbid(unsafe_code)]
 
@@ -28,12 +28,10 @@ mod wake_up_limit;
 pub use agent::{Agent, Turn};
 pub use clock::Now;
 pub use health::HealthEntry;
-pub use instance::DeploymentParts;
 pub use notice::notice;
 pub use numbered_files::NumberedFiles;
 pub use pause::LookPause;
-pub use process::{DeploymentProcess, Options, Speed};
+pub use process::{Options, Process, Speed};
 pub use publication::Publication;
-pub use queues::DecisionUse;
 pub use service::Rest;
 pub use wake_up_limit::WakeUpLimit;

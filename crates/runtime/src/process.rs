@@ -5,12 +5,12 @@ use std::path::PathBuf;
 
 use anyhow::Context as _;
 use bus::{Bus, Root, SharedMemory};
+use deployment::Deployment;
 use messages::{Health, ProcessKind};
 
 use crate::clock::mono_ns;
 use crate::cores;
 use crate::health::Reporter;
-use crate::instance::DeploymentParts;
 use crate::loopback::loopback_of;
 use crate::signals::{self, Stop};
 
@@ -46,9 +46,9 @@ pub struct Options {
 
 /// Process of a deployment, connected and ready.
 #[derive(Debug)]
-pub struct DeploymentProcess<D> {
+pub struct Process {
     /// Deployment.
-    pub config: D,
+    pub config: Deployment,
     /// Arguments.
     pub options: Options,
     /// Kind.
@@ -64,16 +64,16 @@ pub struct DeploymentProcess<D> {
     pub(crate) stop: Stop,
 }
 
-impl<D: DeploymentParts> DeploymentProcess<D> {
+impl Process {
     /// Connects a process to its deployment. From now on, the process ends with its launcher.
     ///
     /// # Errors
     /// If the deployment does not run, or the operating system refuses an operation.
-    pub fn connect(config: D, options: Options, kind: ProcessKind, name: &str) -> anyhow::Result<Self> {
+    pub fn connect(config: Deployment, options: Options, kind: ProcessKind, name: &str) -> anyhow::Result<Self> {
         let stop = follow(options.launcher)?;
         // Fusion's core is for fusion alone.
         if kind != ProcessKind::Fusion
-            && let Some(core) = config.fusion_core()
+            && let Some(core) = config.fusion.core
         {
             cores::stay_away_from(core);
         }
@@ -109,7 +109,7 @@ impl<D: DeploymentParts> DeploymentProcess<D> {
     /// Returns midnight of the day from which files count seconds, UTC, nanoseconds.
     pub fn first_day_ns(&self) -> i64 {
         let live = || self.options.scenario_start_ns.div_euclid(frames::time::NS_PER_DAY) * frames::time::NS_PER_DAY;
-        self.config.first_day_ns().unwrap_or_else(live)
+        self.config.first_day_ns.unwrap_or_else(live)
     }
 }
 

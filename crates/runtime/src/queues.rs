@@ -5,6 +5,7 @@ use std::sync::{Arc, OnceLock};
 use std::thread::Thread;
 
 use crossbeam_queue::ArrayQueue;
+use deployment::DecisionUse;
 use messages::{Decision, Order, OrderState, RESTORED_WORDS, Restored, SensorTrack};
 
 /// Maximum number of orders that wait for the loop.
@@ -17,15 +18,6 @@ const DECISIONS_MAX: usize = 8192;
 const NAMES_MAX: usize = 4;
 /// Maximum number of reports in quarantine that wait to be written.
 const QUARANTINED_MAX: usize = 4;
-
-/// Use of published decisions.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DecisionUse {
-    /// Recordings and other readers: none may be lost.
-    Record,
-    /// The display alone, which shows the latest: a burst may exceed the queue of the topic.
-    Show,
-}
 
 /// Queues to a loop and from it.
 #[derive(Debug)]

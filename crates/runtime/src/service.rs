@@ -13,8 +13,7 @@ use crate::agent::{Agent, Turn};
 use crate::clock::{Now, mono_ns};
 use crate::health::Reporter;
 use crate::housekeeping::Housekeeper;
-use crate::instance::DeploymentParts;
-use crate::process::DeploymentProcess;
+use crate::process::Process;
 use crate::signals::Stop;
 
 /// Time between two health messages, nanoseconds.
@@ -36,7 +35,7 @@ pub struct Rest {
 ///
 /// # Errors
 /// Errors of the agent.
-pub fn run<D: DeploymentParts>(process: &DeploymentProcess<D>, agent: &mut dyn Agent) -> anyhow::Result<()> {
+pub fn run(process: &Process, agent: &mut dyn Agent) -> anyhow::Result<()> {
     run_reporting(&process.stop, process.reporter()?, agent)
 }
 
@@ -59,8 +58,8 @@ fn run_reporting(stop: &Stop, mut reporter: Reporter, agent: &mut dyn Agent) -> 
 ///
 /// # Errors
 /// Errors of the agent or of the housekeeper.
-pub fn run_apart<D: DeploymentParts>(
-    process: &DeploymentProcess<D>,
+pub fn run_apart(
+    process: &Process,
     agent: &mut dyn Agent,
     rest: Option<Rest>,
     housekeeper: Housekeeper,

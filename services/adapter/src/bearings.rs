@@ -2,9 +2,9 @@
 //! behind the socket.
 
 use anyhow::Context as _;
-use deployment::Process;
 use formats::emitter_rows_csv::EmitterRowReader;
 use messages::Counters;
+use runtime::Process;
 use runtime::{HealthEntry, Now};
 
 use crate::Processed;

@@ -7,11 +7,12 @@
 
 use anyhow::Context as _;
 use asterix::{Decoder, blocks};
-use deployment::{Asterix, Input, Process, Source};
+use deployment::{Asterix, Input, Source};
 use messages::Counter;
 use net::BATCH_MAX;
 use reception::Method;
 use reception::observation::{self, Reading};
+use runtime::Process;
 use runtime::{HealthEntry, Now};
 
 use crate::Processed;

@@ -19,9 +19,10 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use crossbeam_queue::ArrayQueue;
-use deployment::{Process, Segments};
+use deployment::Segments;
 use formats::containers::{DatagramRoute, begin_capture, capture};
 use messages::Counter;
+use runtime::Process;
 use runtime::{HealthEntry, Now, NumberedFiles};
 
 /// Number of batches, and bytes of each: a disk may pause for seconds.

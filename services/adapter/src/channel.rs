@@ -1,7 +1,7 @@
 //! Path of a source's observations to its topics.
 
 use bus::{BusError, Mark, Publisher, SharedMemory, Subscriber};
-use deployment::{Process, Source};
+use deployment::Source;
 use messages::{
     Counter, Counters, Cue, NS_PER_S, PlatformState, SensorArrival, SensorBearing, SensorDetection, SensorFix,
     SensorSpectrum, SensorTrack, WideArea,
@@ -11,6 +11,7 @@ use observations::{
 };
 use platform::State;
 use reception::RefusedPlace;
+use runtime::Process;
 use runtime::clock::{SteadyClock, mono_ns};
 use runtime::{HealthEntry, Now, Publication};
 use sources::{Pipeline, Samples};

@@ -6,7 +6,8 @@
 
 use std::sync::Arc;
 
-use deployment::{Process, Source};
+use deployment::Source;
+use runtime::Process;
 use runtime::{Now, Publication};
 use sources::Pipeline;
 

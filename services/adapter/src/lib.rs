@@ -35,8 +35,9 @@ mod tracker;
 mod wide_area;
 
 use anyhow::Context as _;
-use deployment::{Input, Platform, Process, ReceiverTransport, Source};
+use deployment::{Input, Platform, ReceiverTransport, Source};
 use runtime::Agent;
+use runtime::Process;
 use sources::Processing;
 
 use crate::bearings::Bearings;

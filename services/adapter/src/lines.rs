@@ -7,10 +7,10 @@ use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::time::Duration;
 
 use anyhow::Context as _;
-use deployment::Process;
 use formats::sbs::{AircraftMerger, SbsSettings};
 use messages::Counter;
 use net::{LinesSettings, TcpLines};
+use runtime::Process;
 use runtime::clock::SteadyClock;
 use runtime::{Agent, HealthEntry, Now, Turn};
 

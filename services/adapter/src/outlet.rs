@@ -1,8 +1,8 @@
 //! Publication of samples of one kind.
 
 use bus::{BusError, Mark, Payload, Publisher, SharedMemory};
-use deployment::Process;
 use messages::{Outgoing, ProcessKind, StreamId, Topic};
+use runtime::Process;
 use runtime::flow::Flow;
 
 /// Publisher of a topic that some sources have.

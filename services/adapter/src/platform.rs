@@ -11,12 +11,13 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use bus::{Mark, Publisher, SharedMemory};
-use deployment::{Platform, PlatformFeed, PlatformInput, Process, ReceiverTransport};
+use deployment::{Platform, PlatformFeed, PlatformInput, ReceiverTransport};
 use formats::nmea::{NmeaReader, NmeaSettings};
 use formats::platform_states_csv::PlatformStateReader;
 use messages::{Counter, PlatformState, StageTimes};
 use net::{LinesSettings, TcpLines};
 use platform::{JumpWatch, Navigator, State};
+use runtime::Process;
 use runtime::clock::mono_ns;
 use runtime::{Agent, HealthEntry, Now, Turn};
 

@@ -5,10 +5,11 @@
 //! belongs to the socket. A row of the kind `none` states a scan without detections.
 
 use anyhow::Context as _;
-use deployment::{Process, SampleDelivery};
+use deployment::SampleDelivery;
 use formats::scan_rows_csv::{ScanRow, ScanRowReader};
 use messages::{Counter, Counters};
 use observations::SensorEvent;
+use runtime::Process;
 use runtime::{HealthEntry, Now};
 
 use crate::Processed;

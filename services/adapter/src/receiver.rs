@@ -9,9 +9,10 @@ use std::fmt::Debug;
 use std::net::IpAddr;
 use std::time::Duration;
 
-use deployment::{Process, ReceiverTransport};
+use deployment::ReceiverTransport;
 use messages::Counter;
 use net::{ReceiverSettings, UdpReceiver};
+use runtime::Process;
 use runtime::clock::SteadyClock;
 use runtime::{Agent, HealthEntry, Now, Turn};
 

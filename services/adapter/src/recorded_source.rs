@@ -6,8 +6,9 @@
 use std::collections::VecDeque;
 
 use anyhow::Context as _;
-use deployment::{Process, Recorded, Source};
+use deployment::{Recorded, Source};
 use messages::{Counters, ProcessKind, SensorDetection, SensorTrack, Stream, StreamId};
+use runtime::Process;
 use sources::{Pipeline, Processing};
 use tracking::wide_area::arrivals::Arrivals;
 

@@ -9,8 +9,8 @@ use std::fmt::Debug;
 use std::time::Duration;
 
 use bus::{Mark, SharedMemory, WaitMode, Waiter};
-use deployment::Process;
 use messages::{Counter, Counters, Outgoing, ProcessKind, SensorDetection, StreamId, Topic};
+use runtime::Process;
 use runtime::clock::mono_ns;
 use runtime::{Agent, HealthEntry, Now, Speed, Turn};
 

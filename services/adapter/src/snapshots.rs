@@ -3,10 +3,10 @@
 //! The layout is that of [`formats::snapshot_datagram`]. Refused datagrams are counted by reason.
 
 use anyhow::Context as _;
-use deployment::Process;
 use formats::snapshot_datagram::{self, SnapshotRefusal};
 use messages::{Counter, Counters};
 use observations::SnapshotBlock;
+use runtime::Process;
 use runtime::{HealthEntry, Now};
 
 use crate::Processed;

@@ -81,11 +81,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::Context as _;
-use deployment::{Deployment, Process};
+use deployment::Deployment;
 use frames::SystemFrame;
 use messages::FrameOrigin;
 use outgoing::Technology;
 use runtime::Now;
+use runtime::Process;
 use runtime::signals::Stop;
 use web::{ForeignPages, Guard, HostName, Server, WriteAccess};
 
@@ -284,7 +285,7 @@ fn sources(config: &Deployment) -> Vec<SourceFact> {
         .collect()
 }
 
-fn fact(observed: observed::SourceFacts, source: &deployment::Source) -> SourceFact {
+fn fact(observed: deployment::SourceFacts, source: &deployment::Source) -> SourceFact {
     SourceFact {
         source: observed,
         kind: match source.technology {

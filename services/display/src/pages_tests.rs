@@ -38,7 +38,7 @@ fn served() -> (Arc<SharedState>, Server) {
 /// World of two tracks and its server, at the time of `clock`.
 fn served_at(clock: fn() -> Now) -> (Arc<SharedState>, Server) {
     let sources = vec![SourceFact {
-        source: observed::SourceFacts {
+        source: deployment::SourceFacts {
             number: 0,
             name: "radar".to_owned(),
             adapter: "radar".to_owned(),

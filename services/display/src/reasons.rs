@@ -358,7 +358,7 @@ mod tests {
 
     fn world() -> World {
         let source = |(number, name, period_s): (u16, &str, i64)| SourceFact {
-            source: observed::SourceFacts {
+            source: deployment::SourceFacts {
                 number,
                 name: name.to_owned(),
                 adapter: name.to_owned(),

@@ -43,7 +43,7 @@ const PERIOD_NS: i64 = NS_PER_S;
 /// Configured source.
 #[derive(Clone, Debug)]
 pub(crate) struct SourceFact {
-    pub(crate) source: observed::SourceFacts,
+    pub(crate) source: deployment::SourceFacts,
     /// Kind of observation, as a word.
     pub(crate) kind: &'static str,
     /// Position of the sensor, metres east and north.
@@ -54,7 +54,7 @@ impl SourceFact {
     /// Facts on a source without configuration.
     fn unconfigured(number: u16, name: String) -> Self {
         Self {
-            source: observed::SourceFacts {
+            source: deployment::SourceFacts {
                 number,
                 name,
                 adapter: String::new(),

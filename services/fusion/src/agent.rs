@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use bus::{Bus, Transport, WaitMode, Waiter};
-use deployment::{Deployment, ReportOrder, Source};
+use deployment::{Deployment, Fusion, ReportOrder, Source, WaitWord};
 use fusion::{Driver, Engine, Merger, PushOutcome, Settings, Sink as _};
 use messages::{
     BatchHeader, Counter, NO_SOURCE, Order, OrderKind, OrderState, OrderStatus, ProcessKind, Refusal, Restored,
@@ -99,7 +99,7 @@ impl<S: Transport> Ready<S> {
         bus: &Bus<S>,
         incarnation: u64,
     ) -> anyhow::Result<Self> {
-        let mut waiter = bus.waiter(config.fusion.wait_mode());
+        let mut waiter = bus.waiter(wait_mode(&config.fusion));
         if core.is_some() {
             waiter = waiter.without_yielding();
         }
@@ -518,5 +518,16 @@ impl<S: Transport> Agent for FusionAgent<S> {
         let of_source = |input: &SourceInput<S>| health::of_source(self.driver.engine(), input, self.common);
         entries.extend(self.inputs.iter().map(of_source));
         debug_assert!(entries.iter().skip(1).all(|entry| entry.source != NO_SOURCE));
+    }
+}
+
+/// How fusion waits for work.
+fn wait_mode(fusion: &Fusion) -> WaitMode {
+    match fusion.wait {
+        WaitWord::Event => WaitMode::Event,
+        WaitWord::Spin => WaitMode::Spin,
+        WaitWord::Hybrid => WaitMode::Hybrid {
+            spin_ns: (fusion.hybrid_spin_us * 1e3) as u64,
+        },
     }
 }

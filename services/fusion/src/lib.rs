@@ -34,8 +34,9 @@ pub use smoothing::{SmoothingQueue, SmoothingWorker};
 
 use std::sync::Arc;
 
-use deployment::{Process, WaitWord};
+use deployment::WaitWord;
 use fusion::Settings;
+use runtime::Process;
 use runtime::cores::Placement;
 use runtime::housekeeping::{Housekeeper, Queues};
 use runtime::{Now, Rest, WakeUpLimit, cores};
@@ -68,9 +69,9 @@ pub fn run(process: &Process, settings: &Settings) -> anyhow::Result<()> {
     let placement = match has_standby {
         true => Placement {
             core: fusion.standby_core,
-            ..fusion.placement()
+            ..Placement::from(fusion)
         },
-        false => fusion.placement(),
+        false => Placement::from(fusion),
     };
     // Before this thread takes its core: threads inherit core and priority.
     let housekeeper = Housekeeper::start(process, fusion.core, entries_max, Arc::clone(&queues))?;

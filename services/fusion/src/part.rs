@@ -4,9 +4,9 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use bus::SharedMemory;
-use deployment::Process;
 use fusion::Settings;
 use messages::ProcessKind;
+use runtime::Process;
 use runtime::cores;
 use runtime::housekeeping::Queues;
 use runtime::{Agent, HealthEntry, Now, Turn};

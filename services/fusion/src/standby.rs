@@ -28,9 +28,9 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use bus::{Outlasting, SharedMemory};
-use deployment::Process;
 use fusion::checkpoint::{CheckpointClock, CheckpointLayout, clock_of, position_of};
 use runtime::Now;
+use runtime::Process;
 use runtime::clock::mono_ns;
 use runtime::instance::{CHECKPOINT, FUSION_LEADS, leading_fusion};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};

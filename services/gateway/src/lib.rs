@@ -22,7 +22,7 @@ mod settings;
 mod settings_tests;
 
 use anyhow::Context as _;
-use deployment::Process;
+use runtime::Process;
 
 pub use cue_settings::CueOutletSettings;
 pub use destination::Destination;

@@ -477,7 +477,7 @@ fn deadlines(deadlines: Deadlines) -> String {
 }
 
 fn place(config: &Config) -> String {
-    let place = config.fusion.placement();
+    let place = runtime::cores::Placement::from(&config.fusion);
     let mut words = vec![match place.core {
         Some(core) => format!("on core {core}"),
         None => "on any core".to_owned(),

@@ -47,10 +47,10 @@ use std::time::Duration;
 use bus::BusError;
 use clap::{CommandFactory as _, Parser as _};
 use configuration::BUILT_IN_DEMO;
-use deployment::Process;
 use launcher::RunOptions;
 use messages::ProcessKind;
 use offline::{Host, TableCommand, Terminal, Usage};
+use runtime::Process;
 use runtime::{Now, Options};
 
 use args::{Cli, Command, Serve};

@@ -15,8 +15,8 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use bus::{Bus, Mark, Publisher, SharedMemory, Subscriber};
-use deployment::Process;
 use messages::{Counter, Counters, Health, LifeState, NO_SOURCE, ProcessKind};
+use runtime::Process;
 use runtime::instance::hold_topics;
 use runtime::{Agent, HealthEntry, Now, Turn};
 

@@ -65,14 +65,41 @@ impl Parts for Keys {
         vec![self]
     }
 
-    fn join(&self, _: &mut Deployment) -> Result<(), SettingsError> {
-        Ok(())
+    fn join(&self, deployment: &mut Deployment) -> Result<(), SettingsError> {
+        let fusion = &deployment.fusion;
+        check_cores(
+            &[
+                ("fusion.core", fusion.core),
+                ("fusion.standby_core", fusion.standby_core),
+            ],
+            &runtime::cores::online(),
+        )
     }
+}
+
+/// Checks that the machine, with these `cores`, has each core that a key names.
+fn check_cores(named: &[(&str, Option<usize>)], cores: &[usize]) -> Result<(), SettingsError> {
+    for (key, core) in named {
+        if let Some(core) = core.filter(|core| !cores.contains(core)) {
+            let what = format!("{core} does not exist or is switched off; this machine offers cores {cores:?}");
+            return Err(SettingsError::new(*key, what));
+        }
+    }
+    Ok(())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_core_that_the_machine_lacks_is_refused_with_the_cores_that_it_has() {
+        let named = |core| [("fusion.core", Some(1)), ("fusion.standby_core", core)];
+        assert_eq!(check_cores(&named(None), &[0, 1]), Ok(()));
+        let error = check_cores(&named(Some(4711)), &[0, 1]).unwrap_err();
+        assert_eq!(error.key, "fusion.standby_core");
+        assert!(error.what.contains("this machine offers cores [0, 1]"), "{error}");
+    }
 
     #[test]
     fn whoever_may_read_a_file_may_enter_its_folder() {

@@ -86,7 +86,7 @@ pub use settings::{Keys, MonitorWait, Settings};
 ///
 /// # Errors
 /// If a file cannot be written or shared memory fails.
-pub fn run(process: &deployment::Process, settings: &Settings) -> anyhow::Result<()> {
+pub fn run(process: &runtime::Process, settings: &Settings) -> anyhow::Result<()> {
     let say = |line: &str| {
         runtime::notice(format_args!("koseki: {}: {line}", process.name));
     };

@@ -5,8 +5,9 @@
 //! of these looks at a share of what has come lately, and at a least number.
 
 use alarms::{AlarmKind, Finding, Lately, Round, Subject, above};
+use deployment::SourceFacts;
 use messages::{Counter, Counters, ProcessKind};
-use observed::{Deployment, SourceFacts};
+use observed::Deployment;
 use telemetry::table::count;
 
 use crate::text::{percent, several};

@@ -5,9 +5,10 @@
 use std::collections::BTreeMap;
 
 use bus::SubscriberCounts;
+use deployment::SourceFacts;
 use deployment::{Input, ReceiverTransport, ReportOrder, Source};
 use messages::{Alarm, BatchHeader, Counter, CounterClass, Counters, NO_SOURCE, ProcessKind, SystemTrack};
-use observed::{Deployment, ObservedProcess, ProcessState, SourceFacts, process_title as title};
+use observed::{Deployment, ObservedProcess, ProcessState, process_title as title};
 use runtime::{Now, Options, Speed};
 use telemetry::{Buckets, Journey, JourneyEnd, Span, Stage};
 

@@ -50,7 +50,7 @@ pub use settings::{Format, Keys, Packing, Settings};
 pub use start::Start;
 pub use tables::Tables;
 
-use deployment::Process;
+use runtime::Process;
 
 /// Runs the recorder, of an executable of this `version`, until every topic has ended or a stop is requested.
 ///

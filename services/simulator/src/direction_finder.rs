@@ -1,13 +1,14 @@
 //! Simulated direction finder: sends tables of bearings in datagrams (FM-7), each with a header line, or the snapshots
 //! of its antenna array (EL-1).
 
-use deployment::{Process, Source};
+use deployment::Source;
 use formats::bearings_csv::BearingWriter;
 use formats::snapshot_datagram::each_datagram;
 use frames::time::NS_PER_DAY;
 use messages::NS_PER_S;
 use net::UdpSender;
 use observations::{Bearing, SnapshotBlock};
+use runtime::Process;
 use runtime::{HealthEntry, Now};
 use scenario::{ArrayGeometry, DirectionFinderSettings, SimulatedDirectionFinder, Truth};
 

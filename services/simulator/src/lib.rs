@@ -29,9 +29,10 @@ use std::net::SocketAddr;
 use std::time::Duration;
 
 use anyhow::Context as _;
-use deployment::{Input, Instrument, Process, ReceiverTransport};
+use deployment::{Input, Instrument, ReceiverTransport};
 use messages::NS_PER_S;
 use net::{SenderSettings, UdpSender};
+use runtime::Process;
 use runtime::{Agent, HealthEntry, Now, Turn};
 use scenario::{ScenarioSettings, Truth};
 

@@ -2,10 +2,10 @@
 
 use std::io;
 
-use deployment::Process;
 use messages::Counter;
 use net::UdpSender;
 use runtime::HealthEntry;
+use runtime::Process;
 
 use crate::{DATAGRAM_OCTETS_MAX, sender_to};
 

@@ -1,8 +1,9 @@
 //! Simulated sensor that sends ASTERIX datagrams.
 
-use deployment::{Process, Source};
+use deployment::Source;
 use messages::{Counter, NS_PER_S};
 use net::UdpSender;
+use runtime::Process;
 use runtime::{HealthEntry, Now};
 use scenario::{SensorSettings, Truth};
 

@@ -3,7 +3,7 @@
 use std::net::SocketAddr;
 
 use anyhow::Context as _;
-use deployment::{Platform, PlatformFeed, PlatformInput, Process};
+use deployment::{Platform, PlatformFeed, PlatformInput};
 use formats::detections_csv::DetectionWriter;
 use formats::nmea::write_sentences;
 use frames::SystemFrame;
@@ -12,6 +12,7 @@ use messages::{Counter, NS_PER_S};
 use net::{SenderSettings, UdpSender};
 use observations::Detection;
 use platform::{Navigation, State};
+use runtime::Process;
 use runtime::{HealthEntry, Now};
 use scenario::{OnBoardSettings, SimulatedShip, Truth};
 

@@ -1,11 +1,12 @@
 //! Simulated wide-area sensor: sends tables of counts in datagrams (FM-6), each with a header line, at the time of
 //! arrival.
 
-use deployment::{Process, WideAreaSensor};
+use deployment::WideAreaSensor;
 use formats::wide_area_csv::WideAreaWriter;
 use frames::time::NS_PER_DAY;
 use messages::NS_PER_S;
 use observations::WideAreaReport;
+use runtime::Process;
 use runtime::{HealthEntry, Now};
 use scenario::{SimulatedWideAreaSensor, Truth, WideAreaSettings};
 

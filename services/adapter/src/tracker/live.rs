@@ -7,10 +7,11 @@
 use std::time::Duration;
 
 use bus::{SharedMemory, Subscriber, WaitMode, Waiter};
-use deployment::{Input, Process, Source};
+use deployment::{Input, Source};
 use messages::{Counter, Counters, PlatformState, SensorDetection};
 use observations::{Sampled, SensorEvent};
 use platform::State;
+use runtime::Process;
 use runtime::clock::SteadyClock;
 use runtime::{Agent, HealthEntry, Now, Turn};
 use sources::carrying::Carrying;

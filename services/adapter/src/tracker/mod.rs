@@ -11,8 +11,8 @@ mod on_board;
 mod orders;
 mod recorded;
 
-use deployment::Process;
 use runtime::Agent;
+use runtime::Process;
 
 use crate::Processed;
 use live::TrackerAgent;

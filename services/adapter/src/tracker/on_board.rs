@@ -6,9 +6,10 @@
 use std::path::Path;
 
 use anyhow::Context as _;
-use deployment::{Platform, PlatformInput, Process};
+use deployment::{Platform, PlatformInput};
 use formats::platform_states_csv::PlatformStateReader;
 use platform::{Assumed, State};
+use runtime::Process;
 use sources::carrying::{CarriedSensor, Carrier, Carrying};
 
 use crate::Processed;

@@ -7,11 +7,12 @@ use std::collections::VecDeque;
 use std::path::Path;
 
 use anyhow::Context as _;
-use deployment::{Input, PlotFormat, Process, Recorded, SampleDelivery, Source};
+use deployment::{Input, PlotFormat, Recorded, SampleDelivery, Source};
 use formats::autoferry;
 use formats::scan_rows_csv::ScanRowReader;
 use messages::{Counter, Counters, ProcessKind, SensorDetection, SensorTrack, Stream, StreamId};
 use observations::{Sampled, SensorEvent};
+use runtime::Process;
 use sources::{Pipeline, Processing, Samples};
 use tracking::wide_area::arrivals::Arrivals;
 

@@ -2,9 +2,10 @@
 
 use asterix::blocks;
 use bus::{Mark, Publisher, SharedMemory};
-use deployment::{Process, WideAreaInput, WideAreaSensor};
+use deployment::{WideAreaInput, WideAreaSensor};
 use messages::{Counter, StageTimes, WideArea};
 use observations::Sampled;
+use runtime::Process;
 use runtime::clock::mono_ns;
 use runtime::{HealthEntry, Now};
 use tracking::wide_area::WideAreaReport;

@@ -15,9 +15,10 @@ mod rows;
 mod tracks;
 
 use anyhow::Context as _;
-use deployment::{Process, WideAreaSensor};
+use deployment::WideAreaSensor;
 use messages::{Counter, Counters, Stream, StreamId};
 use runtime::Agent;
+use runtime::Process;
 use tracking::wide_area::{ReportRejection, WideAreaReport, fault_in};
 
 use self::live::LiveCounts;

@@ -111,7 +111,7 @@ fn the_loop_allocates_nothing() {
         held.push(bus.hold(&messages::system_tracks()).unwrap());
         held.push(bus.hold(&messages::progress()).unwrap());
         held.push(bus.hold(&messages::smoothed_tracks()).unwrap());
-        let queues = Queues::new(Some(runtime::DecisionUse::Record));
+        let queues = Queues::new(Some(deployment::DecisionUse::Record));
         let config = config(wait);
         let agent = FusionAgent::new(&config, &config.engine, Speed::Max, &bus, 1, Arc::clone(&queues)).unwrap();
         // The second time the loop passes on what it emits to the smoothing thread, too.

@@ -3,8 +3,9 @@
 use std::collections::BTreeSet;
 
 use alarms::{AlarmKind, Finding, Round, Subject, Usual, above};
+use deployment::SourceFacts;
 use messages::{Bias, BiasKind, Counter, LifeState, ProcessKind, Registration};
-use observed::{ObservedProcess, ProcessState, SourceFacts};
+use observed::{ObservedProcess, ProcessState};
 
 use super::{Conditions, RoundView};
 use crate::text::{elapsed, several};
