@@ -14,6 +14,8 @@ const REPORTS_MIN: u32 = 5;
 pub(crate) const SILENT: f64 = 0.75;
 /// Time after the last report before a restart in which its tracks come back, nanoseconds.
 const SHORTLY_NS: i64 = 60 * NS_PER_S as i64;
+/// Periods after its latest report from which a track is overdue.
+const OVERDUE: f64 = 1.25;
 /// Silence after which all tracks have ended, so that it no longer matters, nanoseconds.
 const LONG_NS: i64 = 300 * NS_PER_S as i64;
 
@@ -27,11 +29,14 @@ pub(crate) struct Restarts {
 struct SourceRestarts {
     /// Time of the latest report that was not the first of its track, nanoseconds.
     known_ns: i64,
-    /// Begin of the present period of such reports, nanoseconds, and their number in the one before and since.
-    period_ns: i64,
+    /// End of the present period of such reports, nanoseconds, and their number in the one before and in this one.
+    look_ns: i64,
     reports: [u32; 2],
-    /// First reports since the latest one.
+    /// First reports since the latest one, and the time of the first of them, nanoseconds.
     begun: u32,
+    begun_ns: i64,
+    /// Latest time of a restart before which no track had come twice, nanoseconds; `i64::MAX` if there was none.
+    unproved_ns: i64,
     /// Tracks that have not been reported since then are of before a restart, nanoseconds.
     restarted_ns: i64,
 }
@@ -40,9 +45,11 @@ impl Restarts {
     pub(crate) fn new(sources: usize) -> Self {
         let none = SourceRestarts {
             known_ns: i64::MIN,
-            period_ns: i64::MIN,
+            look_ns: i64::MIN,
             reports: [0; 2],
             begun: 0,
+            begun_ns: i64::MIN,
+            unproved_ns: i64::MAX,
             restarted_ns: i64::MIN,
         };
         Self {
@@ -70,9 +77,8 @@ impl Restarts {
             return own.begin(period_ns, time_ns);
         }
         (own.known_ns, own.begun) = (own.known_ns.max(time_ns), 0);
-        if time_ns >= own.period_ns.saturating_add(period_ns) {
-            own.period_ns = time_ns;
-            own.reports = [own.reports[1], 0];
+        if time_ns >= own.look_ns {
+            own.look(period_ns, time_ns);
         }
         own.reports[1] = own.reports[1].saturating_add(1);
     }
@@ -82,12 +88,38 @@ impl SourceRestarts {
     /// A track begins: whether all others are silent.
     #[cold]
     fn begin(&mut self, period_ns: i64, time_ns: i64) {
+        if self.begun == 0 {
+            self.begun_ns = time_ns;
+        }
         self.begun = self.begun.saturating_add(1);
+        if self.begun < REPORTS_MIN {
+            return;
+        }
         let silence_ns = time_ns.saturating_sub(self.known_ns);
         let had_tracks = self.reports[0].saturating_add(self.reports[1]) >= REPORTS_MIN;
-        let is_silent = silence_ns as f64 >= SILENT * period_ns as f64 && silence_ns < LONG_NS;
-        if had_tracks && is_silent && self.begun >= REPORTS_MIN {
+        if had_tracks && silence_ns as f64 >= SILENT * period_ns as f64 && silence_ns < LONG_NS {
             self.restarted_ns = self.known_ns;
+        }
+        // A source that begins anew soon after a start: its first tracks are overdue, and none has come twice.
+        let overdue_ns = time_ns.saturating_sub((OVERDUE * period_ns as f64) as i64);
+        if self.begun >= 2 * REPORTS_MIN && self.begun_ns <= overdue_ns {
+            self.restarted_ns = self.restarted_ns.max(overdue_ns);
+            self.unproved_ns = self.begun_ns.saturating_add(period_ns);
+            self.look_ns = self.look_ns.min(time_ns);
+        }
+    }
+
+    /// A period of reports ends, or the last of the tracks before an unproved restart are overdue.
+    #[cold]
+    fn look(&mut self, period_ns: i64, time_ns: i64) {
+        self.look_ns = time_ns.saturating_add(period_ns);
+        self.reports = [self.reports[1], 0];
+        let overdue_ns = self.unproved_ns.saturating_add((OVERDUE * period_ns as f64) as i64);
+        if time_ns >= overdue_ns {
+            self.restarted_ns = self.restarted_ns.max(self.unproved_ns);
+            self.unproved_ns = i64::MAX;
+        } else {
+            self.look_ns = self.look_ns.min(overdue_ns);
         }
     }
 }
@@ -121,6 +153,24 @@ mod tests {
             restarts.is_before(0, 67 * S) && !restarts.is_before(0, 69 * S),
             "again and again"
         );
+    }
+
+    #[test]
+    fn a_source_that_begins_anew_before_any_track_came_twice_has_restarted() {
+        let mut restarts = Restarts::new(1);
+        let mut scan = |from_s: f64, seconds: f64, is_first: bool| {
+            for part in 0..40 {
+                let time_s = from_s + seconds * f64::from(part) / 40.0;
+                restarts.take(SOURCE, (time_s * S as f64) as i64, is_first);
+            }
+            restarts.clone()
+        };
+        let started = scan(0.0, 3.9, true);
+        assert!(!started.is_before(0, 0), "its first tracks are not overdue");
+        let again = scan(4.3, 4.0, true);
+        assert!(again.is_before(0, 2 * S) && !again.is_before(0, 5 * S));
+        let followed = scan(8.3, 4.0, false);
+        assert!(followed.is_before(0, 39 * S / 10) && !followed.is_before(0, 43 * S / 10));
     }
 
     #[test]
