@@ -29,6 +29,7 @@ fn read(torture: &Torture) -> anyhow::Result<Tested> {
         engines: Engines {
             fusion: config.engine,
             processing: config.processing,
+            world: config.world,
         },
     })
 }

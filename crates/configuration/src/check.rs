@@ -12,7 +12,7 @@ use settings::SettingsError;
 use super::check_network::Network;
 use super::check_qnh::check_qnh;
 use super::check_region::check_regions;
-use super::check_source::check_source;
+use super::check_source::{check_source, instrument};
 use super::checked::{Checked, place};
 use super::finder_on_board::mount_finders;
 use super::platform::{check_platform_names, check_platforms, find_radars};
@@ -20,11 +20,20 @@ use super::tables::{DeploymentTable, FusionTable};
 use super::tracker_links::check_links;
 use super::tracker_process::check_trackers;
 use super::wide_area_sensor::{check_company, check_wide_area_sensors};
-use deployment::{Deployment, Input, Link, ReportOrder, Services, Source, SystemTracks, WideAreaSensor, check_name};
+use deployment::{Deployment, Input, Link, ReportOrder, Services, Source, SystemTracks, check_name};
+use scenario::{WideAreaSettings, World};
 use sources::Processing;
 
+/// A deployment without its services.
+pub(super) struct CheckedDeployment {
+    pub(super) deployment: Deployment,
+    pub(super) engine: Engine,
+    pub(super) processing: Vec<Processing>,
+    pub(super) world: World,
+}
+
 /// The checked deployment that `raw`, read from `path`, describes, with the settings of its algorithms.
-pub(super) fn check(path: &Path, mut raw: DeploymentTable) -> Checked<(Deployment, Engine, Vec<Processing>)> {
+pub(super) fn check(path: &Path, mut raw: DeploymentTable) -> Checked<CheckedDeployment> {
     check_name("name", &raw.name)?;
     let frame = SystemFrame::at(place("frame", &raw.frame)?);
     if raw.sources.is_empty() && raw.trackers.is_empty() {
@@ -81,7 +90,7 @@ pub(super) fn check(path: &Path, mut raw: DeploymentTable) -> Checked<(Deploymen
     let folder = path.parent().unwrap_or(Path::new(""));
     raw.links.iter_mut().for_each(|link| link.take_files_from(folder));
     let first_day_ns = first_day(&raw, &sources)?;
-    let scenario = check_scenario(&raw, &sources, &wide_area_sensors)?;
+    let world = check_world(&raw, &sources)?;
     // What a link brings has its source's progress with it.
     let is_linked = |source: &Source| {
         let topic = messages::sensor_tracks(&source.name).name;
@@ -151,11 +160,15 @@ pub(super) fn check(path: &Path, mut raw: DeploymentTable) -> Checked<(Deploymen
             rule: engine.rule.name.0,
             queue: engine.capacity.queue,
         },
-        scenario,
         services: Services::default(),
     };
     check_platform_names(&deployment)?;
-    Ok((deployment, engine, processing))
+    Ok(CheckedDeployment {
+        deployment,
+        engine,
+        processing,
+        world,
+    })
 }
 
 fn first_day(raw: &DeploymentTable, sources: &[Source]) -> Checked<Option<i64>> {
@@ -181,24 +194,34 @@ fn first_day(raw: &DeploymentTable, sources: &[Source]) -> Checked<Option<i64>> 
     }
 }
 
-fn check_scenario(
-    raw: &DeploymentTable,
-    sources: &[Source],
-    sensors: &[WideAreaSensor],
-) -> Checked<Option<scenario::ScenarioSettings>> {
-    let source = sources
-        .iter()
-        .find(|source| matches!(source.input, Input::Simulated(_)))
-        .map(|source| format!("source[{}].name", source.number));
-    let sensor = sensors
-        .iter()
-        .find(|sensor| sensor.simulated.is_some())
-        .map(|sensor| format!("wide_area_sensor[{}].name", sensor.number));
-    match (&raw.scenario, source.or(sensor)) {
-        (None, Some(key)) => {
-            let what = "is simulated, but there is no [scenario] to observe";
-            Err(SettingsError::new(key, what))
-        }
-        (scenario, _) => Ok(scenario.clone()),
+/// The simulated world, and what observes it.
+fn check_world(raw: &DeploymentTable, sources: &[Source]) -> Checked<World> {
+    let is_simulated = |source: &&Source| matches!(source.input, Input::Simulated(_));
+    let source = sources.iter().find(is_simulated);
+    let source = source.map(|source| format!("source[{}].name", source.number));
+    let counting = (0..).zip(raw.wide_area_sensors.iter());
+    let counting = counting.filter_map(|(number, sensor)| Some((number, sensor.simulated.clone()?)));
+    let counting: Vec<(u16, WideAreaSettings)> = counting.collect();
+    let sensor = counting
+        .first()
+        .map(|(number, _)| format!("wide_area_sensor[{number}].name"));
+    if let (None, Some(key)) = (&raw.scenario, source.or(sensor)) {
+        let what = "is simulated, but there is no [scenario] to observe";
+        return Err(SettingsError::new(key, what));
     }
+    let simulated = (0..)
+        .zip(&raw.sources)
+        .zip(sources)
+        .filter(|(_, source)| is_simulated(source));
+    let ships = (0..).zip(&raw.platforms);
+    Ok(World {
+        targets: raw.scenario.clone(),
+        instruments: simulated
+            .filter_map(|((number, table), _)| Some((number, instrument(table)?)))
+            .collect(),
+        counting,
+        ships: ships
+            .filter_map(|(number, platform)| Some((number, platform.simulated?)))
+            .collect(),
+    })
 }

@@ -8,15 +8,15 @@ use formats::sbs::SbsSettings;
 use net::ReceiverSettings;
 use outgoing::Technology;
 use reception::Method;
-use scenario::SensorKind;
+use scenario::{Instrument, SensorKind};
 
 use settings::SettingsError;
 
 use super::checked::Checked;
 use super::tables::{AsterixTable, LiveTable, ReceiverTable, UdpTable, interface};
 use deployment::{
-    Asterix, Input, Instrument, Live, Receiver, ReceiverTransport, RecordedFormat, SampleDelivery, Simulated, Source,
-    WideAreaSensor, category, check_name,
+    Asterix, Input, Live, Receiver, ReceiverTransport, RecordedFormat, SampleDelivery, Source, WideAreaSensor,
+    category, check_name,
 };
 
 /// Port of the first simulated sensor on the deployment's loopback address; the others follow.
@@ -137,16 +137,13 @@ impl Network {
     }
 
     /// A simulated source, with a receiver of its own.
-    pub(super) fn simulated(&mut self, index: usize, name: &str, instrument: Instrument) -> Simulated {
+    pub(super) fn simulated(&mut self, index: usize, name: &str) -> Live {
         self.loopback(name, FIRST_SIMULATED_PORT + index as u16);
-        Simulated {
-            instrument,
-            live: Live {
-                receiver: name.to_owned(),
-                asterix: Asterix {
-                    tables: Vec::new(),
-                    mode: Mode::Strict,
-                },
+        Live {
+            receiver: name.to_owned(),
+            asterix: Asterix {
+                tables: Vec::new(),
+                mode: Mode::Strict,
             },
         }
     }
@@ -337,21 +334,20 @@ pub(super) fn asterix(key: &str, reading: &AsterixTable) -> Checked<Asterix> {
 }
 
 /// How a source observes, as what it sends tells.
-pub(super) fn technology(input: &Input, network: &Network) -> Technology {
+pub(super) fn technology(input: &Input, instrument: Option<&Instrument>, network: &Network) -> Technology {
+    if let Some(Instrument::Sensor(sensor)) = instrument {
+        return match sensor.kind {
+            SensorKind::Radar => Technology::Secondary,
+            SensorKind::Multilateration => Technology::Multilateration,
+            SensorKind::AdsB => Technology::AdsB,
+        };
+    }
     match input {
-        Input::Simulated(simulated) => match &simulated.instrument {
-            Instrument::DirectionFinder { .. } => Technology::Other,
-            Instrument::Sensor(sensor) => match sensor.kind {
-                SensorKind::Radar => Technology::Secondary,
-                SensorKind::Multilateration => Technology::Multilateration,
-                SensorKind::AdsB => Technology::AdsB,
-            },
-        },
         Input::Live(live) if network.is_sbs(&live.receiver) => Technology::AdsB,
         Input::Live(live) => of_categories(&live.asterix),
         Input::Recorded(recorded) if recorded.format == RecordedFormat::Sbs => Technology::AdsB,
         Input::Recorded(recorded) => of_categories(&recorded.asterix),
-        Input::External | Input::Tracker(_) => Technology::Other,
+        Input::Simulated(_) | Input::External | Input::Tracker(_) => Technology::Other,
     }
 }
 

@@ -8,7 +8,7 @@ use ::fusion::settings::{AccuracyTable, CoverageArea, SourceSettings};
 use frames::{SensorFrame, SystemFrame};
 use locating::music::ArraySettings;
 use reception::ConversionModel;
-use scenario::{ArrayGeometry, SensorKind, SensorSettings};
+use scenario::{ArrayGeometry, Instrument, SensorKind, SensorSettings};
 use settings::{Degrees, SettingsError};
 
 use super::check_network::{Network, asterix, simulated_sac_sic, technology};
@@ -16,7 +16,7 @@ use super::checked::{Checked, limits, place};
 use super::external_detections::takes_detections;
 use super::tables::{PlaceTable, RecordedTable, SourceTable};
 use super::tracker::source_tracker;
-use deployment::{Input, Instrument, Links, Recorded, RecordedFormat, SampleDelivery, Source};
+use deployment::{Input, Links, Recorded, RecordedFormat, SampleDelivery, Source};
 use sources::{FinderSettings, Processing, TrackerSettings};
 
 /// Shortest silence that is told, seconds: processes speak five times a second.
@@ -43,31 +43,27 @@ pub(super) fn check_source(
         (_, Some(live), ..) => (Input::Live(network.live(index, live)?), live.receiver.clone()),
         (_, _, Some(simulated), _) => {
             origin = system.to_geodetic(simulated.position_m.unwrap_or_default());
-            let instrument = Instrument::Sensor(Box::new(simulated.clone()));
-            let simulated = network.simulated(index, &raw.name, instrument);
-            (Input::Simulated(simulated), raw.name.clone())
+            (Input::Simulated(network.simulated(index, &raw.name)), raw.name.clone())
         }
-        (_, _, _, Some(finder)) => {
-            let instrument = Instrument::DirectionFinder {
-                settings: Box::new(finder.clone()),
-                array: raw.array.as_ref().map(|array| Box::new(geometry(array))),
-            };
-            let simulated = network.simulated(index, &raw.name, instrument);
-            (Input::Simulated(simulated), raw.name.clone())
-        }
+        (_, _, _, Some(_)) => (Input::Simulated(network.simulated(index, &raw.name)), raw.name.clone()),
         _ => (Input::External, raw.name.clone()),
     };
     let sender = raw.recorded.as_ref().map(|recorded| &recorded.sender);
     let sender = sender.or(raw.live.as_ref().map(|live| &live.sender));
-    let tracker =
-        check_tracker(index, raw, &input, network)?.map(|settings| Processing::Detections(Box::new(settings)));
-    let locator = check_locator(index, raw, &input, network)?.map(|settings| Processing::Bearings(Box::new(settings)));
+    let instrument = instrument(raw);
+    let instrument = instrument.as_ref();
+    let tracker = check_tracker(index, raw, (&input, instrument), network)?
+        .map(|settings| Processing::Detections(Box::new(settings)));
+    let locator = check_locator(index, raw, (&input, instrument), network)?
+        .map(|settings| Processing::Bearings(Box::new(settings)));
     let processing = tracker.or(locator).unwrap_or(Processing::Tracks);
     let source = Source {
         number: index as u16,
         uid: raw.uid.unwrap_or_else(|| messages::sensor_uid(&raw.name)),
         name: raw.name.clone(),
-        technology: raw.technology.unwrap_or_else(|| technology(&input, network)),
+        technology: raw
+            .technology
+            .unwrap_or_else(|| technology(&input, instrument, network)),
         delivers: delivery(&processing),
         links: Links::default(),
         on_board: None,
@@ -139,7 +135,7 @@ fn silent_after_ns(raw: &SourceTable, input: &Input) -> Option<i64> {
 fn check_tracker(
     index: usize,
     raw: &SourceTable,
-    input: &Input,
+    (input, instrument): (&Input, Option<&Instrument>),
     network: &Network,
 ) -> Checked<Option<TrackerSettings>> {
     let Some(tracker) = &raw.tracker else { return Ok(None) };
@@ -147,10 +143,7 @@ fn check_tracker(
     let has_detections = match input {
         Input::Recorded(recorded) => recorded.format == RecordedFormat::Asterix,
         Input::Live(live) => !network.is_sbs(&live.receiver),
-        Input::Simulated(simulated) => match &simulated.instrument {
-            Instrument::Sensor(sensor) => sensor.plots,
-            Instrument::DirectionFinder { .. } => false,
-        },
+        Input::Simulated(_) => matches!(instrument, Some(Instrument::Sensor(sensor)) if sensor.plots),
         // Its tracker is a process of its own.
         Input::External if takes_detections(raw) => return Ok(None),
         Input::External | Input::Tracker(_) => false,
@@ -165,11 +158,16 @@ fn check_tracker(
 
 /// A direction finder has bearings and nothing else, whether it is simulated or said to be one by its
 /// `[source.locator]`.
-fn check_locator(index: usize, raw: &SourceTable, input: &Input, network: &Network) -> Checked<Option<FinderSettings>> {
+fn check_locator(
+    index: usize,
+    raw: &SourceTable,
+    (input, instrument): (&Input, Option<&Instrument>),
+    network: &Network,
+) -> Checked<Option<FinderSettings>> {
     let key = |part: &str| format!("source[{index}].{part}");
     let may_have_bearings = match input {
         Input::Live(live) => network.is_udp(&live.receiver),
-        Input::Simulated(simulated) => matches!(simulated.instrument, Instrument::DirectionFinder { .. }),
+        Input::Simulated(_) => matches!(instrument, Some(Instrument::DirectionFinder { .. })),
         Input::Recorded(_) | Input::External | Input::Tracker(_) => false,
     };
     let locator = match (&raw.locator, input) {
@@ -193,6 +191,19 @@ fn check_locator(index: usize, raw: &SourceTable, input: &Input, network: &Netwo
         array,
         dropped: raw.dropped.clone(),
     }))
+}
+
+/// The instrument of a simulated source.
+pub(super) fn instrument(raw: &SourceTable) -> Option<Instrument> {
+    if let Some(sensor) = &raw.simulated {
+        return Some(Instrument::Sensor(Box::new(sensor.clone())));
+    }
+    raw.simulated_direction_finder
+        .as_ref()
+        .map(|finder| Instrument::DirectionFinder {
+            settings: Box::new(finder.clone()),
+            array: raw.array.as_ref().map(|array| Box::new(geometry(array))),
+        })
 }
 
 /// Geometry of an array, for the simulation of its snapshots.

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use deployment::{Input, Instrument};
+use deployment::Input;
+use scenario::Instrument;
 
 use super::super::Config;
 
@@ -43,10 +44,8 @@ fn an_array_that_cannot_be_is_refused_with_key_value_and_remedy() {
     let scenario = "[scenario]\n";
     let simulated = read(&[FRAME, scenario, finder, LOCATOR, ARRAY].concat()).unwrap();
     assert!(simulated.sources[0].has_array() && !simulated.sources[0].has_emitter_rows());
-    let Input::Simulated(source) = &simulated.sources[0].input else {
-        panic!("simulated")
-    };
-    let Instrument::DirectionFinder { array: Some(array), .. } = &source.instrument else {
+    assert!(matches!(simulated.sources[0].input, Input::Simulated(_)));
+    let Some(Instrument::DirectionFinder { array: Some(array), .. }) = simulated.world.instrument(0) else {
         panic!("with an array")
     };
     assert_eq!(array.antennas_m, [[0.0, 0.0], [0.15, 0.0]]);

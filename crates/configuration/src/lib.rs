@@ -30,6 +30,7 @@ use std::path::{Path, PathBuf};
 
 use checked::Checked;
 use deployment::{Deployment, IN_INSTANCE, Parts};
+use scenario::World;
 use settings::{Document, KeyTable, KeyValue, SettingsError, Shared};
 use sources::{Processing, TrackerSettings};
 use tables::DeploymentTable;
@@ -67,6 +68,8 @@ pub struct ConfigWith<P> {
     pub engine: fusion::Settings,
     /// How each source's tracks come about, in the order of the sources' numbers.
     pub processing: Vec<Processing>,
+    /// The simulated world, and what observes it.
+    pub world: World,
     /// Settings of services.
     pub parts: P,
 }
@@ -139,7 +142,7 @@ fn read_deployment(
     path: &Path,
     document: &Document<'_>,
     services: Vec<&mut dyn KeyTable>,
-) -> Checked<(Deployment, fusion::Settings, Vec<Processing>)> {
+) -> Checked<check::CheckedDeployment> {
     let mut table = DeploymentTable::default();
     let read = document.read_into(&mut Shared::new(&mut table, services));
     read.map_err(with_place_of_sensors)?;
@@ -178,7 +181,12 @@ impl<P: Parts> ConfigWith<P> {
         let document = Document::parse(text, overrides).map_err(|error| in_file(path, error))?;
         let located = |error| in_file(path, document.located(error));
         let read = read_deployment(path, &document, parts.tables());
-        let (mut deployment, engine, processing) = read.map_err(located)?;
+        let check::CheckedDeployment {
+            mut deployment,
+            engine,
+            processing,
+            world,
+        } = read.map_err(located)?;
         parts.join(&mut deployment).map_err(located)?;
         let whole = &mut deployment.text;
         text.clone_into(whole);
@@ -187,6 +195,7 @@ impl<P: Parts> ConfigWith<P> {
             deployment,
             engine,
             processing,
+            world,
             parts,
         })
     }
@@ -218,6 +227,7 @@ impl<P: Parts> ConfigWith<P> {
             deployment: self.deployment,
             engine: self.engine,
             processing: self.processing,
+            world: self.world,
             parts: (),
         }
     }

@@ -53,7 +53,7 @@ pub(super) fn check_platforms(raw: &[PlatformTable]) -> Checked<Vec<Platform>> {
             number: index as u16,
             name: each.name.clone(),
             input,
-            simulated: each.simulated.map(Box::new),
+            is_simulated: each.simulated.is_some(),
             radar: None,
             assumed: each.assumed,
             jumps: each.jumps,

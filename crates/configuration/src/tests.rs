@@ -26,7 +26,7 @@ fn with_line(old: &str, new: &str) -> (String, usize) {
 fn the_shipped_configurations_are_sound() {
     let demo = Config::read(Path::new(BUILT_IN_DEMO), &[]).unwrap();
     assert!(demo.sources.len() >= 3 && !demo.is_recorded() && demo.order == ReportOrder::Arrival);
-    assert!(demo.scenario.as_ref().unwrap().targets >= 60);
+    assert!(demo.world.targets.as_ref().unwrap().targets >= 60);
     let barcelona = Config::parse(Path::new("barcelona.toml"), &barcelona(), &[]).unwrap();
     assert!(barcelona.is_recorded() && barcelona.order == ReportOrder::Time);
     assert_eq!(barcelona.first_day_ns, Some(16_931 * 86_400 * 1_000_000_000));

@@ -103,7 +103,7 @@ fn check_sensor(
         name: raw.name.clone(),
         input,
         adapter: raw.name.clone(),
-        simulated: raw.simulated.clone().map(Box::new),
+        is_simulated: raw.simulated.is_some(),
     };
     if let Some(receiver) = sensor.receiver() {
         sensor.adapter = receiver.to_owned();
@@ -203,7 +203,7 @@ fn check_process_name(sensor: &WideAreaSensor, raw: &DeploymentTable) -> Checked
     let mut names = of_sources
         .chain(of_receivers)
         .chain(raw.trackers.iter().map(|tracker| &tracker.name));
-    let is_named_so = sensor.receiver().is_none() || sensor.simulated.is_some();
+    let is_named_so = sensor.receiver().is_none() || sensor.is_simulated;
     if is_named_so && names.any(|name| *name == sensor.name) {
         let what = format!(
             "\"{}\" is also the name of an adapter process, that of a source, tracker or receiver; give the sensor another",

@@ -104,7 +104,14 @@ fn simulated_ones_bring_their_receiver_along() {
     let config = parse(&simulated).unwrap();
     assert!(config.is_simulated());
     let sensor = config.wide_area_sensor("own").unwrap();
-    assert_eq!(sensor.simulated.as_ref().unwrap().period_s, 4.0);
+    let counting = &config.world.counting[..];
+    let [(number, settings)] = counting else {
+        panic!("{counting:?}")
+    };
+    assert_eq!(
+        (*number, sensor.is_simulated, settings.period_s),
+        (sensor.number, true, 4.0)
+    );
     assert_eq!((sensor.receiver(), sensor.adapter.as_str()), (Some("own"), "own"));
     let receiver = config.receiver("own").unwrap();
     let is_own = matches!(

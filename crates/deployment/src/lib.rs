@@ -30,8 +30,7 @@ pub use observed::SourceFacts;
 pub use parts::Parts;
 pub use processes::{ReportOrder, Secret, Segments, Services, SystemTracks};
 pub use source::{
-    Input, Instrument, Links, OnBoard, PlotFormat, Recorded, RecordedFormat, SampleDelivery, Simulated, Source,
-    TrackerInput, Truncated,
+    Input, Links, OnBoard, PlotFormat, Recorded, RecordedFormat, SampleDelivery, Source, TrackerInput, Truncated,
 };
 pub use streams::DecisionUse;
 pub use wide_area::{CountedTracks, TrackFeed, WideAreaInput, WideAreaSensor};
@@ -89,8 +88,6 @@ pub struct Deployment {
     pub receivers: Vec<Receiver>,
     /// The links to deployments on other hosts; each is a process.
     pub links: Vec<Link>,
-    /// The simulated world, if there are simulated sources.
-    pub scenario: Option<scenario::ScenarioSettings>,
     /// The fusion process.
     pub fusion: Fusion,
     /// The system tracks.
@@ -190,8 +187,8 @@ impl Deployment {
         self.sources
             .iter()
             .any(|source| matches!(source.input, Input::Simulated(_)))
-            || sensors.iter().any(|sensor| sensor.simulated.is_some())
-            || self.platforms.iter().any(|platform| platform.simulated.is_some())
+            || sensors.iter().any(|sensor| sensor.is_simulated)
+            || self.platforms.iter().any(|platform| platform.is_simulated)
     }
 
     /// Whether all sources are recordings, some of them perhaps of other hosts: then producers wait for consumers, so

@@ -14,8 +14,8 @@ pub struct Platform {
     pub name: String,
     /// Where its states come from.
     pub input: PlatformInput,
-    /// Simulation, if it is simulated: then its sentences come over the loopback network.
-    pub simulated: Option<Box<scenario::OnBoardSettings>>,
+    /// Whether it is simulated: then its sentences come over the loopback network.
+    pub is_simulated: bool,
     /// Name of the receiver of rows from its simulated radar, if a sensor is that radar.
     pub radar: Option<String>,
     /// Assumptions where its states give no value.

@@ -158,7 +158,7 @@ pub enum Input {
     /// A recording.
     Recorded(Recorded),
     /// A simulated sensor, whose reports come over the loopback network like those of a real one.
-    Simulated(Simulated),
+    Simulated(Live),
     /// A sensor behind a receiver.
     Live(Live),
     /// A process that is no part of the deployment publishes the source's topic.
@@ -175,29 +175,6 @@ pub struct TrackerInput {
     pub sensors: std::ops::Range<usize>,
     /// Whether all of them are recordings.
     pub is_recorded: bool,
-}
-
-/// A simulated input.
-#[derive(Clone, Debug)]
-pub struct Simulated {
-    /// Simulated instrument that it observes with.
-    pub instrument: Instrument,
-    /// How what it sends is received.
-    pub live: Live,
-}
-
-/// Instrument of a simulated source.
-#[derive(Clone, Debug)]
-pub enum Instrument {
-    /// A sensor that tracks what it sees.
-    Sensor(Box<scenario::SensorSettings>),
-    /// A direction finder, whose bearings its adapter locates.
-    DirectionFinder {
-        /// The finder.
-        settings: Box<scenario::DirectionFinderSettings>,
-        /// Array whose snapshots it delivers; `None` if it delivers bearings.
-        array: Option<Box<scenario::ArrayGeometry>>,
-    },
 }
 
 /// A recorded input.

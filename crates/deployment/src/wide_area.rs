@@ -17,8 +17,8 @@ pub struct WideAreaSensor {
     pub input: WideAreaInput,
     /// Name of the adapter process that publishes it: that of its receiver, or its own.
     pub adapter: String,
-    /// Simulation, if it is simulated: then its rows come over the loopback network, to a receiver of its own name.
-    pub simulated: Option<Box<scenario::WideAreaSettings>>,
+    /// Whether it is simulated: then its rows come over the loopback network, to a receiver of its own name.
+    pub is_simulated: bool,
 }
 
 /// Where the reports of a wide-area sensor come from.

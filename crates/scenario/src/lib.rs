@@ -44,6 +44,7 @@ mod target;
 mod traffic;
 mod truth;
 mod wide_area;
+mod world;
 
 pub use direction_finder::{DirectionFinderSettings, PlatformPose, SimulatedDirectionFinder};
 pub use formation_settings::FormationSettings;
@@ -56,3 +57,4 @@ pub use simulated_array::ArrayGeometry;
 pub use target::{TargetKind, TargetState};
 pub use truth::Truth;
 pub use wide_area::{SimulatedWideAreaSensor, WideAreaSettings};
+pub use world::{Instrument, VisibleTargets, World};

@@ -8,13 +8,13 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
 use asterix::{Decoder, blocks};
-use deployment::{Deployment, Input, Instrument};
+use deployment::{Deployment, Input};
 use fusion::Engine;
 use messages::{NO_SOURCE, NS_PER_S, SystemTrack, TrackState};
 use observations::EmitterMeasurement;
 use reception::observation::{self, Reading};
 use runtime::clock::Now;
-use scenario::{SimulatedDirectionFinder, TargetState, Truth};
+use scenario::{Instrument, SimulatedDirectionFinder, TargetState, Truth};
 use simulator::SensorFeed;
 use sources::{Pipeline, Processing, Samples};
 use tracking::wide_area::arrivals::Arrivals;
@@ -34,6 +34,8 @@ pub struct Engines {
     pub fusion: fusion::Settings,
     /// How the tracks of each source are made, in the order of their numbers.
     pub processing: Vec<Processing>,
+    /// The simulated world, and what observes it.
+    pub world: scenario::World,
 }
 
 /// See the module's documentation.
@@ -79,13 +81,16 @@ impl UndisturbedRun {
     pub(super) fn new(config: &Deployment, engines: Engines, begin: Now) -> anyhow::Result<Self> {
         let mut observers = Vec::new();
         for (source, processing) in config.sources.iter().zip(&engines.processing) {
-            let Input::Simulated(simulated) = &source.input else {
+            let Input::Simulated(live) = &source.input else {
                 continue;
             };
-            let instrument = match &simulated.instrument {
+            let Some(instrument) = engines.world.instrument(source.number) else {
+                continue;
+            };
+            let instrument = match instrument {
                 Instrument::Sensor(settings) => {
                     let feed = SensorFeed::new(source, settings, SEED, begin.utc_ns)?;
-                    Sender::Asterix(Box::new(feed), Box::new(simulated.live.asterix.decoder()))
+                    Sender::Asterix(Box::new(feed), Box::new(live.asterix.decoder()))
                 }
                 Instrument::DirectionFinder { settings, array: None } => {
                     let finder = SimulatedDirectionFinder::new(settings, SEED, source.number, begin.utc_ns)?;
@@ -258,7 +263,7 @@ mod tests {
     /// which these sources, as bits, restart three times.
     fn run(restarted: u32) -> (Vec<usize>, [BTreeMap<u32, u32>; 2]) {
         let config = Config::read(Path::new(BUILT_IN_TORTURE), &[]).expect("built in");
-        let truth = Truth::new(config.deployment.scenario.as_ref().expect("simulated"), SEED).expect("valid");
+        let truth = Truth::new(config.world.targets.as_ref().expect("simulated"), SEED).expect("valid");
         let truth = truth.round(config.deployment.frame);
         let begin = Now {
             mono_ns: 0,
@@ -267,6 +272,7 @@ mod tests {
         let engines = Engines {
             fusion: config.engine,
             processing: config.processing,
+            world: config.world,
         };
         let mut run = UndisturbedRun::new(&config.deployment, engines, begin).expect("valid");
         let sensors = config

@@ -26,7 +26,7 @@ impl World {
     /// # Errors
     /// If its settings cannot be used.
     pub(super) fn new(config: &Deployment, engines: Engines, begin: Now) -> anyhow::Result<Option<Self>> {
-        let Some(settings) = &config.scenario else {
+        let Some(settings) = &engines.world.targets else {
             return Ok(None);
         };
         Ok(Some(Self {

@@ -85,8 +85,7 @@ fn refuse(refusals: &mut LatestRefusals, error: &asterix::Error, received: Recei
 
 fn asterix(source: &Source) -> Option<&Asterix> {
     match &source.input {
-        Input::Live(live) => Some(&live.asterix),
-        Input::Simulated(simulated) => Some(&simulated.live.asterix),
+        Input::Live(live) | Input::Simulated(live) => Some(&live.asterix),
         Input::Recorded(_) | Input::External | Input::Tracker(_) => None,
     }
 }

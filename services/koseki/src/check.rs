@@ -353,7 +353,7 @@ fn describe(source: &Source, config: &Config, found: Option<&RecordingFindings>)
     let period = period(source, config, found);
     let input = match (&source.input, found) {
         (Input::Simulated(_), _) => {
-            let world = config.scenario.as_ref().map_or_else(String::new, describe_world);
+            let world = config.world.targets.as_ref().map_or_else(String::new, describe_world);
             format!("simulated; observes a world of {world}")
         }
         (Input::Live(live), _) => format!("live, behind receiver {}", live.receiver),
@@ -422,7 +422,7 @@ fn links(tracker: &TrackerSettings, source: &Source, config: &Config) -> String 
 
 fn describe_wide_area(sensor: &WideAreaSensor, config: &Config) -> String {
     let input = match &sensor.input {
-        _ if sensor.simulated.is_some() => "counts, simulated".to_owned(),
+        _ if sensor.is_simulated => "counts, simulated".to_owned(),
         WideAreaInput::Live(receiver) => format!("counts, live, behind receiver {receiver}"),
         WideAreaInput::Recorded(file) => format!("counts, {}", file.display()),
         WideAreaInput::Tracks(tracks) => {

@@ -50,8 +50,8 @@ use configuration::BUILT_IN_DEMO;
 use launcher::RunOptions;
 use messages::ProcessKind;
 use offline::{Host, TableCommand, Terminal, Usage};
-use runtime::Process;
-use runtime::{Now, Options};
+use runtime::{Now, Options, Process};
+use scenario::VisibleTargets;
 
 use args::{Cli, Command, Serve};
 use command_line::{CODE_FAILED, CODE_REFUSED};
@@ -142,7 +142,11 @@ fn run(command: Command) -> anyhow::Result<()> {
             fusion_service::run(process, &config.engine)
         }),
         Command::Monitor(serve) => run_service(ProcessKind::Monitor, serve, |process, config| {
-            monitor::run(process, config.parts.monitor())
+            monitor::run(
+                process,
+                config.parts.monitor(),
+                simulated_targets(config, &process.options)?,
+            )
         }),
         Command::Recorder(serve) => run_service(ProcessKind::Recorder, serve, |process, config| {
             recorder::run(process, config.parts.recorder(), args::VERSION)
@@ -152,7 +156,9 @@ fn run(command: Command) -> anyhow::Result<()> {
         }),
         Command::Link(serve) => link::run(serve),
         Command::Display(command) => show_picture(command),
-        Command::Simulator(serve) => run_service(ProcessKind::Simulator, serve, |process, _| simulator::run(process)),
+        Command::Simulator(serve) => run_service(ProcessKind::Simulator, serve, |process, config| {
+            simulator::run(process, &config.world)
+        }),
     }
 }
 
@@ -242,6 +248,33 @@ fn run_service(
         _ => named(error),
     })?;
     service(&process, &config).map_err(named)
+}
+
+/// Targets of the simulated world, for the monitor; `None` if no source is simulated.
+fn simulated_targets(config: &Config, options: &Options) -> anyhow::Result<Option<monitor::SimulatedTargets>> {
+    let Some(targets) = config
+        .world
+        .targets
+        .as_ref()
+        .filter(|_| !config.world.instruments.is_empty())
+    else {
+        return Ok(None);
+    };
+    let visible = VisibleTargets::new(&config.world, config.frame, options.seed, options.scenario_start_ns)?;
+    let visible_at = |visible: VisibleTargets| {
+        let seen = move |time_s, seen: &mut Vec<monitor::PictureTarget>| {
+            seen.extend(visible.at(time_s).map(|target| monitor::PictureTarget {
+                id: target.id,
+                position_m: target.position_m,
+                address: target.address,
+            }));
+        };
+        monitor::VisibleAt(Box::new(seen))
+    };
+    Ok(Some(monitor::SimulatedTargets {
+        count: targets.target_count(options.seed),
+        visible: visible.map(visible_at),
+    }))
 }
 
 /// Adapters, gateways and links have configured names; other processes may have any name, by default the name of

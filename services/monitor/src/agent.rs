@@ -18,6 +18,7 @@ use crate::report::AlarmReport;
 use crate::screen::Screen;
 use crate::settings::{MonitorWait, Settings};
 use crate::survey::DeploymentSurvey;
+use crate::truth_watch::SimulatedTargets;
 
 /// Maximum number of slices taken in one turn: the length of the queue.
 const SLICES_PER_TURN: usize = 256;
@@ -129,7 +130,7 @@ impl<S: Transport> MonitorAgent<S> {
             other => options.out.join(other),
         };
         let files = || Files::create(&folder, begun.utc_ns);
-        let survey = DeploymentSurvey::new((config, settings), options, name, begun)?;
+        let survey = DeploymentSurvey::new((config, settings), options, name, begun);
         let hosts: Vec<String> = settings
             .prometheus_hosts
             .iter()
@@ -160,6 +161,11 @@ impl<S: Transport> MonitorAgent<S> {
             begun,
             interval_ns: settings.interval_s.ns(),
         })
+    }
+
+    /// Compares the picture with the targets of a simulated world from now on.
+    pub fn compare_with(&mut self, targets: SimulatedTargets) {
+        self.survey.compare_with(targets);
     }
 
     /// Returns the address of the metrics, or the reason for their absence; `None` if no metrics are configured.

@@ -79,14 +79,16 @@ mod verdict;
 pub use agent::{ClockReader, MonitorAgent};
 pub use observed::{ObservedProcess, ProcessState, TrackCounts};
 pub use report::{AlarmReport, Hop, ProcessCounters, Report, Restarts, SourceReport, SourceStageReport, Verdict};
+pub use scoring::PictureTarget;
 pub use screen::Screen;
 pub use settings::{Keys, MonitorWait, Settings};
+pub use truth_watch::{SimulatedTargets, VisibleAt};
 
 /// Runs the monitor until a stop request.
 ///
 /// # Errors
 /// If a file cannot be written or shared memory fails.
-pub fn run(process: &runtime::Process, settings: &Settings) -> anyhow::Result<()> {
+pub fn run(process: &runtime::Process, settings: &Settings, targets: Option<SimulatedTargets>) -> anyhow::Result<()> {
     let say = |line: &str| {
         runtime::notice(format_args!("koseki: {}: {line}", process.name));
     };
@@ -98,6 +100,9 @@ pub fn run(process: &runtime::Process, settings: &Settings) -> anyhow::Result<()
         Box::new(runtime::Now::read),
         Screen::standard_output(),
     )?;
+    if let Some(targets) = targets {
+        agent.compare_with(targets);
+    }
     match agent.metrics() {
         None => {}
         Some(Ok(url)) => say(&format!("metrics are at {url}")),

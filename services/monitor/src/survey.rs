@@ -19,7 +19,7 @@ use crate::report::{
     SourceStageReport, StageReport, Verdict,
 };
 use crate::settings::{MonitorWait, Settings};
-use crate::truth_watch::TruthWatch;
+use crate::truth_watch::{SimulatedTargets, TruthWatch};
 use crate::verdict;
 
 /// Survey of a deployment.
@@ -34,35 +34,44 @@ pub(crate) struct DeploymentSurvey {
     has_recorder: bool,
     begun: Now,
     truth: Option<TruthWatch>,
+    tracks_max: usize,
+    scenario_start_ns: i64,
     /// By the number of a source: states that its reports led to, and those of them to which others contribute.
     states: BTreeMap<u16, [u64; 2]>,
 }
 
 impl DeploymentSurvey {
     /// Nothing is known yet.
-    ///
-    /// # Errors
-    /// If the simulated world cannot be made.
     pub(crate) fn new(
         (config, monitor): (&deployment::Deployment, &Settings),
         options: &Options,
         name: &str,
         begun: Now,
-    ) -> anyhow::Result<Self> {
+    ) -> Self {
         let settings = run_settings(config, monitor, options);
         let observed = Deployment::new(config.observed_sources())
             .observed_since(begun.mono_ns)
             .with_latencies(journey(config, monitor), settings.latencies_measured);
-        Ok(Self {
+        Self {
             settings,
             name: name.to_owned(),
             observed,
             expected: expected(config, name),
             has_recorder: config.services.recorder,
             begun,
-            truth: TruthWatch::new(config, options, begun.utc_ns)?,
+            truth: None,
+            tracks_max: config.system_tracks.max,
+            scenario_start_ns: options.scenario_start_ns,
             states: BTreeMap::new(),
-        })
+        }
+    }
+
+    /// Compares the picture with `targets` from now on.
+    pub(crate) fn compare_with(&mut self, targets: SimulatedTargets) {
+        let times_ns = (self.scenario_start_ns, self.begun.utc_ns);
+        self.settings.targets = Some(targets.count);
+        let compare = |visible| TruthWatch::new(visible, times_ns, self.tracks_max);
+        self.truth = targets.visible.map(compare);
     }
 
     /// Takes a received slice of system tracks.
@@ -456,11 +465,7 @@ fn run_settings(config: &deployment::Deployment, monitor: &Settings, options: &O
         speed: (recorded > 0).then_some(speed),
         latencies_measured: recorded == 0 || options.speed != Speed::Max,
         seed: (simulated > 0).then_some(options.seed),
-        targets: config
-            .scenario
-            .as_ref()
-            .filter(|_| simulated > 0)
-            .map(|world| world.target_count(options.seed)),
+        targets: None,
         interval_s: monitor.interval_s.ns() as f64 / 1e9,
         deadline_us: config.fusion.deadline_ns() as f64 / 1e3,
         monitor_wait: match monitor.waiting(&config.fusion) {

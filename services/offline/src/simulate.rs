@@ -13,7 +13,6 @@ use std::path::Path;
 
 use anyhow::Context as _;
 use configuration::{Config, DEMO};
-use deployment::{Input, Instrument, Source};
 use formats::bearings_csv::BearingWriter;
 use formats::detections_csv::{DetectionWriter, RepliedDetection, RepliedDetectionWriter};
 use formats::sensor_tracks_csv::SensorTrackWriter;
@@ -23,8 +22,8 @@ use messages::SensorTrack;
 use observations::sensor_id;
 use observations::{Detection, DetectionKind, DetectionPlatform, TransponderReply};
 use scenario::{
-    ArrayGeometry, RadarPlot, SensorSettings, SimulatedDirectionFinder, SimulatedSensor, SimulatedWideAreaSensor,
-    TargetState, Truth,
+    ArrayGeometry, Instrument, RadarPlot, SensorSettings, SimulatedDirectionFinder, SimulatedSensor,
+    SimulatedWideAreaSensor, TargetState, Truth,
 };
 use simulator::SensorFeed;
 
@@ -73,8 +72,8 @@ pub(crate) fn run(simulate: &Simulate, host: &dyn Host) -> anyhow::Result<()> {
         return on_board::run(simulate, host);
     }
     let config = config(host, &simulate.scenario, &simulate.set)?;
-    let instruments: Vec<(&Source, &Instrument)> = config.sources.iter().filter_map(simulated).collect();
-    let (Some(world), false) = (&config.scenario, instruments.is_empty()) else {
+    let instruments = &config.world.instruments;
+    let (Some(world), false) = (&config.world.targets, instruments.is_empty()) else {
         let what = "has no [scenario] with simulated sources; take config/demo.toml for a pattern";
         return Err(Usage(format!("--scenario {}: {what}", simulate.scenario.display())).into());
     };
@@ -84,7 +83,8 @@ pub(crate) fn run(simulate: &Simulate, host: &dyn Host) -> anyhow::Result<()> {
     let end_s = simulate.seconds.as_secs_f64();
     let mut said = String::new();
     let mut observers = Observers::default();
-    for (source, instrument) in instruments {
+    for (number, instrument) in instruments {
+        let source = &config.sources[usize::from(*number)];
         let (id, name) = (sensor_id(source.number), &source.name);
         match instrument {
             Instrument::Sensor(settings) => {
@@ -115,12 +115,11 @@ pub(crate) fn run(simulate: &Simulate, host: &dyn Host) -> anyhow::Result<()> {
             }
         }
     }
-    for sensor in &config.wide_area_sensors {
-        if let Some(settings) = &sensor.simulated {
-            let simulated = SimulatedWideAreaSensor::new(settings, simulate.seed, sensor.number, 0)?;
-            let counts = write_counts(host, out, &sensor.name, simulated, &truth, end_s)?;
-            said += &format!("wide-area sensor {}: {counts} reports\n", sensor.name);
-        }
+    for (number, settings) in &config.world.counting {
+        let name = &config.wide_area_sensors[usize::from(*number)].name;
+        let simulated = SimulatedWideAreaSensor::new(settings, simulate.seed, *number, 0)?;
+        let counts = write_counts(host, out, name, simulated, &truth, end_s)?;
+        said += &format!("wide-area sensor {name}: {counts} reports\n");
     }
     let rows = write_truth(host, &out.join("truth.csv"), &truth, &observers, end_s)?;
     said += &format!(
@@ -146,13 +145,6 @@ fn config(host: &dyn Host, scenario: &Path, set: &[String]) -> anyhow::Result<Co
             Err(InputError::new(scenario, what).into())
         }
         None => Ok(host.deployment(scenario, &configuration::text(scenario)?, set)?),
-    }
-}
-
-fn simulated(source: &Source) -> Option<(&Source, &Instrument)> {
-    match &source.input {
-        Input::Simulated(simulated) => Some((source, &simulated.instrument)),
-        _ => None,
     }
 }
 

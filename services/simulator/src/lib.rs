@@ -29,12 +29,12 @@ use std::net::SocketAddr;
 use std::time::Duration;
 
 use anyhow::Context as _;
-use deployment::{Input, Instrument, ReceiverTransport};
+use deployment::ReceiverTransport;
 use messages::NS_PER_S;
 use net::{SenderSettings, UdpSender};
 use runtime::Process;
 use runtime::{Agent, HealthEntry, Now, Turn};
-use scenario::{ScenarioSettings, Truth};
+use scenario::{Instrument, ScenarioSettings, Truth, World};
 
 use crate::direction_finder::{ArrayFinder, DirectionFinder};
 use crate::sensor::AsterixSensor;
@@ -44,12 +44,12 @@ use crate::wide_area::SimulatedWideArea;
 /// Maximum size of a datagram, bytes: the payload of one Ethernet frame.
 const DATAGRAM_OCTETS_MAX: usize = 1472;
 
-/// Runs the simulated sensors until a stop is requested.
+/// Runs the simulated sensors of `world` until a stop is requested.
 ///
 /// # Errors
 /// If there is no simulated world, or a socket cannot be opened.
-pub fn run(process: &Process) -> anyhow::Result<()> {
-    runtime::service::run(process, &mut Simulator::new(process)?)
+pub fn run(process: &Process, world: &World) -> anyhow::Result<()> {
+    runtime::service::run(process, &mut Simulator::new(process, world)?)
 }
 
 /// Observer of the simulated world; sends the observations.
@@ -73,22 +73,19 @@ struct Simulator {
 }
 
 impl Simulator {
-    fn new(process: &Process) -> anyhow::Result<Self> {
+    fn new(process: &Process, world: &World) -> anyhow::Result<Self> {
         let config = &process.config;
-        let ships = config.platforms.iter().filter(|platform| platform.simulated.is_some());
         // Ships bring their targets along, so nothing observes this world.
-        let world = match &config.scenario {
-            Some(world) => world.clone(),
-            None if ships.clone().count() > 0 => ScenarioSettings::default(),
+        let targets = match &world.targets {
+            Some(targets) => targets.clone(),
+            None if !world.ships.is_empty() => ScenarioSettings::default(),
             None => anyhow::bail!("there is no [scenario]"),
         };
         let mut observers: Vec<Box<dyn WorldObserver>> = Vec::new();
-        for source in &config.sources {
-            let Input::Simulated(simulated) = &source.input else {
-                continue;
-            };
+        for (number, instrument) in &world.instruments {
+            let source = &config.sources[usize::from(*number)];
             let unusable = || format!("simulated sensor {}", source.name);
-            observers.push(match &simulated.instrument {
+            observers.push(match instrument {
                 Instrument::Sensor(settings) => {
                     Box::new(AsterixSensor::new(process, source, settings).with_context(unusable)?)
                 }
@@ -101,23 +98,21 @@ impl Simulator {
                 }
             });
         }
-        for sensor in &config.wide_area_sensors {
-            if let Some(settings) = &sensor.simulated {
-                let unusable = || format!("simulated wide-area sensor {}", sensor.name);
-                observers.push(Box::new(
-                    SimulatedWideArea::new(process, sensor, settings).with_context(unusable)?,
-                ));
-            }
+        for (number, settings) in &world.counting {
+            let sensor = &config.wide_area_sensors[usize::from(*number)];
+            let unusable = || format!("simulated wide-area sensor {}", sensor.name);
+            observers.push(Box::new(
+                SimulatedWideArea::new(process, sensor, settings).with_context(unusable)?,
+            ));
         }
-        for platform in ships {
-            if let Some(settings) = &platform.simulated {
-                let ship = Ship::new(process, platform, settings);
-                let ship = ship.with_context(|| format!("simulated platform {}", platform.name))?;
-                observers.push(Box::new(ship));
-            }
+        for (number, settings) in &world.ships {
+            let platform = &config.platforms[usize::from(*number)];
+            let ship = Ship::new(process, platform, settings);
+            let ship = ship.with_context(|| format!("simulated platform {}", platform.name))?;
+            observers.push(Box::new(ship));
         }
         Ok(Self {
-            truth: Truth::new(&world, process.options.seed)?.round(config.frame),
+            truth: Truth::new(&targets, process.options.seed)?.round(config.frame),
             start_utc_ns: process.options.scenario_start_ns,
             observers,
         })

@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex};
 use bus::{Bus, InProcess, Mark, Publisher, Root, TopicHold};
 use configuration::{BUILT_IN_DEMO, ConfigWith};
 use messages::{Counter, Health, LifeState, ProcessKind, StageTimes, SystemTrack, TrackState};
-use monitor::{Keys, MonitorAgent, Screen};
+use monitor::{Keys, MonitorAgent, PictureTarget, Screen, SimulatedTargets, VisibleAt};
 use runtime::{Agent, HealthEntry, Now, Options, Speed, Turn};
 use serde_json::Value;
 pub(crate) use test_support::S;
@@ -57,6 +57,21 @@ pub(crate) struct Bench {
     _held: [TopicHold; 4],
 }
 
+/// As many targets as the demonstration has, at rest.
+fn targets() -> SimulatedTargets {
+    const COUNT: u32 = 80;
+    let target = |id: u32| PictureTarget {
+        id,
+        position_m: [1e3 * f64::from(id), 0.0, 1e3],
+        address: id + 1,
+    };
+    let seen = move |_, seen: &mut Vec<PictureTarget>| seen.extend((0..COUNT).map(target));
+    SimulatedTargets {
+        count: COUNT,
+        visible: Some(VisibleAt(Box::new(seen))),
+    }
+}
+
 impl Bench {
     /// Of the demonstration, changed by `overrides`.
     pub(crate) fn new(overrides: &[&str]) -> Self {
@@ -96,7 +111,7 @@ impl Bench {
         let screen = Screen::new(Box::new(paper.clone()), false).with_errors(Box::new(errors.clone()));
         let reading = Rc::clone(&clock);
         let reads = Box::new(move || reading.get());
-        let monitor = MonitorAgent::new(
+        let mut monitor = MonitorAgent::new(
             (&config, &config.parts.monitor),
             &options,
             "monitor",
@@ -105,6 +120,9 @@ impl Bench {
             screen,
         )
         .unwrap();
+        if config.is_simulated() {
+            monitor.compare_with(targets());
+        }
         Self {
             monitor,
             clock,
