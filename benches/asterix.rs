@@ -13,7 +13,7 @@ use asterix::categories::{CAT021_V0_23, CAT048_V1_31};
 use asterix::{BlockWriter, Category, Decoder, Mode, NamedRecord, Record, Value, blocks};
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
-use reception::observation;
+use formats::observation;
 
 const RECORDINGS: &[(&str, &str)] = &[
     ("cat010 radar", "lebl2016/160510-lebl-220001_SMR_cat10.ast"),

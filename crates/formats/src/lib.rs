@@ -7,6 +7,7 @@
 //! - [`containers`]: containers of [`asterix`] recordings: network captures, recorders' frames;
 //! - [`recording`]: a recording as a whole: its credible records, and statistics;
 //! - [`foreign`]: kinds of files that are taken for recordings of ASTERIX and are none;
+//! - [`observation`]: the meaning of ASTERIX target reports, as observations;
 //! - [`sbs`]: lines of transponder receivers (SBS-1, BaseStation);
 //! - [`snapshot_datagram`]: snapshots of an antenna array in datagrams;
 //! - [`autoferry`]: a public data set of detections;
@@ -32,6 +33,7 @@ pub mod emitter_rows_csv;
 pub mod foreign;
 mod identity_columns;
 pub mod nmea;
+pub mod observation;
 mod on_board;
 pub mod orders_csv;
 mod parts;

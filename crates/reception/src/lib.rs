@@ -1,17 +1,16 @@
-//! From a sensor's records to the pipeline's reports.
+//! From a sensor's observations to the pipeline's reports.
 //!
-//! Formats differ in items, units, frames and missing data. [`observation`] converts each category's target report to
-//! a common form, still in the sensor's own terms. [`Converter`] then applies the steps common to all formats: time
-//! of day to UTC, sensor frame to system frame, accuracy to covariance, and checks for impossible values. Rejected
-//! reports are counted by reason and never reach fusion. [`Reorder`] sorts reports by time and determines the
-//! source's watermark.
+//! Formats differ in items, units, frames and missing data; the crate `formats` converts the target reports of each to
+//! a common form, still in the sensor's own terms ([`observations::Observation`]). [`Converter`] then applies the steps
+//! common to all formats: time of day to UTC, sensor frame to system frame, accuracy to covariance, and checks for
+//! impossible values. Rejected reports are counted by reason and never reach fusion. [`Reorder`] sorts reports by time
+//! and determines the source's watermark.
 
 #![forbid(unsafe_code)]
 
 mod accuracy;
 mod alert_memory;
 mod converter;
-pub mod observation;
 mod placing;
 mod plausibility;
 mod reorder;

@@ -12,7 +12,7 @@ use deployment::{Deployment, Input};
 use fusion::Engine;
 use messages::{NO_SOURCE, NS_PER_S, SystemTrack, TrackState};
 use observations::EmitterMeasurement;
-use reception::observation::{self, Reading};
+use formats::observation::{self, Reading};
 use runtime::clock::Now;
 use scenario::{Instrument, SimulatedDirectionFinder, TargetState, Truth};
 use simulator::SensorFeed;

@@ -8,10 +8,10 @@
 use anyhow::Context as _;
 use asterix::{Decoder, blocks};
 use deployment::{Asterix, Input, Source};
+use formats::observation::{self, Reading};
 use messages::Counter;
 use net::BATCH_MAX;
 use reception::Method;
-use reception::observation::{self, Reading};
 use runtime::Process;
 use runtime::{HealthEntry, Now};
 

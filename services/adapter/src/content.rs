@@ -7,10 +7,10 @@ use asterix::{Block, Decoder, Error, blocks};
 use csv_table::CsvError;
 use deployment::{Recorded, RecordedFormat};
 use formats::containers::{Container, TimeStamp, datagrams};
+use formats::observation::{self, Reading};
 use formats::sbs::{AircraftMerger, SbsSettings};
 use formats::sensor_tracks_csv::SensorTrackReader;
 use messages::{Counter, Counters};
-use reception::observation::{self, Reading};
 
 use crate::counted::{decoded, merged};
 use crate::intake::Intake;

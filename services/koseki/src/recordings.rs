@@ -21,6 +21,7 @@ use deployment::{
 use formats::autoferry;
 use formats::containers::{Container, TimeStamp, datagrams};
 use formats::foreign::Foreign;
+use formats::observation::{Reading, read};
 use formats::platform_states_csv::PlatformStateReader;
 use formats::recording::{RecordingBytes, RecordingSurvey};
 use formats::sbs::{AircraftMerger, SbsLine, SbsSettings};
@@ -28,7 +29,6 @@ use formats::scan_rows_csv::ScanRowReader;
 use formats::sensor_tracks_csv::SensorTrackReader;
 use formats::wide_area_csv::WideAreaReader;
 use frames::time::{NS_PER_DAY, seconds};
-use reception::observation::{Reading, read};
 use sources::{Pipeline, Processing, Samples, TrackerSettings};
 use tracking::turn_time::TurnEstimate;
 use tracking::wide_area::arrivals::Arrivals;

@@ -4,10 +4,10 @@
 //! nothing says which sensors contributed.
 
 use asterix::{Decoder, Mode, blocks, registry};
+use formats::observation::{self, Reading};
 use frames::{Geodetic, SensorFrame, SystemFrame};
 use messages::{SensorTrack, SystemTrack};
 use outgoing::SystemReports;
-use reception::observation::{self, Reading};
 use reception::{
     ConversionModel, Converter, CovarianceFrom, CovarianceModel, Method, PlausibilityLimits, PositionForm,
 };

@@ -8,10 +8,10 @@ use std::f64::consts::{PI, TAU};
 
 use asterix::{Decoder, Mode, NamedRecord, Record, Value};
 use formats::containers::datagrams;
+use formats::observation::{self, Reading};
 use frames::{Geodetic, SensorFrame, SystemFrame};
 use messages::{Counter, Counters, SensorTrack, sensor_track_bits as bits};
 use observations::Observation;
-use reception::observation::{self, Reading};
 use reception::{
     ConversionModel, Converter, CovarianceFrom, CovarianceModel, PlausibilityLimits, PoorQuality, PositionForm,
 };

@@ -8,9 +8,9 @@
 
 use asterix::{Block, Decoder, Error};
 use deployment::CountedTracks;
+use formats::observation::{self, Reading};
 use messages::{Counter, Counters, TrackState};
 use reception::Converter;
-use reception::observation::{self, Reading};
 use tracking::wide_area::WideAreaReport;
 use tracking::wide_area::counting::{CountedTrack, TrackCounter};
 

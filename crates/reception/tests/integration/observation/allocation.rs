@@ -4,7 +4,7 @@ use std::hint::black_box;
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use asterix::{Decoder, Mode, registry};
-use reception::observation;
+use formats::observation;
 
 use super::block;
 use crate::generator::Entropy;

@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 
 use asterix::categories::CAT021_V0_23;
 use asterix::{Category, Decoder, DecoderCounts, Mode, NamedRecord, Record, Value};
+use formats::observation::{Reading, read};
 use observations::{Observation, Plane, ServiceMessage};
-use reception::observation::{Reading, read};
 
 use crate::files::recording;
 

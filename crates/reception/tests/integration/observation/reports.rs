@@ -2,11 +2,11 @@
 //! used.
 
 use asterix::{Decoder, Mode, registry};
+use formats::observation::{Reading, read};
 use frames::{Geodetic, SensorFrame, SystemFrame};
 use messages::{Covariance, SensorTrack};
 use proptest::collection::vec;
 use proptest::prelude::*;
-use reception::observation::{Reading, read};
 use reception::{
     ConversionModel, Converter, CovarianceFrom, CovarianceModel, PlausibilityLimits, PoorQuality, PositionForm,
 };
