@@ -43,13 +43,12 @@ struct Recorded {
 fn recorded(data: &Path) -> Recorded {
     let config = Config::read(&repository("config/barcelona.toml"), &[]).unwrap();
     let mut reports: Vec<SensorTrack> = Vec::new();
-    for (source, processing) in config.sources.iter().zip(&config.processing) {
+    for (source, reading) in config.sources.iter().zip(&config.readings.sources) {
         let Input::Recorded(recorded) = &source.input else {
             panic!("not recorded")
         };
         let bytes = std::fs::read(data.join(&recorded.file)).unwrap();
-        reports
-            .extend(RecordedSource::new(bytes, recorded, (source, processing), config.first_day_ns.unwrap()).unwrap());
+        reports.extend(RecordedSource::new(bytes, recorded, (source, reading), config.first_day_ns.unwrap()).unwrap());
     }
     reports.sort_by_key(|report| report.time_of_measurement_ns);
     Recorded {

@@ -68,7 +68,7 @@ fn decode_inputs(data: &Path) -> Inputs {
     let first_day_ns = config.first_day_ns.unwrap();
     let mut rejected = [messages::Counters::default(); 3];
     let reports = std::array::from_fn(|index| {
-        let processed = (&config.sources[index], &config.processing[index]);
+        let processed = (&config.sources[index], &config.readings.sources[index]);
         let Input::Recorded(recorded) = &processed.0.input else {
             panic!("not recorded")
         };

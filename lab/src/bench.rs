@@ -35,11 +35,11 @@ impl Product for Koseki {
 
     fn tracker(&self, text: &str) -> anyhow::Result<Box<dyn bench_service::TrackerStage>> {
         let config = Config::parse(Path::new("bench.toml"), text, &[])?;
-        let sources = config.deployment.sources.iter().zip(&config.processing);
-        let mut trackers = sources.filter(|(_, processing)| processing.tracker().is_some());
-        let (source, processing) = trackers.next().context("the configuration has no tracker")?;
+        let mut trackers = config.readings.sources.iter();
+        let reading = trackers.find(|reading| reading.processing.tracker().is_some());
+        let reading = reading.context("the configuration has no tracker")?;
         Ok(Box::new(TrackerEngine {
-            pipeline: Pipeline::new(source.model, processing, 0, Arrivals::new())?,
+            pipeline: Pipeline::new(reading.model, &reading.processing, 0, Arrivals::new())?,
             samples: Samples::default(),
         }))
     }

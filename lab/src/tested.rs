@@ -28,7 +28,7 @@ fn read(torture: &Torture) -> anyhow::Result<Tested> {
         deployment: config.deployment,
         engines: Engines {
             fusion: config.engine,
-            processing: config.processing,
+            readings: config.readings.sources,
             world: config.world,
         },
     })

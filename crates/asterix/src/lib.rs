@@ -81,6 +81,7 @@ mod json;
 mod json_text;
 mod key;
 mod spare;
+mod stated;
 
 pub use block::{Block, BlockWriter, Blocks, blocks, blocks_at};
 pub use decoder::{Decoder, DecoderCounts};
@@ -92,4 +93,5 @@ pub use mode::Mode;
 pub use named::{NamedRecord, Value};
 pub use record::{Record, Records};
 pub use record_writer::RecordWriter;
+pub use stated::{StatedTables, stated};
 pub use table::{Category, Edition, Frn};

@@ -13,22 +13,22 @@ use super::check_network::Network;
 use super::check_qnh::check_qnh;
 use super::check_region::check_regions;
 use super::check_source::{check_source, instrument};
-use super::checked::{Checked, place};
+use super::checked::{Checked, CheckedSource, place};
 use super::finder_on_board::mount_finders;
 use super::platform::{check_platform_names, check_platforms, find_radars};
 use super::tables::{DeploymentTable, FusionTable};
 use super::tracker_links::check_links;
 use super::tracker_process::check_trackers;
 use super::wide_area_sensor::{check_company, check_wide_area_sensors};
-use deployment::{Deployment, Input, Link, ReportOrder, Services, Source, SystemTracks, check_name};
+use deployment::{Deployment, Input, Link, ReportOrder, Services, Source, SystemTracks, WideAreaSensor, check_name};
 use scenario::{WideAreaSettings, World};
-use sources::Processing;
+use sources::Readings;
 
 /// A deployment without its services.
 pub(super) struct CheckedDeployment {
     pub(super) deployment: Deployment,
     pub(super) engine: Engine,
-    pub(super) processing: Vec<Processing>,
+    pub(super) readings: Readings,
     pub(super) world: World,
 }
 
@@ -57,35 +57,40 @@ pub(super) fn check(path: &Path, mut raw: DeploymentTable) -> Checked<CheckedDep
         }
     }
     let mut network = Network::new(&raw.receivers)?;
-    let (mut sources, mut processing, mut weighing) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut sources, mut weighing) = (Vec::new(), Vec::new());
     for (index, source) in raw.sources.iter().enumerate() {
-        let (source, processed, weighed) = check_source(index, source, &frame, &raw.frame, &mut network)?;
+        let (source, weighed) = check_source(index, source, &frame, &raw.frame, &mut network)?;
         sources.push(source);
-        processing.push(processed);
         weighing.push(weighed);
     }
     let wide_area_sensors = check_wide_area_sensors(&raw, &frame, &mut network)?;
+    let (wide_area_sensors, counted): (Vec<WideAreaSensor>, _) = wide_area_sensors.into_iter().unzip();
     check_links(&mut sources, &raw.sources, &raw.wide_area_sensors)?;
     mount_finders(&raw, &mut sources)?;
     let mut trackers = check_trackers(&raw, names, &frame, &mut network)?;
-    for (mut source, processed, weighed) in trackers.sources.drain(..) {
+    for (mut source, weighed) in trackers.sources.drain(..) {
         let place = usize::from(source.number);
         if place < sources.len() {
             // A source in the short form of a tracker keeps its place.
             source.technology = sources[place].technology;
-            (sources[place], processing[place], weighing[place]) = (source, processed, weighed);
+            (sources[place], weighing[place]) = (source, weighed);
             continue;
         }
         sources.push(source);
-        processing.push(processed);
         weighing.push(weighed);
     }
     let located = |error| trackers.located(error);
     check_company(&sources, &wide_area_sensors).map_err(located)?;
-    let mut platforms = check_platforms(&raw.platforms)?;
+    let (mut platforms, of_platforms) = check_platforms(&raw.platforms)?;
     find_radars(&mut platforms, &raw, &trackers.sensors).map_err(|error| trackers.located(error))?;
-    let behind: Vec<Source> = sources.iter().chain(&trackers.sensors).cloned().collect();
+    let behind: Vec<CheckedSource> = sources.iter().chain(&trackers.sensors).cloned().collect();
     let receivers = network.receivers(&behind, &wide_area_sensors).map_err(located)?;
+    let (all, of_sources): (Vec<Source>, _) = behind
+        .into_iter()
+        .map(|checked| (checked.source, checked.reading))
+        .unzip();
+    let (sources, tracker_sensors) = all.split_at(sources.len());
+    let (sources, tracker_sensors) = (sources.to_vec(), tracker_sensors.to_vec());
     deployment::check_links(&raw.links, &sources, &wide_area_sensors)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     raw.links.iter_mut().for_each(|link| link.take_files_from(folder));
@@ -146,7 +151,7 @@ pub(super) fn check(path: &Path, mut raw: DeploymentTable) -> Checked<CheckedDep
         order: raw.time.order,
         first_day_ns,
         sources,
-        tracker_sensors: trackers.sensors,
+        tracker_sensors,
         wide_area_sensors,
         platforms,
         receivers,
@@ -166,7 +171,11 @@ pub(super) fn check(path: &Path, mut raw: DeploymentTable) -> Checked<CheckedDep
     Ok(CheckedDeployment {
         deployment,
         engine,
-        processing,
+        readings: Readings {
+            sources: of_sources,
+            platforms: of_platforms,
+            counted,
+        },
         world,
     })
 }

@@ -3,20 +3,17 @@
 use std::collections::BTreeSet;
 use std::net::{SocketAddr, ToSocketAddrs as _};
 
-use asterix::Mode;
-use formats::sbs::SbsSettings;
 use net::ReceiverSettings;
-use outgoing::Technology;
 use reception::Method;
 use scenario::{Instrument, SensorKind};
 
 use settings::SettingsError;
 
-use super::checked::Checked;
-use super::tables::{AsterixTable, LiveTable, ReceiverTable, UdpTable, interface};
+use super::checked::{Checked, CheckedSource};
+use super::tables::{AsterixTable, LiveTable, ReceiverTable, UdpTable};
 use deployment::{
-    Asterix, Input, Live, Receiver, ReceiverTransport, RecordedFormat, SampleDelivery, Source, WideAreaSensor,
-    category, check_name,
+    Asterix, DatagramInput, Input, Live, Receiver, ReceiverTransport, RecordedFormat, SampleDelivery, Technology,
+    WideAreaSensor, check_name,
 };
 
 /// Port of the first simulated sensor on the deployment's loopback address; the others follow.
@@ -62,10 +59,7 @@ impl Network {
                     let sbs = sbs.clone().unwrap_or_default();
                     ReceiverTransport::Sbs {
                         server: server(&key("sbs.connect"), &sbs.connect)?,
-                        settings: SbsSettings {
-                            ahead_of_utc_min: sbs.ahead_of_utc_min,
-                            ..SbsSettings::default()
-                        },
+                        ahead_of_utc_min: sbs.ahead_of_utc_min,
                     }
                 }
             };
@@ -142,8 +136,8 @@ impl Network {
         Live {
             receiver: name.to_owned(),
             asterix: Asterix {
-                tables: Vec::new(),
-                mode: Mode::Strict,
+                is_strict: true,
+                ..Asterix::default()
             },
         }
     }
@@ -159,8 +153,8 @@ impl Network {
         Live {
             receiver: name.to_owned(),
             asterix: Asterix {
-                tables: Vec::new(),
-                mode: Mode::Strict,
+                is_strict: true,
+                ..Asterix::default()
             },
         }
     }
@@ -173,12 +167,12 @@ impl Network {
     }
 
     /// All receivers, each of which must have work, and be able to tell its sources apart.
-    pub(super) fn receivers(self, sources: &[Source], sensors: &[WideAreaSensor]) -> Checked<Vec<Receiver>> {
+    pub(super) fn receivers(self, sources: &[CheckedSource], sensors: &[WideAreaSensor]) -> Checked<Vec<Receiver>> {
         for (index, receiver) in self.receivers[..self.named].iter().enumerate() {
             let key = format!("receiver[{index}].name");
             let name = &receiver.name;
-            let owned = |source: &&Source| matches!(&source.input, Input::Live(live) if live.receiver == *name);
-            let behind: Vec<&Source> = sources.iter().filter(owned).collect();
+            let owned = |source: &&CheckedSource| matches!(&source.input, Input::Live(live) if live.receiver == *name);
+            let behind: Vec<&CheckedSource> = sources.iter().filter(owned).collect();
             let counting: Vec<&WideAreaSensor> = sensors
                 .iter()
                 .filter(|sensor| sensor.receiver() == Some(name.as_str()))
@@ -227,13 +221,13 @@ impl Network {
                 return Err(SettingsError::new(key, what));
             }
             for (place, source) in behind.iter().enumerate() {
-                let is_same = |other: &&&Source| {
-                    let (own, other) = (&source.model, &other.model);
+                let is_same = |other: &&&CheckedSource| {
+                    let (own, other) = (&source.reading.model, &other.reading.model);
                     let are_apart = own.method != other.method && ![own.method, other.method].contains(&Method::Any);
                     own.sac_sic == other.sac_sic && !are_apart
                 };
                 if !source.has_rows() && behind[..place].iter().any(|other| is_same(&other)) {
-                    let sender = source.model.sac_sic.map_or_else(
+                    let sender = source.sac_sic.map_or_else(
                         || "no sac and sic".to_owned(),
                         |(sac, sic)| format!("sac = {sac} and sic = {sic}"),
                     );
@@ -250,9 +244,9 @@ impl Network {
 }
 
 /// Checks the sensors of tracker processes among the sources behind a receiver.
-fn check_plots(receiver: &Receiver, behind: &[&Source]) -> Result<(), String> {
+fn check_plots(receiver: &Receiver, behind: &[&CheckedSource]) -> Result<(), String> {
     let name = &receiver.name;
-    let plots = |source: &Source| match source.delivers {
+    let plots = |source: &CheckedSource| match source.delivers {
         SampleDelivery::Plots { sensor_id, .. } => Some(sensor_id),
         _ => None,
     };
@@ -281,7 +275,7 @@ fn check_plots(receiver: &Receiver, behind: &[&Source]) -> Result<(), String> {
     Ok(())
 }
 
-pub(super) fn check_udp(key: &str, raw: &UdpTable) -> Checked<ReceiverSettings> {
+pub(super) fn check_udp(key: &str, raw: &UdpTable) -> Checked<DatagramInput> {
     let listen_key = format!("{key}.listen");
     let listen: SocketAddr = raw.listen.parse().map_err(|_| {
         let what = format!(
@@ -297,16 +291,18 @@ pub(super) fn check_udp(key: &str, raw: &UdpTable) -> Checked<ReceiverSettings> 
             "port 0 is no port; give one from 1 to 65535",
         ));
     }
-    let settings = ReceiverSettings {
-        interface: raw.interface.as_deref().map(interface),
-        allowed_senders: raw.allowed_senders().map_err(|error| error.under(key))?,
-        receive_buffer_octets: raw.buffer_bytes,
-        ..ReceiverSettings::new(listen.ip(), listen.port())
-    };
+    raw.allowed_senders().map_err(|error| error.under(key))?;
+    let interface = raw.interface.as_deref();
+    let settings = ReceiverSettings::stated(listen, interface, &raw.senders, raw.buffer_bytes);
     settings
-        .check()
+        .and_then(|settings| settings.check())
         .map_err(|error| SettingsError::new(listen_key, error.to_string()))?;
-    Ok(settings)
+    Ok(DatagramInput {
+        listen,
+        interface: raw.interface.clone(),
+        senders: raw.senders.clone(),
+        buffer_bytes: raw.buffer_bytes,
+    })
 }
 
 pub(super) fn server(key: &str, text: &str) -> Checked<SocketAddr> {
@@ -319,17 +315,18 @@ pub(super) fn server(key: &str, text: &str) -> Checked<SocketAddr> {
 
 /// How ASTERIX records are read, with the editions that `key` states.
 pub(super) fn asterix(key: &str, reading: &AsterixTable) -> Checked<Asterix> {
-    let mut tables = Vec::new();
+    let mut editions = Vec::new();
     for (word, edition) in &reading.editions {
         let number: u8 = word.parse().map_err(|_| {
             let what = format!("\"{word}\" is not an ASTERIX category: write \"21\" = \"0.23\"");
             SettingsError::new(key, what)
         })?;
-        tables.push(category(key, number, Some(edition))?);
+        let table = asterix::stated(number, Some(edition)).map_err(|what| SettingsError::new(key, what))?;
+        editions.push((number, [table.edition.major, table.edition.minor]));
     }
     Ok(Asterix {
-        tables,
-        mode: if reading.strict { Mode::Strict } else { Mode::Lenient },
+        editions,
+        is_strict: reading.strict,
     })
 }
 
@@ -352,7 +349,7 @@ pub(super) fn technology(input: &Input, instrument: Option<&Instrument>, network
 }
 
 fn of_categories(asterix: &Asterix) -> Technology {
-    let has = |numbers: &[u8]| asterix.tables.iter().any(|table| numbers.contains(&table.number));
+    let has = |numbers: &[u8]| asterix.editions.iter().any(|(number, _)| numbers.contains(number));
     if has(&[48]) {
         Technology::ModeS
     } else if has(&[1]) {

@@ -12,12 +12,12 @@ use scenario::{ArrayGeometry, Instrument, SensorKind, SensorSettings};
 use settings::{Degrees, SettingsError};
 
 use super::check_network::{Network, asterix, simulated_sac_sic, technology};
-use super::checked::{Checked, limits, place};
+use super::checked::{Checked, CheckedSource, limits, place};
 use super::external_detections::takes_detections;
 use super::tables::{PlaceTable, RecordedTable, SourceTable};
 use super::tracker::source_tracker;
 use deployment::{Input, Links, Recorded, RecordedFormat, SampleDelivery, Source};
-use sources::{FinderSettings, Processing, TrackerSettings};
+use sources::{FinderSettings, Processing, SourceReading, TrackerSettings};
 
 /// Shortest silence that is told, seconds: processes speak five times a second.
 const SILENT_MIN_S: f64 = 1.0;
@@ -29,7 +29,7 @@ pub(super) fn check_source(
     system: &SystemFrame,
     origin: &PlaceTable,
     network: &mut Network,
-) -> Checked<(Source, Processing, SourceSettings)> {
+) -> Checked<(CheckedSource, SourceSettings)> {
     let key = |part: &str| format!("source[{index}].{part}");
     let sensor_place = raw.place.as_ref().unwrap_or(origin);
     let mut origin = place(&key("place"), sensor_place)?;
@@ -57,6 +57,23 @@ pub(super) fn check_source(
     let locator = check_locator(index, raw, (&input, instrument), network)?
         .map(|settings| Processing::Bearings(Box::new(settings)));
     let processing = tracker.or(locator).unwrap_or(Processing::Tracks);
+    let model = ConversionModel {
+        number: index as u16,
+        sac_sic: match (&input, sender) {
+            (Input::Simulated(_), _) => Some(simulated_sac_sic(index as u16)),
+            (_, sender) => sender.and_then(|sender| sender.identity.sac_sic()),
+        },
+        method: sender.map(|sender| sender.method).unwrap_or_default(),
+        positions: sender.map(|sender| sender.positions).unwrap_or_default(),
+        frame: SensorFrame::new(system, origin, sensor_place.north_offset_deg.rad()),
+        system: *system,
+        height_m: origin.height_m(),
+        assumed_height_m: raw.assumed_height_m,
+        qnh_hpa: raw.qnh_hpa,
+        limits: raw.limits,
+        covariance: raw.covariance,
+        is_on_board: false,
+    };
     let source = Source {
         number: index as u16,
         uid: raw.uid.unwrap_or_else(|| messages::sensor_uid(&raw.name)),
@@ -71,32 +88,19 @@ pub(super) fn check_source(
         silent_after_ns: silent_after_ns(raw, &input),
         period_ns: settings::Seconds::of(raw.period_s()).ns(),
         required: raw.required,
-        model: ConversionModel {
-            number: index as u16,
-            sac_sic: match (&input, sender) {
-                (Input::Simulated(_), _) => Some(simulated_sac_sic(index as u16)),
-                (_, sender) => sender.and_then(|sender| sender.identity.sac_sic()),
-            },
-            method: sender.map(|sender| sender.method).unwrap_or_default(),
-            positions: sender.map(|sender| sender.positions).unwrap_or_default(),
-            frame: SensorFrame::new(system, origin, sensor_place.north_offset_deg.rad()),
-            system: *system,
-            height_m: origin.height_m(),
-            assumed_height_m: raw.assumed_height_m,
-            qnh_hpa: raw.qnh_hpa,
-            limits: raw.limits,
-            covariance: raw.covariance,
-            is_on_board: false,
-        },
+        sac_sic: model.sac_sic,
+        frame: model.frame,
+        clock_step: model.limits.clock_step(),
+        tracks_max: model.limits.tracks,
         input,
         adapter,
     };
-    let place_m = source.model.frame.place();
+    let place_m = source.frame.place();
     let usual = (raw.period_s(), u32::from(source.number));
     let weighed = SourceSettings::new(&raw.name, &raw.weighing, usual, place_m, &AccuracyTable::default());
     let mut weighed = weighed.map_err(|error| error.under(&format!("source[{index}]")))?;
     weighed.sensor_uid = source.uid;
-    let is_self_reported = source.technology == outgoing::Technology::AdsB;
+    let is_self_reported = source.technology == deployment::Technology::AdsB;
     weighed.is_self_reported = raw.weighing.self_reported.unwrap_or(is_self_reported);
     let is_radar = |simulated: &SensorSettings| simulated.kind == SensorKind::Radar;
     if raw.place.is_some() || raw.simulated.as_ref().is_some_and(is_radar) {
@@ -104,14 +108,19 @@ pub(super) fn check_source(
     }
     if source.is_taken_as_it_is() {
         // The adapter has checked everything that it publishes.
-        weighed.limits = limits(&source.model.limits, place_m);
+        weighed.limits = limits(&model.limits, place_m);
     }
     if source.has_bearings() {
         // A direction finder hears what transmits: its silence is no evidence of absence.
         weighed.coverage.get_or_insert_with(CoverageArea::none);
         weighed.is_registered = raw.weighing.registered.unwrap_or(false);
     }
-    Ok((source, processing, weighed))
+    let reading = SourceReading {
+        model,
+        mount: None,
+        processing,
+    };
+    Ok((CheckedSource { source, reading }, weighed))
 }
 
 fn delivery(processing: &Processing) -> SampleDelivery {

@@ -1,11 +1,36 @@
 //! Parts of the checks that several tables need: the result of a check, a place, the limits of reports.
 
+use std::ops::{Deref, DerefMut};
+
 use ::fusion::settings::ReportLimits;
+use deployment::Source;
 use frames::Geodetic;
 use reception::PlausibilityLimits;
 use settings::SettingsError;
+use sources::SourceReading;
 
 use super::tables::PlaceTable;
+
+/// A source, and how its data are read.
+#[derive(Clone, Debug)]
+pub(super) struct CheckedSource {
+    pub(super) source: Source,
+    pub(super) reading: SourceReading,
+}
+
+impl Deref for CheckedSource {
+    type Target = Source;
+
+    fn deref(&self) -> &Source {
+        &self.source
+    }
+}
+
+impl DerefMut for CheckedSource {
+    fn deref_mut(&mut self) -> &mut Source {
+        &mut self.source
+    }
+}
 
 /// A checked value, or the first mistake with key, value and remedy.
 pub(super) type Checked<T> = Result<T, SettingsError>;

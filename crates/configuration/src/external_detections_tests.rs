@@ -44,14 +44,14 @@ fn a_source_of_detections_keeps_its_number_and_is_a_tracker_with_one_external_se
     );
     assert!(matches!(sensors[0].input, Input::External) && sensors[0].has_rows());
     assert_eq!(config.sensors_of(&config.sources[2])[0].number, 3);
-    let tracker = config.processing[0].tracker().unwrap();
+    let tracker = config.tracker(0).unwrap();
     let cutter = &tracker.joining.cutters[0];
     assert_eq!(
         (cutter.boundaries, cutter.period_ns),
         (Boundaries::Stated, Some(500_000_000))
     );
     assert_eq!(tracker.settings.sensors[0].sigmas, Some(vec![5.0, 5.0]));
-    assert!(config.processing[1].tracker().is_none());
+    assert!(config.tracker(1).is_none());
 }
 
 #[test]
@@ -64,8 +64,8 @@ fn the_short_form_makes_the_same_tracker_as_the_long_form() {
            sigmas = [5.0, 5.0]\n[tracker.sensor.external]\n";
     let long = parse(&long).unwrap();
     let settings = |config: &Config, name: &str| {
-        let number = config.sources.iter().position(|source| source.name == name).unwrap();
-        let mut settings = config.processing[number].tracker().unwrap().clone();
+        let number = config.source(name).unwrap().number;
+        let mut settings = config.tracker(number).unwrap().clone();
         // The numbers of the sensors follow their order in the file.
         settings.settings.sensors[0].sensor_id = 0;
         format!("{settings:?}")
@@ -82,7 +82,7 @@ fn the_settings_of_its_tracker_apply() {
         1,
     );
     let config = parse(&text).unwrap();
-    let tracker = config.processing[0].tracker().unwrap();
+    let tracker = config.tracker(0).unwrap();
     assert_eq!(tracker.joining.cutters[0].boundaries, Boundaries::Period);
     assert_eq!(tracker.joining.cutters[0].wait_ns, Some(100_000_000));
     assert!(tracker.outputs.cues && config.sources[0].has_cues());

@@ -1,13 +1,13 @@
 //! Checking the mounting of a direction finder on a platform (EL-11).
 
-use deployment::{Input, OnBoard, Source};
+use deployment::{Input, OnBoard};
 use settings::SettingsError;
 
-use super::checked::Checked;
+use super::checked::{Checked, CheckedSource};
 use super::tables::DeploymentTable;
 
 /// Mounts the direction finders among the sources on their platforms.
-pub(super) fn mount_finders(file: &DeploymentTable, sources: &mut [Source]) -> Checked<()> {
+pub(super) fn mount_finders(file: &DeploymentTable, sources: &mut [CheckedSource]) -> Checked<()> {
     for (number, (raw, source)) in file.sources.iter().zip(sources).enumerate() {
         let Some(on_board) = &raw.on_board else { continue };
         let refused = |part: &str, what: String| Err(SettingsError::new(format!("source[{number}].{part}"), what));
@@ -42,9 +42,9 @@ pub(super) fn mount_finders(file: &DeploymentTable, sources: &mut [Source]) -> C
         if raw.place.is_some() {
             return refused("place", "the platform's states give the place: leave it out".to_owned());
         }
+        source.reading.mount = Some(on_board.mount);
         source.on_board = Some(OnBoard {
             platform: Some(place as u16),
-            mount: on_board.mount,
         });
     }
     Ok(())

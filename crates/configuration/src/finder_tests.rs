@@ -79,7 +79,8 @@ fn a_finder_is_mounted_on_a_platform_that_there_is() {
     let config = read(&[FRAME, RECEIVER, PLATFORM, LIVE, LOCATOR, ARRAY, ON_BOARD].concat()).unwrap();
     let on_board = config.sources[0].on_board.unwrap();
     assert_eq!(on_board.platform, Some(0));
-    assert!((on_board.mount.mounting_deg[0].rad() - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+    let mount = config.reading(&config.sources[0]).mount.unwrap();
+    assert!((mount.mounting_deg[0].rad() - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
     refused_with(
         &[FRAME, RECEIVER, LIVE, LOCATOR, ON_BOARD],
         "source[0].on_board.platform: \"ship\": there is no [[platform]]",

@@ -29,10 +29,10 @@ use std::ops::Deref;
 use std::path::{Path, PathBuf};
 
 use checked::Checked;
-use deployment::{Deployment, IN_INSTANCE, Parts};
+use deployment::{Deployment, IN_INSTANCE, Parts, Source};
 use scenario::World;
 use settings::{Document, KeyTable, KeyValue, SettingsError, Shared};
-use sources::{Processing, TrackerSettings};
+use sources::{Readings, SourceReading, TrackerSettings};
 use tables::DeploymentTable;
 
 pub use locating::locating_settings;
@@ -66,8 +66,8 @@ pub struct ConfigWith<P> {
     pub deployment: Deployment,
     /// Settings of the fusion engine.
     pub engine: fusion::Settings,
-    /// How each source's tracks come about, in the order of the sources' numbers.
-    pub processing: Vec<Processing>,
+    /// How adapters read what the deployment's sensors send.
+    pub readings: Readings,
     /// The simulated world, and what observes it.
     pub world: World,
     /// Settings of services.
@@ -184,7 +184,7 @@ impl<P: Parts> ConfigWith<P> {
         let check::CheckedDeployment {
             mut deployment,
             engine,
-            processing,
+            readings,
             world,
         } = read.map_err(located)?;
         parts.join(&mut deployment).map_err(located)?;
@@ -194,7 +194,7 @@ impl<P: Parts> ConfigWith<P> {
         Ok(Self {
             deployment,
             engine,
-            processing,
+            readings,
             world,
             parts,
         })
@@ -226,7 +226,7 @@ impl<P: Parts> ConfigWith<P> {
         ConfigWith {
             deployment: self.deployment,
             engine: self.engine,
-            processing: self.processing,
+            readings: self.readings,
             world: self.world,
             parts: (),
         }
@@ -242,14 +242,20 @@ impl Config {
 }
 
 impl<P> ConfigWith<P> {
+    /// How the data of a source or of a tracker's sensor are read.
+    pub fn reading(&self, source: &Source) -> &SourceReading {
+        &self.readings.sources[usize::from(source.number)]
+    }
+
     /// Settings of the tracker of source `number`, if its tracks are made of its detections.
     pub fn tracker(&self, number: u16) -> Option<&TrackerSettings> {
-        self.processing[usize::from(number)].tracker()
+        self.readings.sources[usize::from(number)].processing.tracker()
     }
 
     /// Settings of the tracker process whose sensors have all of these ids in files.
     pub fn tracker_of(&self, sensor_ids: &std::collections::BTreeSet<u32>) -> Option<&TrackerSettings> {
-        let trackers = self.processing.iter().filter_map(Processing::tracker);
+        let readings = self.readings.sources.iter();
+        let trackers = readings.filter_map(|reading| reading.processing.tracker());
         let has_all = |tracker: &&TrackerSettings| {
             let own = tracker.sensor_ids();
             tracker.events && sensor_ids.iter().all(|id| own.contains(id))
@@ -259,7 +265,7 @@ impl<P> ConfigWith<P> {
 
     /// Settings of the locator of source `number`, if its tracks are made of its bearings.
     pub fn locator(&self, number: u16) -> Option<&::locating::Settings> {
-        self.processing[usize::from(number)].locator()
+        self.readings.sources[usize::from(number)].processing.locator()
     }
 }
 

@@ -11,11 +11,12 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use deployment::{Deployment, Platform, PlatformFeed, PlatformInput, Source, check_name};
+use deployment::{Deployment, Platform, PlatformFeed, PlatformInput, check_name};
 use settings::SettingsError;
+use sources::PlatformReading;
 
 use super::check_network::{check_udp, server};
-use super::checked::Checked;
+use super::checked::{Checked, CheckedSource};
 use super::tables::{DeploymentTable, PlatformLiveTable, PlatformTable};
 
 /// Most platforms of a deployment.
@@ -23,8 +24,8 @@ const PLATFORMS_MAX: usize = 16;
 /// Port of the first simulated platform on the deployment's loopback address; the others follow.
 const FIRST_SIMULATED_PORT: u16 = 32_001;
 
-/// The platforms of a file.
-pub(super) fn check_platforms(raw: &[PlatformTable]) -> Checked<Vec<Platform>> {
+/// The platforms of a file, and how their states are read.
+pub(super) fn check_platforms(raw: &[PlatformTable]) -> Checked<(Vec<Platform>, Vec<PlatformReading>)> {
     if raw.len() > PLATFORMS_MAX {
         let what = format!("there are {}; at most {PLATFORMS_MAX} can be", raw.len());
         return Err(SettingsError::new("platform", what));
@@ -55,15 +56,17 @@ pub(super) fn check_platforms(raw: &[PlatformTable]) -> Checked<Vec<Platform>> {
             input,
             is_simulated: each.simulated.is_some(),
             radar: None,
-            assumed: each.assumed,
-            jumps: each.jumps,
             range_m: each.range_m,
             receipt_sigma_s: each.receipt_sigma_s,
             silent_after_ns: each.silent_s.ns(),
             wait_ns: each.wait_s.ns(),
         });
     }
-    Ok(platforms)
+    let reading = |each: &PlatformTable| PlatformReading {
+        assumed: each.assumed,
+        jumps: each.jumps,
+    };
+    Ok((platforms, raw.iter().map(reading).collect()))
 }
 
 fn feed(key: &str, raw: &PlatformLiveTable) -> Checked<PlatformFeed> {
@@ -75,7 +78,7 @@ fn feed(key: &str, raw: &PlatformLiveTable) -> Checked<PlatformFeed> {
 }
 
 /// Finds the sensors that are the radars of simulated platforms.
-pub(super) fn find_radars(platforms: &mut [Platform], raw: &DeploymentTable, sensors: &[Source]) -> Checked<()> {
+pub(super) fn find_radars(platforms: &mut [Platform], raw: &DeploymentTable, sensors: &[CheckedSource]) -> Checked<()> {
     let tables = raw.trackers.iter().flat_map(|tracker| &tracker.sensors);
     for (sensor, _) in sensors
         .iter()

@@ -1,6 +1,6 @@
 //! Keys of platforms.
 
-use std::net::{IpAddr, Ipv4Addr};
+use std::net::Ipv4Addr;
 use std::path::Path;
 
 use super::*;
@@ -39,13 +39,13 @@ fn each_kind_of_input_is_read() {
             PlatformInput::Live(PlatformFeed::Device(device)),
             PlatformInput::External,
         ] => {
-            assert_eq!((udp.address, udp.port), (IpAddr::V4(Ipv4Addr::LOCALHOST), 10110));
+            assert_eq!(udp.listen, (Ipv4Addr::LOCALHOST, 10110).into());
             assert_eq!(tcp.port(), 4000);
             assert_eq!(device.as_path(), Path::new("/dev/ttyUSB0"));
         }
         other => panic!("{other:?}"),
     }
-    assert_eq!(config.platform("ship").unwrap().assumed.heading_sigma_deg.deg(), 0.3);
+    assert_eq!(config.readings.platforms[0].assumed.heading_sigma_deg.deg(), 0.3);
     // Only those with an input of their own are processes.
     assert_eq!(config.adapters(), ["lan", "ship", "boat", "van"]);
 }

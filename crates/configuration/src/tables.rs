@@ -5,8 +5,8 @@
 
 use std::collections::BTreeMap;
 
-use net::{AllowedSenders, Interface};
-use outgoing::Technology;
+use deployment::Technology;
+use net::AllowedSenders;
 use platform::{Assumed, JumpLimits, Mount};
 use reception::{CovarianceModel, Method, PlausibilityLimits, PositionForm};
 use settings::{Degrees, Seconds, SettingsError, Unread};
@@ -716,10 +716,4 @@ impl UdpTable {
         let parsed = AllowedSenders::parse(self.senders.iter().map(String::as_str));
         parsed.map_err(|error| SettingsError::new("senders", error.to_string()))
     }
-}
-
-/// An interface by address, name or index.
-pub(crate) fn interface(text: &str) -> Interface {
-    let Ok(interface) = text.parse();
-    interface
 }

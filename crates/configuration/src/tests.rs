@@ -346,7 +346,13 @@ fn overrides_replace_values_and_are_checked_too() {
 
 #[test]
 fn heights_that_a_radar_needs_have_defaults_and_limits() {
-    let model = |text: &str| Config::parse(Path::new("test.toml"), text, &[]).unwrap().sources[0].model;
+    let model = |text: &str| {
+        Config::parse(Path::new("test.toml"), text, &[])
+            .unwrap()
+            .readings
+            .sources[0]
+            .model
+    };
     let default = model(&barcelona());
     assert_eq!((default.assumed_height_m, default.qnh_hpa), (5000.0, 1013.25));
     let (given, _) = with_line(
@@ -444,9 +450,10 @@ fn mistakes_in_networks_are_named_with_line_value_and_remedy() {
     let config = Config::parse(Path::new("test.toml"), &both, &[]).unwrap();
     let methods = |method| {
         config
+            .readings
             .sources
             .iter()
-            .filter(|source| source.model.method == method)
+            .filter(|reading| reading.model.method == method)
             .count()
     };
     assert_eq!([Method::Primary, Method::Secondary].map(methods), [1, 1]);

@@ -12,13 +12,16 @@
 
 use settings::SettingsError;
 
-use super::checked::Checked;
+use super::checked::{Checked, CheckedSource};
 use super::tables::{SourceTable, WideAreaSensorTable};
-use deployment::Source;
 
 /// Lets the trackers know what they are linked with.
-pub(super) fn check_links(sources: &mut [Source], raw: &[SourceTable], sensors: &[WideAreaSensorTable]) -> Checked<()> {
-    let hears = |source: &&Source| source.has_bearings();
+pub(super) fn check_links(
+    sources: &mut [CheckedSource],
+    raw: &[SourceTable],
+    sensors: &[WideAreaSensorTable],
+) -> Checked<()> {
+    let hears = |source: &&CheckedSource| source.has_bearings();
     let finders: Vec<(String, u16)> = sources
         .iter()
         .filter(hears)
@@ -29,7 +32,7 @@ pub(super) fn check_links(sources: &mut [Source], raw: &[SourceTable], sensors: 
         .zip(sensors)
         .map(|(number, sensor)| (sensor.name.as_str(), number))
         .collect();
-    for (source, raw) in sources.iter_mut().zip(raw) {
+    for (CheckedSource { source, .. }, raw) in sources.iter_mut().zip(raw) {
         let Some(raw) = &raw.tracker else { continue };
         let key = |part: &str| format!("source[{}].tracker.{part}", source.number);
         let named = &raw.wide_area_sensors;

@@ -27,7 +27,7 @@ use deployment::{
     Input, OnBoard, PlotFormat, RecordedFormat, SampleDelivery, Source, TrackerInput, Truncated, check_name,
 };
 use frames::SystemFrame;
-use platform::Bearings;
+use platform::{Bearings, Mount};
 use settings::{Seconds, SettingsError};
 use sources::joining::JoiningSettings;
 use sources::{Outputs, PlatformAxes, Processing, TrackerSettings};
@@ -36,7 +36,7 @@ use tracking::settings::SensorFacts;
 
 use super::check_network::Network;
 use super::check_source::check_source;
-use super::checked::Checked;
+use super::checked::{Checked, CheckedSource};
 use super::external_detections::tracker_of;
 use super::tables::{
     DeploymentTable, LiveTable, PlaceTable, RecordedTable, SourceExternalTable, SourceTable, TrackerSensorTable,
@@ -51,8 +51,8 @@ const SENSORS_MAX: usize = 32;
 /// Additions of the tracker processes to a deployment.
 #[derive(Debug, Default)]
 pub(super) struct TrackerProcesses {
-    pub(super) sources: Vec<(Source, Processing, SourceSettings)>,
-    pub(super) sensors: Vec<Source>,
+    pub(super) sources: Vec<(CheckedSource, SourceSettings)>,
+    pub(super) sensors: Vec<CheckedSource>,
     /// Keys of the sources and then of the sensors, in the order of their numbers.
     keys: Vec<String>,
     first: usize,
@@ -143,9 +143,9 @@ impl TrackerProcesses {
             (frame, &raw.frame),
             network,
         );
-        let (mut source, processing, weighed) = source.map_err(|error| self.located(error))?;
+        let (mut source, weighed) = source.map_err(|error| self.located(error))?;
         check_links(key, tracker, &mut source, raw)?;
-        self.sources.push((source, processing, weighed));
+        self.sources.push((source, weighed));
         Ok(())
     }
 
@@ -171,7 +171,7 @@ fn check_sensor(
     raw: &TrackerSensorTable,
     (system, origin): (&SystemFrame, &PlaceTable),
     network: &mut Network,
-) -> Checked<Source> {
+) -> Checked<CheckedSource> {
     let key = |part: &str| format!("source[{number}].{part}");
     check_name(&key("name"), &raw.name)?;
     let name = format!("{}.{}", tracker.name, raw.name);
@@ -223,6 +223,7 @@ fn check_sensor(
     };
     table.weighing.period_s = raw.period_s;
     let (mut source, ..) = check_source(number, &table, system, origin, network)?;
+    source.reading.processing = Processing::Plots;
     source.delivers = SampleDelivery::Plots { format, sensor_id };
     source.takes_orders = raw.orders.is_some();
     if !matches!(source.input, Input::Live(_)) {
@@ -235,11 +236,11 @@ fn check_sensor(
 /// The sensor behind a receiver of its own, if it is a simulated radar.
 fn simulated(
     number: usize,
-    mut source: Source,
+    mut source: CheckedSource,
     raw: &TrackerSensorTable,
     file: &DeploymentTable,
     network: &mut Network,
-) -> Checked<Source> {
+) -> Checked<CheckedSource> {
     if raw.simulated.is_none() {
         return Ok(source);
     }
@@ -249,12 +250,17 @@ fn simulated(
         return Err(SettingsError::new(format!("source[{number}].simulated"), what));
     };
     source.input = Input::Live(network.simulated_radar(platform, &source.name));
-    source.adapter.clone_from(&source.name);
+    source.adapter = source.name.clone();
     Ok(source)
 }
 
 /// The sensor with its mounting on a platform, if it has one.
-fn carried(number: usize, mut source: Source, raw: &TrackerSensorTable, file: &DeploymentTable) -> Checked<Source> {
+fn carried(
+    number: usize,
+    mut source: CheckedSource,
+    raw: &TrackerSensorTable,
+    file: &DeploymentTable,
+) -> Checked<CheckedSource> {
     let Some(on_board) = &raw.on_board else {
         return Ok(source);
     };
@@ -267,10 +273,8 @@ fn carried(number: usize, mut source: Source, raw: &TrackerSensorTable, file: &D
                 "is missing: plots state no platform; name one".to_owned(),
             );
         }
-        source.on_board = Some(OnBoard {
-            platform: None,
-            mount: on_board.mount,
-        });
+        source.on_board = Some(OnBoard { platform: None });
+        source.reading.mount = Some(on_board.mount);
         return Ok(source);
     };
     let Some(place) = file.platforms.iter().position(|platform| platform.name == *name) else {
@@ -288,14 +292,14 @@ fn carried(number: usize, mut source: Source, raw: &TrackerSensorTable, file: &D
     if raw.place.is_some() {
         return refused("place", "the platform's states give the place: leave it out".to_owned());
     }
-    if is_asterix && source.model.covariance.polar().is_none() {
+    if is_asterix && source.reading.model.covariance.polar().is_none() {
         let what = "needs range_sigma_m and azimuth_sigma_deg for a radar on board".to_owned();
         return refused("covariance", what);
     }
-    source.model.is_on_board = true;
+    source.reading.model.is_on_board = true;
+    source.reading.mount = Some(on_board.mount);
     source.on_board = Some(OnBoard {
         platform: Some(place as u16),
-        mount: on_board.mount,
     });
     Ok(source)
 }
@@ -303,11 +307,11 @@ fn carried(number: usize, mut source: Source, raw: &TrackerSensorTable, file: &D
 fn check_tracker(
     number: usize,
     raw: &TrackerTable,
-    sensors: &[Source],
+    sensors: &[CheckedSource],
     begin: usize,
     (system, origin): (&SystemFrame, &PlaceTable),
     network: &mut Network,
-) -> Checked<(Source, Processing, SourceSettings)> {
+) -> Checked<(CheckedSource, SourceSettings)> {
     let key = |part: &str| format!("source[{number}].{part}");
     let recorded = sensors.iter().filter(|sensor| sensor.input.is_recorded()).count();
     if recorded > 0 && recorded < sensors.len() {
@@ -332,7 +336,7 @@ fn check_tracker(
         ..SourceTable::default()
     };
     table.weighing.clone_from(&raw.weighing);
-    let (mut source, _, mut weighed) = check_source(number, &table, system, origin, network)?;
+    let (mut source, mut weighed) = check_source(number, &table, system, origin, network)?;
     let is_recorded = recorded > 0;
     source.input = Input::Tracker(TrackerInput {
         sensors: begin..begin + sensors.len(),
@@ -346,7 +350,7 @@ fn check_tracker(
     // A tracker's tracks are looked at before they are published, as an adapter's are.
     weighed.limits = Default::default();
     let mut settings = raw.settings.clone();
-    let facts = |(sensor, source): (&TrackerSensorTable, &Source)| SensorFacts {
+    let facts = |(sensor, source): (&TrackerSensorTable, &CheckedSource)| SensorFacts {
         sensor_id: observations::sensor_id(source.number),
         model: sensor.model,
         sigmas: sensor.sigmas.clone(),
@@ -379,15 +383,20 @@ fn check_tracker(
         events: true,
         platform: axes(sensors),
     };
-    Ok((source, Processing::Detections(Box::new(tracker)), weighed))
+    source.reading.processing = Processing::Detections(Box::new(tracker));
+    Ok((source, weighed))
 }
 
 /// Axes of the platform that carries all of these sensors, if one does.
-fn axes(sensors: &[Source]) -> Option<PlatformAxes> {
-    let mounted: Vec<OnBoard> = sensors.iter().map(|sensor| sensor.on_board).collect::<Option<_>>()?;
-    let first = mounted.first()?.platform;
-    let is_fixed = mounted.iter().any(|on_board| on_board.mount.bearings == Bearings::Nose);
-    let is_one = mounted.iter().all(|on_board| on_board.platform == first);
+fn axes(sensors: &[CheckedSource]) -> Option<PlatformAxes> {
+    let mounted: Option<Vec<(OnBoard, Mount)>> = sensors
+        .iter()
+        .map(|sensor| Some((sensor.on_board?, sensor.reading.mount?)))
+        .collect();
+    let mounted = mounted?;
+    let (first, _) = mounted.first()?;
+    let is_fixed = mounted.iter().any(|(_, mount)| mount.bearings == Bearings::Nose);
+    let is_one = mounted.iter().all(|(on_board, _)| on_board == first);
     is_one.then_some(if is_fixed {
         PlatformAxes::Hull
     } else {

@@ -204,19 +204,22 @@ const ON_BOARD: &str = "name = \"t\"\n[frame]\nlatitude_deg = 41.0\nlongitude_de
 #[test]
 fn a_sensor_on_board_names_its_platform() {
     let config = parse(ON_BOARD).unwrap();
-    let on_board = config.tracker_sensors[0].on_board.unwrap();
-    assert_eq!(on_board.platform, Some(0));
-    assert_eq!(on_board.mount.lever_arm_m, [20.0, 2.0, 15.0]);
-    assert_eq!(on_board.mount.bearings, platform::Bearings::North);
-    assert!(config.tracker_sensors[0].model.is_on_board);
+    let sensor = &config.tracker_sensors[0];
+    assert_eq!(sensor.on_board.unwrap().platform, Some(0));
+    let reading = config.reading(sensor);
+    let mount = reading.mount.unwrap();
+    assert_eq!(mount.lever_arm_m, [20.0, 2.0, 15.0]);
+    assert_eq!(mount.bearings, platform::Bearings::North);
+    assert!(reading.model.is_on_board);
     assert_eq!(config.platforms[0].wait_ns, 1_500_000_000);
     let without = ON_BOARD.replace("platform = \"ship\"\n", "");
     assert_eq!(
         parse(&without).unwrap().tracker_sensors[0].on_board.unwrap().platform,
         None
     );
-    let at_rest = &parse(&site()).unwrap().tracker_sensors[0];
-    assert!(at_rest.on_board.is_none() && !at_rest.model.is_on_board);
+    let site = parse(&site()).unwrap();
+    let at_rest = &site.tracker_sensors[0];
+    assert!(at_rest.on_board.is_none() && !site.reading(at_rest).model.is_on_board);
     let ashore = &ON_BOARD[..ON_BOARD.find("[tracker.sensor.on_board]").unwrap()];
     let line = ON_BOARD.replace(
         "live = { receiver = \"rows\", format = \"rows\" }\n",

@@ -37,19 +37,19 @@ use reception::{ConversionModel, CovarianceModel};
 use settings::SettingsError;
 
 use super::check_network::{Network, asterix};
-use super::checked::{Checked, place};
+use super::checked::{Checked, CheckedSource, place};
 use super::tables::{CountedTracksTable, DeploymentTable, PlaceTable, WideAreaSensorTable};
-use deployment::{CountedTracks, Source, TrackFeed, WideAreaInput, WideAreaSensor, check_name};
+use deployment::{CountedTracks, TrackFeed, WideAreaInput, WideAreaSensor, check_name};
 
 /// Most wide-area sensors of a deployment.
 const SENSORS_MAX: usize = 16;
 
-/// The wide-area sensors of a file.
+/// The wide-area sensors of a file, with the models of the tracks that they count.
 pub(super) fn check_wide_area_sensors(
     raw: &DeploymentTable,
     system: &SystemFrame,
     network: &mut Network,
-) -> Checked<Vec<WideAreaSensor>> {
+) -> Checked<Vec<(WideAreaSensor, Option<ConversionModel>)>> {
     if raw.wide_area_sensors.len() > SENSORS_MAX {
         let what = format!(
             "there are {}; at most {SENSORS_MAX} can be",
@@ -70,7 +70,7 @@ pub(super) fn check_wide_area_sensors(
             return Err(SettingsError::new(key, what));
         }
         let sensor = check_sensor(index, each, (system, &raw.frame), network)?;
-        check_process_name(&sensor, raw)?;
+        check_process_name(&sensor.0, raw)?;
         sensors.push(sensor);
     }
     Ok(sensors)
@@ -81,8 +81,9 @@ fn check_sensor(
     raw: &WideAreaSensorTable,
     frame: (&SystemFrame, &PlaceTable),
     network: &mut Network,
-) -> Checked<WideAreaSensor> {
+) -> Checked<(WideAreaSensor, Option<ConversionModel>)> {
     let key = |part: &str| format!("wide_area_sensor[{index}].{part}");
+    let mut model = None;
     let input = match (&raw.live, &raw.recorded, &raw.tracks, &raw.simulated) {
         (Some(live), ..) => {
             network.datagrams(&key("live.receiver"), &live.receiver)?;
@@ -90,7 +91,9 @@ fn check_sensor(
         }
         (_, Some(recorded), ..) => WideAreaInput::Recorded(PathBuf::from(&recorded.file)),
         (_, _, Some(tracks), _) => {
-            WideAreaInput::Tracks(Box::new(check_tracks(&key("tracks"), tracks, frame, network)?))
+            let (counted, of_tracks) = check_tracks(&key("tracks"), tracks, frame, network)?;
+            model = Some(of_tracks);
+            WideAreaInput::Tracks(Box::new(counted))
         }
         (_, _, _, Some(_)) => {
             network.simulated_wide_area_sensor(index, &raw.name);
@@ -108,7 +111,7 @@ fn check_sensor(
     if let Some(receiver) = sensor.receiver() {
         sensor.adapter = receiver.to_owned();
     }
-    Ok(sensor)
+    Ok((sensor, model))
 }
 
 fn check_tracks(
@@ -116,7 +119,7 @@ fn check_tracks(
     raw: &CountedTracksTable,
     (system, origin): (&SystemFrame, &PlaceTable),
     network: &Network,
-) -> Checked<CountedTracks> {
+) -> Checked<(CountedTracks, ConversionModel)> {
     let part = |part: &str| format!("{key}.{part}");
     let feed = match &raw.receiver {
         Some(receiver) => {
@@ -127,33 +130,34 @@ fn check_tracks(
     };
     let place_table = raw.place.as_ref().unwrap_or(origin);
     let stands = place(&part("place"), place_table)?;
-    Ok(CountedTracks {
+    let model = ConversionModel {
+        number: 0,
+        sac_sic: raw.identity.sac_sic(),
+        method: Default::default(),
+        positions: Default::default(),
+        frame: SensorFrame::new(system, stands, place_table.north_offset_deg.rad()),
+        system: *system,
+        height_m: stands.height_m(),
+        // Tracks have places; nothing is assumed of their heights.
+        assumed_height_m: 0.0,
+        qnh_hpa: messages::STANDARD_PRESSURE_HPA,
+        limits: raw.limits,
+        covariance: CovarianceModel::default(),
+        is_on_board: false,
+    };
+    let counted = CountedTracks {
         feed,
         asterix: asterix(&part("editions"), &raw.reading)?,
         period_ns: raw.period_s.ns(),
         group_m: raw.group_m,
-        model: ConversionModel {
-            number: 0,
-            sac_sic: raw.identity.sac_sic(),
-            method: Default::default(),
-            positions: Default::default(),
-            frame: SensorFrame::new(system, stands, place_table.north_offset_deg.rad()),
-            system: *system,
-            height_m: stands.height_m(),
-            // Tracks have places; nothing is assumed of their heights.
-            assumed_height_m: 0.0,
-            qnh_hpa: messages::STANDARD_PRESSURE_HPA,
-            limits: raw.limits,
-            covariance: CovarianceModel::default(),
-            is_on_board: false,
-        },
-    })
+    };
+    Ok((counted, model))
 }
 
 /// Recordings go with recordings: their times are of another day than those of what comes live.
-pub(super) fn check_company(sources: &[Source], sensors: &[WideAreaSensor]) -> Checked<()> {
-    let is_recorded = |source: &Source| source.input.is_recorded();
-    let differ = |recorded: bool, source: &Source| -> Option<SettingsError> {
+pub(super) fn check_company(sources: &[CheckedSource], sensors: &[WideAreaSensor]) -> Checked<()> {
+    let is_recorded = |source: &CheckedSource| source.input.is_recorded();
+    let differ = |recorded: bool, source: &CheckedSource| -> Option<SettingsError> {
         let of_other_kind = |number: &&u16| sensors[usize::from(**number)].recording().is_some() != recorded;
         let sensor = &sensors[usize::from(*source.links.wide_area_sensors.iter().find(of_other_kind)?)];
         let [own, other] = if recorded {

@@ -81,7 +81,8 @@ fn every_kind_is_heard_and_trackers_know_theirs() {
         panic!("{:?}", of("centre"));
     };
     assert_eq!((tracks.period_ns, tracks.group_m), (2_000_000_000, 300.0));
-    assert_eq!((tracks.model.sac_sic, tracks.model.limits.range_m), (Some((1, 9)), 1e6));
+    let model = config.readings.counted[usize::from(of("centre").number)].unwrap();
+    assert_eq!((model.sac_sic, model.limits.range_m), (Some((1, 9)), 1e6));
     assert_eq!(tracks.feed, TrackFeed::Receiver("centre-link".to_owned()));
     assert_eq!(of("centre").recording(), None);
     let links = &config.sources[0].links;

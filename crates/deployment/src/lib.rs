@@ -15,24 +15,26 @@ mod platform;
 mod processes;
 mod source;
 mod streams;
+mod technology;
 mod wide_area;
 
 use std::path::{Path, PathBuf};
 
 use frames::SystemFrame;
 
-pub use crate::platform::{Platform, PlatformFeed, PlatformInput};
 pub use fusion::{Checkpoint, Fusion, Machine, WaitWord};
 pub use link::{Link, LinkPeer, LinkTls, RemoteTopic, check_endpoint, check_links};
 pub use names::check_name;
-pub use network::{Asterix, Live, NetworkOutput, Receiver, ReceiverTransport, category};
+pub use network::{Asterix, DatagramInput, DatagramOutput, Live, NetworkOutput, Receiver, ReceiverTransport};
 pub use observed::SourceFacts;
 pub use parts::Parts;
+pub use platform::{Platform, PlatformFeed, PlatformInput};
 pub use processes::{ReportOrder, Secret, Segments, Services, SystemTracks};
 pub use source::{
     Input, Links, OnBoard, PlotFormat, Recorded, RecordedFormat, SampleDelivery, Source, TrackerInput, Truncated,
 };
 pub use streams::DecisionUse;
+pub use technology::Technology;
 pub use wide_area::{CountedTracks, TrackFeed, WideAreaInput, WideAreaSensor};
 
 /// File in the folder of a running instance that contains its [`Deployment::text`].

@@ -2,10 +2,6 @@
 
 use std::net::SocketAddr;
 
-use asterix::{Category, Decoder, Edition, Mode, registry};
-use formats::sbs::SbsSettings;
-use settings::SettingsError;
-
 /// A network input: one socket, read by one adapter process, with one sensor or several behind it.
 #[derive(Clone, Debug)]
 pub struct Receiver {
@@ -19,7 +15,7 @@ pub struct Receiver {
 #[derive(Clone, Debug)]
 pub enum ReceiverTransport {
     /// ASTERIX in datagrams.
-    Udp(net::ReceiverSettings),
+    Udp(DatagramInput),
     /// ASTERIX in datagrams to this port of the deployment's own loopback address: what the simulator sends.
     Loopback {
         /// The port.
@@ -34,34 +30,42 @@ pub enum ReceiverTransport {
     Sbs {
         /// The server.
         server: SocketAddr,
-        /// How its lines are read.
-        settings: SbsSettings,
+        /// How far the receiver's clock is ahead of UTC, minutes.
+        ahead_of_utc_min: i32,
     },
 }
 
-/// How ASTERIX records are read.
-#[derive(Clone, Debug)]
-pub struct Asterix {
-    /// Tables of the categories whose edition the file states.
-    pub tables: Vec<&'static Category>,
-    /// How closely records must follow their edition.
-    pub mode: Mode,
+/// Datagrams from the network, as the file states them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DatagramInput {
+    /// An address of this machine (unspecified: all of them), or a multicast group, and the port.
+    pub listen: SocketAddr,
+    /// Interface on which a group is joined, by name, address or number.
+    pub interface: Option<String>,
+    /// Addresses and networks from which datagrams are accepted; all, if it is empty.
+    pub senders: Vec<String>,
+    /// Size of the kernel's buffer, bytes.
+    pub buffer_bytes: usize,
 }
 
-impl Asterix {
-    /// Table that a category is read by; `None` if there is none.
-    pub fn table(&self, category: u8) -> Option<&'static Category> {
-        let stated = self.tables.iter().find(|table| table.number == category).copied();
-        stated.or_else(|| registry::default_edition(category))
-    }
+/// Datagrams to the network, as the file states them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DatagramOutput {
+    /// An address or a multicast group, with its port.
+    pub send_to: SocketAddr,
+    /// Interface by which a group is sent to, by name, address or number.
+    pub interface: Option<String>,
+    /// Time to live; `None`: the usual one.
+    pub ttl: Option<u8>,
+}
 
-    /// A decoder that reads so.
-    pub fn decoder(&self) -> Decoder {
-        let decoder = Decoder::new(self.mode);
-        self.tables
-            .iter()
-            .fold(decoder, |decoder, table| decoder.with_table(table))
-    }
+/// How ASTERIX records are read.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Asterix {
+    /// Categories whose edition the file states, each with the numbers before and behind the edition's point.
+    pub editions: Vec<(u8, [u8; 2])>,
+    /// Whether records have to follow their edition closely.
+    pub is_strict: bool,
 }
 
 /// A source behind a receiver.
@@ -79,31 +83,5 @@ pub struct NetworkOutput {
     /// Its name, which is that of its process.
     pub name: String,
     /// Where its datagrams go, and how; `None` if its readers connect.
-    pub sender: Option<net::SenderSettings>,
-}
-
-/// Returns the table of a category's edition, or of its default edition.
-///
-/// # Errors
-/// If there is none; the error is that of the key `key`.
-pub fn category(key: &str, number: u8, edition: Option<&str>) -> Result<&'static Category, SettingsError> {
-    let Some(edition) = edition else {
-        return registry::default_edition(number)
-            .ok_or_else(|| SettingsError::new(key, format!("category {number} is not known")));
-    };
-    let table = edition
-        .parse::<Edition>()
-        .ok()
-        .and_then(|edition| registry::find(number, edition));
-    table.ok_or_else(|| {
-        let mut known: Vec<String> = registry::editions(number).map(ToString::to_string).collect();
-        if known.is_empty() {
-            known = registry::defaults().map(ToString::to_string).collect();
-        }
-        let what = format!(
-            "category {number} edition \"{edition}\" is not known; there are: {}",
-            known.join(", ")
-        );
-        SettingsError::new(key, what)
-    })
+    pub sender: Option<DatagramOutput>,
 }

@@ -58,7 +58,7 @@ impl Deployment {
             // Simulated sensors observe with the configured north.
             north_offset_rad: (matches!(source.input, Input::Live(_) | Input::Recorded(_))
                 && !source.is_taken_as_it_is())
-            .then(|| source.model.frame.north_offset_rad()),
+            .then(|| source.frame.north_offset_rad()),
         });
         sources.collect()
     }

@@ -3,7 +3,7 @@
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
-use platform::{Assumed, JumpLimits};
+use crate::network::DatagramInput;
 
 /// One platform.
 #[derive(Clone, Debug)]
@@ -18,10 +18,6 @@ pub struct Platform {
     pub is_simulated: bool,
     /// Name of the receiver of rows from its simulated radar, if a sensor is that radar.
     pub radar: Option<String>,
-    /// Assumptions where its states give no value.
-    pub assumed: Assumed,
-    /// Differences that count as jumps.
-    pub jumps: JumpLimits,
     /// Largest distance of its states from the frame's origin, metres.
     pub range_m: f64,
     /// Standard deviation of the delay of sentences without a time, seconds.
@@ -47,7 +43,7 @@ pub enum PlatformInput {
 #[derive(Clone, Debug)]
 pub enum PlatformFeed {
     /// Datagrams.
-    Udp(net::ReceiverSettings),
+    Udp(DatagramInput),
     /// Datagrams to this port of the deployment's own loopback address: what the simulator sends.
     Loopback(u16),
     /// Lines from a server.

@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
-use outgoing::Technology;
-use reception::ConversionModel;
+use frames::SensorFrame;
+use settings::Seconds;
 
 use crate::network::{Asterix, Live};
+use crate::technology::Technology;
 
 /// One source.
 #[derive(Clone, Debug)]
@@ -22,14 +23,20 @@ pub struct Source {
     pub adapter: String,
     /// How it observes.
     pub technology: Technology,
-    /// Where it stands, what its reports may contain, and how accurate they are.
-    pub model: ConversionModel,
+    /// SAC and SIC of the sensor, if it has any.
+    pub sac_sic: Option<(u8, u8)>,
+    /// Where it stands.
+    pub frame: SensorFrame,
+    /// Distance of a time from that of receipt beyond which the time is not believed.
+    pub clock_step: Seconds,
+    /// Most of its tracks at a time.
+    pub tracks_max: usize,
     /// Samples that it delivers.
     pub delivers: SampleDelivery,
     /// Other sources that its tracker listens to.
     pub links: Links,
-    /// Mounting of a tracker's sensor on a platform that moves; `None` if it is at rest, or detections state their
-    /// places in the system frame.
+    /// Platform that moves, which carries the sensor; `None` if it is at rest, or detections state their places in the
+    /// system frame.
     pub on_board: Option<OnBoard>,
     /// True if operators' orders to the tracker are the detections of this sensor.
     pub takes_orders: bool,
@@ -51,13 +58,11 @@ pub struct Links {
     pub emissions: Vec<u16>,
 }
 
-/// Mounting of a sensor on a platform that moves.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Place of a sensor on a platform that moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OnBoard {
     /// Number of the platform; `None` if each detection states the platform's state itself.
     pub platform: Option<u16>,
-    /// Place and directions on the platform.
-    pub mount: platform::Mount,
 }
 
 impl Source {

@@ -2,8 +2,6 @@
 
 use std::path::PathBuf;
 
-use reception::ConversionModel;
-
 use crate::network::Asterix;
 
 /// One wide-area sensor.
@@ -41,8 +39,6 @@ pub struct CountedTracks {
     pub feed: TrackFeed,
     /// How their records are read.
     pub asterix: Asterix,
-    /// Model of the source that the tracks are of.
-    pub model: ConversionModel,
     /// Time between two reports of one track, nanoseconds: tracks of one period are counted together.
     pub period_ns: i64,
     /// Tracks that are no farther from each other make one report, metres.

@@ -37,6 +37,12 @@ pub(crate) struct InterfaceIdentity {
 }
 
 impl Interface {
+    /// The interface that a configuration states, by address, name or number.
+    pub(crate) fn stated(text: &str) -> Self {
+        let Ok(interface) = text.parse();
+        interface
+    }
+
     /// Looks the interface up; `socket` is any.
     ///
     /// # Errors

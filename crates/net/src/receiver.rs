@@ -65,6 +65,25 @@ pub struct ReceiverSettings {
 }
 
 impl ReceiverSettings {
+    /// Those that a configuration states: address and port, interface, addresses and networks of senders, and the size
+    /// of the kernel's buffer in bytes.
+    ///
+    /// # Errors
+    /// As [`AllowedSenders::parse`].
+    pub fn stated(
+        listen: SocketAddr,
+        interface: Option<&str>,
+        senders: &[String],
+        buffer_octets: usize,
+    ) -> Result<Self, NetError> {
+        Ok(Self {
+            interface: interface.map(Interface::stated),
+            allowed_senders: AllowedSenders::parse(senders.iter().map(String::as_str))?,
+            receive_buffer_octets: buffer_octets,
+            ..Self::new(listen.ip(), listen.port())
+        })
+    }
+
     /// Everything that comes to a port of this machine or to a group: all senders, a buffer of 4 MiB, datagrams of any
     /// length.
     pub fn new(address: IpAddr, port: u16) -> Self {

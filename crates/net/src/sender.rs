@@ -33,6 +33,15 @@ pub struct SenderSettings {
 }
 
 impl SenderSettings {
+    /// Those that a configuration states: address and port, interface, and time to live.
+    pub fn stated(destination: SocketAddr, interface: Option<&str>, time_to_live: Option<u8>) -> Self {
+        Self {
+            interface: interface.map(Interface::stated),
+            time_to_live,
+            ..Self::new(destination)
+        }
+    }
+
     /// Sends to `destination` with the usual time to live, and to processes of this machine too.
     pub fn new(destination: SocketAddr) -> Self {
         Self {

@@ -12,11 +12,11 @@ use std::fs;
 use std::path::Path;
 
 use asterix::{Category, registry};
+use deployment::Technology;
 use frames::{Geodetic, SensorFrame, SystemFrame};
 use messages::{Contribution, Covariance, Identity, SensorTrack, SystemTrack, contribution_bits};
 use outgoing::{
     Condition, HeightReference, SensorReports, SensorStatus, StatusReports, SystemReports, SystemSource, SystemStatus,
-    Technology,
 };
 
 /// Tracks in each file.

@@ -50,7 +50,6 @@ pub use cot::CotEvents;
 pub use sensor::SensorReports;
 pub use status::{Condition, SensorBiases, SensorStatus, ServiceEvent, StatusReports, SystemStatus};
 pub use system::{SystemReports, SystemSource};
-pub use technology::Technology;
 
 use asterix::block::HEADER_OCTETS;
 use asterix::{BlockWriter, Category};

@@ -9,11 +9,11 @@
 use asterix::categories::CAT062;
 use asterix::field::{Elements, Field, field, subitem, whole};
 use asterix::{Frn, RecordWriter};
+use deployment::Technology;
 use frames::time::NS_PER_S;
 use messages::SystemTrack;
 
 use super::items;
-use super::technology::Technology;
 
 const LEVEL: Elements<1> = whole(CAT062, "136");
 

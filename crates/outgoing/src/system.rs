@@ -34,6 +34,7 @@
 //! of source is kept with the track's number. The track's own age, TRK, counts from the first state seen, because
 //! states do not contain the time of initiation.
 
+use deployment::Technology;
 use frames::SystemFrame;
 use frames::time::NS_PER_S;
 use messages::{SystemTrack, TrackState, contribution_bits};
@@ -44,7 +45,7 @@ use super::measured::{self, ReportingSensor};
 use super::motion;
 use super::place::{self, TargetPlace};
 use super::quantity;
-use super::technology::{KINDS, Technology};
+use super::technology::{KINDS, bit};
 use super::track_numbers::TrackNumbers;
 use super::{BlockOutbox, HeightReference, OutgoingCounts, OutgoingError, SendBlock, Unsent, check_category};
 use asterix::categories::CAT062;
@@ -219,7 +220,7 @@ impl SystemReports {
                 source: [sac, sic],
                 service: None,
                 frame: system,
-                kinds: sources.iter().fold(0, |kinds, source| kinds | source.technology.bit()),
+                kinds: sources.iter().fold(0, |kinds, source| kinds | bit(source.technology)),
                 technologies,
                 codes,
                 with_target_identification: false,
@@ -353,7 +354,7 @@ impl RecordForm {
         (support.kinds, support.other, support.sources) = (0, false, track.source_count);
         for contribution in contributions {
             let technology = self.technology(contribution.source);
-            support.kinds |= technology.bit();
+            support.kinds |= bit(technology);
             match support.last_ns.get_mut(technology as usize) {
                 Some(last_ns) => *last_ns = contribution.time_of_measurement_ns.max(*last_ns),
                 None => support.other = true,
@@ -368,7 +369,7 @@ impl RecordForm {
         contributions
             .filter(|contribution| fresh(contribution.flags))
             .fold(0, |kinds, contribution| {
-                kinds | self.technology(contribution.source).bit()
+                kinds | bit(self.technology(contribution.source))
             })
     }
 
@@ -410,7 +411,7 @@ impl RecordForm {
         let track = report.track;
         let state = TrackState::from_code(track.state);
         let geometric = track.height_valid != 0 && self.height == HeightReference::Geometric;
-        let stale = |technology: Technology| self.kinds & !report.fresh & technology.bit() != 0;
+        let stale = |technology: Technology| self.kinds & !report.fresh & bit(technology) != 0;
         record
             .item(STATUS)
             .put(MON, report.support.sources == 1)
@@ -535,8 +536,8 @@ impl StandardDeviations {
 impl SystemTrackMemory {
     /// SDS: 0 co-operative and primary, 1 co-operative, 2 primary, 3 not known.
     fn data_source(&self) -> u8 {
-        let primary = self.kinds & Technology::Primary.bit() != 0;
-        let co_operative = self.kinds & !Technology::Primary.bit() != 0;
+        let primary = self.kinds & bit(Technology::Primary) != 0;
+        let co_operative = self.kinds & !bit(Technology::Primary) != 0;
         match (primary, co_operative, self.other) {
             (true, true, _) => 0,
             (false, true, false) => 1,

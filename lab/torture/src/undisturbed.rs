@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
-use asterix::{Decoder, blocks};
+use asterix::{Decoder, StatedTables, blocks};
 use deployment::{Deployment, Input};
 use fusion::Engine;
 use messages::{NO_SOURCE, NS_PER_S, SystemTrack, TrackState};
@@ -16,7 +16,7 @@ use formats::observation::{self, Reading};
 use runtime::clock::Now;
 use scenario::{Instrument, SimulatedDirectionFinder, TargetState, Truth};
 use simulator::SensorFeed;
-use sources::{Pipeline, Processing, Samples};
+use sources::{Pipeline, SourceReading, Samples};
 use tracking::wide_area::arrivals::Arrivals;
 
 use crate::judge::event::Undisturbed;
@@ -32,8 +32,8 @@ const STRANGER_M: f64 = 1000.0;
 pub struct Engines {
     /// Settings of fusion.
     pub fusion: fusion::Settings,
-    /// How the tracks of each source are made, in the order of their numbers.
-    pub processing: Vec<Processing>,
+    /// How the data of each source are read, in the order of their numbers.
+    pub readings: Vec<SourceReading>,
     /// The simulated world, and what observes it.
     pub world: scenario::World,
 }
@@ -80,7 +80,7 @@ impl UndisturbedRun {
     /// If its settings cannot be used.
     pub(super) fn new(config: &Deployment, engines: Engines, begin: Now) -> anyhow::Result<Self> {
         let mut observers = Vec::new();
-        for (source, processing) in config.sources.iter().zip(&engines.processing) {
+        for (source, reading) in config.sources.iter().zip(&engines.readings) {
             let Input::Simulated(live) = &source.input else {
                 continue;
             };
@@ -89,8 +89,8 @@ impl UndisturbedRun {
             };
             let instrument = match instrument {
                 Instrument::Sensor(settings) => {
-                    let feed = SensorFeed::new(source, settings, SEED, begin.utc_ns)?;
-                    Sender::Asterix(Box::new(feed), Box::new(live.asterix.decoder()))
+                    let feed = SensorFeed::new((source, config.frame), settings, SEED, begin.utc_ns)?;
+                    Sender::Asterix(Box::new(feed), Box::new(StatedTables::new(&live.asterix.editions, live.asterix.is_strict).decoder()))
                 }
                 Instrument::DirectionFinder { settings, array: None } => {
                     let finder = SimulatedDirectionFinder::new(settings, SEED, source.number, begin.utc_ns)?;
@@ -100,7 +100,7 @@ impl UndisturbedRun {
             };
             observers.push(Observer {
                 instrument,
-                pipeline: Pipeline::new(source.model, processing, begin.utc_ns, Arrivals::new())?,
+                pipeline: Pipeline::new(reading.model, &reading.processing, begin.utc_ns, Arrivals::new())?,
             });
         }
         Ok(Self {
@@ -271,7 +271,7 @@ mod tests {
         };
         let engines = Engines {
             fusion: config.engine,
-            processing: config.processing,
+            readings: config.readings.sources,
             world: config.world,
         };
         let mut run = UndisturbedRun::new(&config.deployment, engines, begin).expect("valid");

@@ -6,7 +6,7 @@
 //! datagrams of senders outside the list are counted and skipped.
 
 use anyhow::Context as _;
-use asterix::{Decoder, blocks};
+use asterix::{Decoder, StatedTables, blocks};
 use deployment::{Asterix, Input, Source};
 use formats::observation::{self, Reading};
 use messages::Counter;
@@ -55,13 +55,15 @@ impl BlockSources {
             blocks_rejected: 0,
             bytes_rejected: 0,
         };
-        for (source, processing) in sources {
+        for processed in sources {
+            let (source, model) = (processed.source, &processed.reading().model);
             let asterix = asterix(source).context("a source of datagrams is live or simulated")?;
-            all.senders.push(source.model.sac_sic);
-            all.methods.push(source.model.method);
-            all.decoders.push(asterix.decoder());
-            all.misfits.push(Misfits::new(asterix));
-            all.channels.push(SourceChannel::open(process, (source, processing))?);
+            let tables = StatedTables::new(&asterix.editions, asterix.is_strict);
+            all.senders.push(source.sac_sic);
+            all.methods.push(model.method);
+            all.decoders.push(tables.decoder());
+            all.misfits.push(Misfits::new(tables));
+            all.channels.push(SourceChannel::open(process, *processed)?);
         }
         Ok(all)
     }

@@ -121,8 +121,8 @@ impl Outlets {
 }
 
 impl SourceChannel {
-    pub(crate) fn open(process: &Process, (source, processing): Processed<'_>) -> anyhow::Result<Self> {
-        let config = &process.config;
+    pub(crate) fn open(process: &Process, processed: Processed<'_>) -> anyhow::Result<Self> {
+        let (config, source, reading) = (&process.config, processed.source, processed.reading());
         let counts = source.links.wide_area_sensors.iter().map(|number| {
             let topic = messages::wide_area(&config.wide_area_sensors[usize::from(*number)].name);
             process.bus.subscriber(&topic, || process.incarnation)
@@ -132,12 +132,13 @@ impl SourceChannel {
             process.bus.subscriber(&topic, || process.incarnation)
         });
         let first_day_ns = process.first_day_ns();
-        let mut pipeline = Pipeline::new(source.model, processing, first_day_ns, Arrivals::new())?;
-        let carrier = source.on_board.filter(|_| source.has_bearings());
-        let carrier =
-            carrier.and_then(|on_board| Some((config.platforms.get(usize::from(on_board.platform?))?, on_board)));
-        let platform = carrier.map(|(platform, on_board)| {
-            pipeline.mount_on(config.frame, on_board.mount, platform.assumed, platform.wait_ns);
+        let mut pipeline = Pipeline::new(reading.model, &reading.processing, first_day_ns, Arrivals::new())?;
+        let on_board = source.on_board.filter(|_| source.has_bearings());
+        let number = on_board.and_then(|on_board| on_board.platform).map(usize::from);
+        let carrier = number.and_then(|number| Some((config.platforms.get(number)?, number, reading.mount?)));
+        let platform = carrier.map(|(platform, number, mount)| {
+            let assumed = processed.readings.platforms[number].assumed;
+            pipeline.mount_on(config.frame, mount, assumed, platform.wait_ns);
             let topic = messages::platform_states(&platform.name);
             process.bus.subscriber(&topic, || process.incarnation)
         });

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::io::Cursor;
 
-use asterix::{Block, Decoder, Error, blocks};
+use asterix::{Block, Decoder, Error, StatedTables, blocks};
 use csv_table::CsvError;
 use deployment::{Recorded, RecordedFormat};
 use formats::containers::{Container, TimeStamp, datagrams};
@@ -31,7 +31,10 @@ impl RecordedContent {
     /// If the file is configured as a table and its header is not that of a table of sensor tracks.
     pub(crate) fn open(bytes: Vec<u8>, recorded: &Recorded, first_day_ns: i64) -> Result<Self, CsvError> {
         Ok(match recorded.format {
-            RecordedFormat::Asterix => Self::Asterix(Packed::new(bytes), Box::new(recorded.asterix.decoder())),
+            RecordedFormat::Asterix => {
+                let tables = StatedTables::new(&recorded.asterix.editions, recorded.asterix.is_strict);
+                Self::Asterix(Packed::new(bytes), Box::new(tables.decoder()))
+            }
             RecordedFormat::Sbs => Self::Lines(RecordedLines {
                 packed: Packed::new(bytes),
                 first_day_ns,

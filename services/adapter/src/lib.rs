@@ -36,9 +36,10 @@ mod wide_area;
 
 use anyhow::Context as _;
 use deployment::{Input, Platform, ReceiverTransport, Source};
+use formats::sbs::SbsSettings;
 use runtime::Agent;
 use runtime::Process;
-use sources::Processing;
+use sources::{Readings, SourceReading};
 
 use crate::bearings::Bearings;
 use crate::blocks::BlockSources;
@@ -48,66 +49,84 @@ use crate::receiver::DatagramAgent;
 use crate::row_lines::RowLineAgent;
 use crate::snapshots::Snapshots;
 
-/// Source, and how its tracks come about.
-pub(crate) type Processed<'a> = (&'a Source, &'a Processing);
+/// Source, and how the deployment's data are read.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Processed<'a> {
+    pub(crate) source: &'a Source,
+    pub(crate) readings: &'a Readings,
+}
+
+impl<'a> Processed<'a> {
+    /// How the source's data are read.
+    pub(crate) fn reading(self) -> &'a SourceReading {
+        &self.readings.sources[usize::from(self.source.number)]
+    }
+}
 
 /// Runs the adapter named in `process` (of a receiver, a recorded source or a wide-area sensor) until its work is
-/// done or a stop is requested. `processing` has an item for each source of the deployment.
+/// done or a stop is requested. `readings` are of the deployment.
 ///
 /// # Errors
 /// If there is no such source, its input cannot be read, or shared memory fails.
-pub fn run(process: &Process, processing: &[Processing]) -> anyhow::Result<()> {
+pub fn run(process: &Process, readings: &Readings) -> anyhow::Result<()> {
     let (config, name) = (&process.config, &process.name);
     if let Some(sensor) = config.wide_area_sensors.iter().find(|sensor| sensor.adapter == *name) {
-        return runtime::service::run(process, wide_area::agent(process, sensor)?.as_mut());
+        return runtime::service::run(process, wide_area::agent(process, sensor, readings)?.as_mut());
     }
     let is_named = |platform: &&Platform| platform.has_process() && platform.name == *name;
     if let Some(found) = config.platforms.iter().find(is_named) {
-        return runtime::service::run(process, crate::platform::agent(process, found)?.as_mut());
+        let reading = &readings.platforms[usize::from(found.number)];
+        return runtime::service::run(process, crate::platform::agent(process, (found, reading))?.as_mut());
     }
-    let of_trackers = config.tracker_sensors.iter().map(|sensor| (sensor, &Processing::Plots));
-    let sources = config.sources.iter().zip(processing).chain(of_trackers);
-    let sources: Vec<Processed<'_>> = sources.filter(|(source, _)| source.adapter == *name).collect();
+    let sources = config.sources.iter().chain(&config.tracker_sensors);
+    let sources: Vec<Processed<'_>> = sources
+        .filter(|source| source.adapter == *name)
+        .map(|source| Processed { source, readings })
+        .collect();
     if let Some(tracker) = sources
         .iter()
-        .find(|(source, _)| matches!(source.input, Input::Tracker(_)))
+        .find(|processed| matches!(processed.source.input, Input::Tracker(_)))
     {
         return runtime::service::run(process, tracker::agent(process, *tracker)?.as_mut());
     }
     if let Some(receiver) = config.receiver(name) {
-        let has_bearings = sources.iter().any(|(source, _)| source.has_bearings());
-        let mut agent: Box<dyn Agent> = match &receiver.transport {
-            ReceiverTransport::Sbs { server, settings } => {
-                Box::new(LineAgent::new(process, *server, *settings, &sources)?)
-            }
-            ReceiverTransport::Rows { server } => {
-                Box::new(RowLineAgent::new(*server, PlotRows::new(process, &sources)?)?)
-            }
-            transport if sources.iter().any(|(source, _)| source.has_rows()) => Box::new(DatagramAgent::open(
-                process,
-                transport,
-                PlotRows::new(process, &sources)?,
-            )?),
-            transport if sources.iter().any(|(source, _)| source.has_array()) => Box::new(DatagramAgent::open(
-                process,
-                transport,
-                Snapshots::new(process, &sources)?,
-            )?),
-            transport if has_bearings => Box::new(DatagramAgent::open(
-                process,
-                transport,
-                Bearings::new(process, &sources)?,
-            )?),
-            transport => Box::new(DatagramAgent::open(
-                process,
-                transport,
-                BlockSources::new(process, &sources)?,
-            )?),
-        };
+        let has_bearings = sources.iter().any(|processed| processed.source.has_bearings());
+        let mut agent: Box<dyn Agent> =
+            match &receiver.transport {
+                ReceiverTransport::Sbs {
+                    server,
+                    ahead_of_utc_min,
+                } => {
+                    let settings = SbsSettings {
+                        ahead_of_utc_min: *ahead_of_utc_min,
+                        ..SbsSettings::default()
+                    };
+                    Box::new(LineAgent::new(process, *server, settings, &sources)?)
+                }
+                ReceiverTransport::Rows { server } => {
+                    Box::new(RowLineAgent::new(*server, PlotRows::new(process, &sources)?)?)
+                }
+                transport if sources.iter().any(|processed| processed.source.has_rows()) => Box::new(
+                    DatagramAgent::open(process, transport, PlotRows::new(process, &sources)?)?,
+                ),
+                transport if sources.iter().any(|processed| processed.source.has_array()) => Box::new(
+                    DatagramAgent::open(process, transport, Snapshots::new(process, &sources)?)?,
+                ),
+                transport if has_bearings => Box::new(DatagramAgent::open(
+                    process,
+                    transport,
+                    Bearings::new(process, &sources)?,
+                )?),
+                transport => Box::new(DatagramAgent::open(
+                    process,
+                    transport,
+                    BlockSources::new(process, &sources)?,
+                )?),
+            };
         return runtime::service::run(process, agent.as_mut());
     }
-    let recorded = sources.first().and_then(|source| match &source.0.input {
-        Input::Recorded(recorded) => Some((*source, recorded)),
+    let recorded = sources.first().and_then(|processed| match &processed.source.input {
+        Input::Recorded(recorded) => Some((*processed, recorded)),
         _ => None,
     });
     let (source, recorded) = recorded.with_context(|| {

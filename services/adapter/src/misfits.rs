@@ -5,8 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use asterix::{Block, Edition};
-use deployment::Asterix;
+use asterix::{Block, Edition, StatedTables};
 use formats::recording::CategorySurvey;
 use messages::Counter;
 use runtime::HealthEntry;
@@ -48,14 +47,14 @@ impl Strangers {
 /// Unreadable blocks of one source, by category.
 #[derive(Debug)]
 pub(crate) struct Misfits {
-    configured: Asterix,
+    configured: StatedTables,
     categories: BTreeMap<u8, CategorySurvey>,
 }
 
 impl Misfits {
-    pub(crate) fn new(configured: &Asterix) -> Self {
+    pub(crate) fn new(configured: StatedTables) -> Self {
         Self {
-            configured: configured.clone(),
+            configured,
             categories: BTreeMap::new(),
         }
     }
@@ -71,7 +70,7 @@ impl Misfits {
             .or_insert_with(|| CategorySurvey::new(block.category, Some(table)));
         if survey.blocks < TRIED_MAX || survey.better().is_some() {
             // The decoder counts the reason.
-            let _ = survey.add(block, Some(table), self.configured.mode);
+            let _ = survey.add(block, Some(table), self.configured.mode());
         }
     }
 
@@ -95,7 +94,7 @@ impl Misfits {
 
 #[cfg(test)]
 mod tests {
-    use asterix::{Mode, blocks, registry};
+    use asterix::{Category, Mode, blocks, registry};
     use frames::{Geodetic, SensorFrame, SystemFrame};
     use messages::{Counters, Covariance, Identity, SensorTrack, TrackState};
     use outgoing::SensorReports;
@@ -124,9 +123,9 @@ mod tests {
     fn another_edition_that_fits_is_named_and_junk_is_given_up() {
         let old = registry::find(21, Edition::new(0, 23)).unwrap();
         let new = registry::default_edition(21).unwrap();
-        let asterix = |table| Asterix {
-            tables: vec![table],
-            mode: Mode::Strict,
+        let asterix = |table: &Category| {
+            let Edition { major, minor } = table.edition;
+            StatedTables::new(&[(table.number, [major, minor])], true)
         };
         let system = SystemFrame::at(Geodetic::from_degrees(41.3, 2.1, 0.0).unwrap());
         let frame = SensorFrame::new(&system, system.to_geodetic([0.0; 3]), 0.0);
@@ -143,7 +142,7 @@ mod tests {
         reports.flush(&mut keep);
         let block = blocks(&bytes).next().unwrap().unwrap();
         assert!(block.records(new, Mode::Strict).any(|record| record.is_err()));
-        let (mut misfits, mut health) = (Misfits::new(&asterix(new)), HealthEntry::default());
+        let (mut misfits, mut health) = (Misfits::new(asterix(new)), HealthEntry::default());
         for _ in 0..142 {
             misfits.try_others(&block);
         }

@@ -20,6 +20,7 @@ use platform::{JumpWatch, Navigator, State};
 use runtime::Process;
 use runtime::clock::mono_ns;
 use runtime::{Agent, HealthEntry, Now, Turn};
+use sources::PlatformReading;
 
 use crate::receiver::{DatagramAgent, DatagramReader, ReceiptTime};
 use crate::tables::{TableCounts, utc_ns};
@@ -41,8 +42,11 @@ const STATES_MAX: usize = 1024;
 ///
 /// # Errors
 /// If its input cannot be opened, or shared memory fails.
-pub(crate) fn agent(process: &Process, platform: &Platform) -> anyhow::Result<Box<dyn Agent>> {
-    let states = PlatformStates::new(process, platform)?;
+pub(crate) fn agent(
+    process: &Process,
+    (platform, reading): (&Platform, &PlatformReading),
+) -> anyhow::Result<Box<dyn Agent>> {
+    let states = PlatformStates::new(process, platform, reading)?;
     Ok(match &platform.input {
         PlatformInput::Live(PlatformFeed::Udp(settings)) => Box::new(DatagramAgent::open(
             process,
@@ -98,16 +102,16 @@ struct PlatformStates {
 }
 
 impl PlatformStates {
-    fn new(process: &Process, platform: &Platform) -> anyhow::Result<Self> {
+    fn new(process: &Process, platform: &Platform, reading: &PlatformReading) -> anyhow::Result<Self> {
         let topic = messages::platform_states(&platform.name);
         Ok(Self {
             sentences: NmeaReader::new(NmeaSettings {
                 receipt_sigma_s: platform.receipt_sigma_s,
-                heading_sigma_rad: platform.assumed.heading_sigma_deg.rad(),
+                heading_sigma_rad: reading.assumed.heading_sigma_deg.rad(),
             }),
             navigator: Navigator::new(process.config.frame),
             tables: TableCounts::default(),
-            jumps: JumpWatch::new(platform.jumps, platform.assumed.max_gap_s.ns()),
+            jumps: JumpWatch::new(reading.jumps, reading.assumed.max_gap_s.ns()),
             jumped: 0,
             silent_after_ns: platform.silent_after_ns,
             range_m: platform.range_m,

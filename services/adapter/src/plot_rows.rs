@@ -29,9 +29,9 @@ pub(crate) struct PlotRows {
 
 impl PlotRows {
     pub(crate) fn new(process: &Process, sources: &[Processed<'_>]) -> anyhow::Result<Self> {
-        let channel = |processed: &Processed<'_>| match processed.0.delivers {
+        let channel = |processed: &Processed<'_>| match processed.source.delivers {
             SampleDelivery::Plots { sensor_id, .. } => Ok((sensor_id, SourceChannel::open(process, *processed)?)),
-            _ => anyhow::bail!("source {} takes no rows of detections", processed.0.name),
+            _ => anyhow::bail!("source {} takes no rows of detections", processed.source.name),
         };
         let channels: Vec<_> = sources.iter().map(channel).collect::<anyhow::Result<_>>()?;
         channels.first().context("no sensor is behind this receiver")?;

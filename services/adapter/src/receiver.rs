@@ -4,7 +4,6 @@
 //! the time at which the kernel took the datagram from the network. The stages of a report begin with this time, and
 //! the sensor's time of day is checked against it.
 
-use std::borrow::Cow;
 use std::fmt::Debug;
 use std::net::IpAddr;
 use std::time::Duration;
@@ -84,11 +83,12 @@ pub(crate) struct DatagramAgent<D> {
 impl<D: DatagramReader> DatagramAgent<D> {
     pub(crate) fn open(process: &Process, transport: &ReceiverTransport, reader: D) -> anyhow::Result<Self> {
         let settings = match transport {
-            ReceiverTransport::Udp(settings) => Cow::Borrowed(settings),
-            // A simulated sensor sends to the deployment's own loopback address.
-            ReceiverTransport::Loopback { port } => {
-                Cow::Owned(ReceiverSettings::new(IpAddr::V4(process.loopback), *port))
+            ReceiverTransport::Udp(input) => {
+                let interface = input.interface.as_deref();
+                ReceiverSettings::stated(input.listen, interface, &input.senders, input.buffer_bytes)?
             }
+            // A simulated sensor sends to the deployment's own loopback address.
+            ReceiverTransport::Loopback { port } => ReceiverSettings::new(IpAddr::V4(process.loopback), *port),
             ReceiverTransport::Rows { server } | ReceiverTransport::Sbs { server, .. } => {
                 anyhow::bail!("{server} sends lines and no datagrams")
             }

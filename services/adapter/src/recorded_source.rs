@@ -9,7 +9,7 @@ use anyhow::Context as _;
 use deployment::{Recorded, Source};
 use messages::{Counters, ProcessKind, SensorDetection, SensorTrack, Stream, StreamId};
 use runtime::Process;
-use sources::{Pipeline, Processing};
+use sources::{Pipeline, SourceReading};
 use tracking::wide_area::arrivals::Arrivals;
 
 use crate::Processed;
@@ -42,11 +42,17 @@ pub(crate) fn replay(
     processed: Processed<'_>,
     recorded: &Recorded,
 ) -> anyhow::Result<ReplayAgent<RecordedSource>> {
-    let (source, _) = processed;
+    let source = processed.source;
     let path = process.options.data.join(&recorded.file);
     let bytes = std::fs::read(&path).with_context(|| format!("reading {}", path.display()))?;
     let first_day_ns = process.first_day_ns();
-    let recording = RecordedSource::supported(bytes, recorded, processed, first_day_ns, counts(process, source)?);
+    let recording = RecordedSource::supported(
+        bytes,
+        recorded,
+        (source, processed.reading()),
+        first_day_ns,
+        counts(process, processed)?,
+    );
     let (number, sensor_uid) = (source.number, Some(source.uid));
     let tracks = Published {
         topic: &messages::sensor_tracks(&source.name),
@@ -79,11 +85,11 @@ pub(crate) fn replay(
 
 /// Reports of the wide-area sensors of the source's tracker: read from the recordings and not from their topics, so
 /// that the tracks do not depend on the speed of other processes.
-pub(crate) fn counts(process: &Process, source: &Source) -> anyhow::Result<Arrivals> {
+pub(crate) fn counts(process: &Process, Processed { source, readings }: Processed<'_>) -> anyhow::Result<Arrivals> {
     let mut reports = Vec::new();
     for number in &source.links.wide_area_sensors {
         let sensor = &process.config.wide_area_sensors[usize::from(*number)];
-        reports.extend(recorded::read(sensor, &process.options.data, process.first_day_ns())?.reports);
+        reports.extend(recorded::read((sensor, readings), &process.options.data, process.first_day_ns())?.reports);
     }
     Ok(Arrivals::of(reports))
 }
@@ -97,7 +103,7 @@ impl RecordedSource {
     pub fn new(
         bytes: Vec<u8>,
         recorded: &Recorded,
-        processed: (&Source, &Processing),
+        processed: (&Source, &SourceReading),
         first_day_ns: i64,
     ) -> anyhow::Result<Self> {
         Self::supported(bytes, recorded, processed, first_day_ns, Arrivals::default())
@@ -111,11 +117,11 @@ impl RecordedSource {
     pub fn supported(
         bytes: Vec<u8>,
         recorded: &Recorded,
-        (source, processing): (&Source, &Processing),
+        (source, reading): (&Source, &SourceReading),
         first_day_ns: i64,
         counts: Arrivals,
     ) -> anyhow::Result<Self> {
-        let pipeline = Pipeline::new(source.model, processing, first_day_ns, counts)?;
+        let pipeline = Pipeline::new(reading.model, &reading.processing, first_day_ns, counts)?;
         let mut recording = Self {
             content: RecordedContent::open(bytes, recorded, first_day_ns)?,
             intake: Intake::new(source.number, pipeline, recorded.reorder_ns),

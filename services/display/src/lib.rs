@@ -82,9 +82,9 @@ use std::sync::Arc;
 
 use anyhow::Context as _;
 use deployment::Deployment;
+use deployment::Technology;
 use frames::SystemFrame;
 use messages::FrameOrigin;
-use outgoing::Technology;
 use runtime::Now;
 use runtime::Process;
 use runtime::signals::Stop;
@@ -294,6 +294,6 @@ fn fact(observed: deployment::SourceFacts, source: &deployment::Source) -> Sourc
             Technology::AdsB => "adsb",
             Technology::Other => "other",
         },
-        site_m: Some(source.model.frame.place()),
+        site_m: Some(source.frame.place()),
     }
 }

@@ -56,7 +56,7 @@ pub(crate) enum SourceTime {
 impl SourceTime {
     /// That of `source`; recordings are replayed at `speed`.
     pub(crate) fn of(source: &Source, speed: Speed) -> Self {
-        let step_s = source.model.limits.clock_step().s();
+        let step_s = source.clock_step.s();
         let clock = SourceClock::new(step_s);
         match (&source.input, speed) {
             (Input::External, _) => Self::Received { clock, step_s },

@@ -126,13 +126,12 @@ impl<S: Transport> GatewayAgent<S> {
                 }
             }
             Sent::OfSource(source) => {
-                let model = &source.model;
                 let [sac, sic] = gateway.codes()?;
-                let reports = SensorReports::new(gateway.table()?, sac, sic, model.frame, model.system, block_bytes)?
+                let reports = SensorReports::new(gateway.table()?, sac, sic, source.frame, config.frame, block_bytes)?
                     .with_height(gateway.heights);
                 let topic = messages::sensor_tracks(&source.name);
                 waiter.watch(bus, &topic)?;
-                let capacity = model.limits.tracks;
+                let capacity = source.tracks_max;
                 let picture = OutgoingPicture::open(bus, &topic, incarnation, user, capacity, reports)?;
                 OutgoingContent::Sensor(Box::new(picture))
             }
@@ -181,7 +180,7 @@ fn system_source(source: &Source) -> SystemSource {
     SystemSource {
         number: source.number,
         technology: source.technology,
-        code: source.model.sac_sic.map(|(sac, sic)| [sac, sic]),
+        code: source.sac_sic.map(|(sac, sic)| [sac, sic]),
     }
 }
 

@@ -40,14 +40,17 @@ impl CueOutletSettings {
     /// # Errors
     /// If not exactly one way is given, or a key does not fit the way.
     pub(crate) fn way(&self) -> Result<OutletWay, SettingsError> {
-        let keys = OutletKeys {
+        self.outlet().way()
+    }
+
+    fn outlet(&self) -> OutletKeys<'_> {
+        OutletKeys {
             send_to: self.send_to,
             listen: self.listen,
             interface: self.interface.as_deref(),
             ttl: self.ttl,
             remote: self.remote,
-        };
-        keys.way()
+        }
     }
 
     /// Checks the source, and returns the facts that other processes need.
@@ -70,7 +73,7 @@ impl CueOutletSettings {
         }
         Ok(NetworkOutput {
             name: self.name.clone(),
-            sender: self.way()?.sender(),
+            sender: self.outlet().datagrams()?,
         })
     }
 }

@@ -4,8 +4,9 @@ use std::fmt;
 use std::net::SocketAddr;
 
 use anyhow::Context as _;
+use deployment::DatagramOutput;
 use messages::Counter;
-use net::{Interface, LineServer, Reach, SenderSettings, UdpSender};
+use net::{LineServer, Reach, SenderSettings, UdpSender};
 use runtime::{HealthEntry, Now};
 use settings::SettingsError;
 
@@ -53,17 +54,20 @@ impl fmt::Display for OutletWay {
     }
 }
 
-impl OutletWay {
-    /// Returns the settings of the datagrams' sender; `None` for connections.
-    pub(crate) fn sender(self) -> Option<SenderSettings> {
-        match self {
-            Self::Datagrams(sender) => Some(sender),
-            Self::Lines(..) => None,
-        }
-    }
-}
-
 impl OutletKeys<'_> {
+    /// Returns where datagrams go; `None` for connections.
+    ///
+    /// # Errors
+    /// As [`Self::way`].
+    pub(crate) fn datagrams(&self) -> Result<Option<DatagramOutput>, SettingsError> {
+        self.way()?;
+        Ok(self.send_to.map(|to| DatagramOutput {
+            send_to: to.0,
+            interface: self.interface.map(str::to_owned),
+            ttl: self.ttl,
+        }))
+    }
+
     /// Returns how blocks leave.
     ///
     /// # Errors
@@ -75,15 +79,7 @@ impl OutletKeys<'_> {
                 Err(SettingsError::new("remote", what))
             }
             (Some(to), None) => {
-                let interface = |text: &str| -> Interface {
-                    let Ok(interface) = text.parse();
-                    interface
-                };
-                let sender = SenderSettings {
-                    interface: self.interface.map(interface),
-                    time_to_live: self.ttl,
-                    ..SenderSettings::new(to.0)
-                };
+                let sender = SenderSettings::stated(to.0, self.interface, self.ttl);
                 sender.check().map_err(sender_mistake)?;
                 Ok(OutletWay::Datagrams(sender))
             }

@@ -9,11 +9,9 @@
 //! bias from the reports: before, the estimate may be due to chance.
 
 use alarms::AlarmKind;
-use deployment::Deployment;
+use deployment::{Deployment, Technology};
 use messages::{Alarm, AlarmSeverity, registration_bits};
-use outgoing::{
-    Condition, SendBlock, SensorBiases, SensorStatus, ServiceEvent, StatusReports, SystemStatus, Technology,
-};
+use outgoing::{Condition, SendBlock, SensorBiases, SensorStatus, ServiceEvent, StatusReports, SystemStatus};
 use runtime::Now;
 
 /// States of fusion and of the sensors of all sources, in the order of the sources' numbers.
@@ -40,7 +38,7 @@ impl SensorStates {
         let sensors = config.sources.iter().map(|source| SensorState {
             number: source.number,
             // A sensor without SAC and SIC is identified by its number.
-            sac_sic: source.model.sac_sic.unwrap_or((0, (source.number + 1) as u8)),
+            sac_sic: source.sac_sic.unwrap_or((0, (source.number + 1) as u8)),
             primary: source.technology == Technology::Primary,
         });
         Self {

@@ -195,14 +195,17 @@ impl Settings {
     /// # Errors
     /// If not exactly one way is given, or a key does not fit the way.
     pub(crate) fn way(&self) -> Result<OutletWay, SettingsError> {
-        let keys = OutletKeys {
+        self.outlet().way()
+    }
+
+    fn outlet(&self) -> OutletKeys<'_> {
+        OutletKeys {
             send_to: self.send_to,
             listen: self.listen,
             interface: self.interface.as_deref(),
             ttl: self.ttl,
             remote: self.remote,
-        };
-        keys.way()
+        }
     }
 
     /// Returns system area code and system identification code.
@@ -222,7 +225,7 @@ impl Settings {
     /// If the edition is not known.
     pub fn table(&self) -> Result<&'static Category, SettingsError> {
         let number = self.category.unwrap_or(SYSTEM_CATEGORY);
-        deployment::category("edition", number, self.edition.as_deref())
+        asterix::stated(number, self.edition.as_deref()).map_err(|what| SettingsError::new("edition", what))
     }
 
     /// Returns the content that the gateway of `deployment` sends.
@@ -323,7 +326,7 @@ impl Parts for Keys {
         let output = |gateway: &Settings| {
             Ok(NetworkOutput {
                 name: gateway.name.clone(),
-                sender: gateway.way()?.sender(),
+                sender: gateway.outlet().datagrams()?,
             })
         };
         let outputs: Result<Vec<_>, SettingsError> = self.gateways.iter().map(output).collect();

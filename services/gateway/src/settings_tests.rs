@@ -23,7 +23,7 @@ fn a_gateway_sends_the_fused_picture_by_default() {
     assert!(matches!(gateway.content(&config), Ok(GatewayContent::Fused)));
     let output = &config.services.gateways[0];
     assert_eq!(
-        (output.name.as_str(), output.sender.as_ref().unwrap().destination),
+        (output.name.as_str(), output.sender.as_ref().unwrap().send_to),
         ("picture", gateway.send_to.unwrap().0)
     );
 }
@@ -34,8 +34,8 @@ fn the_time_to_live_of_a_gateway_reaches_its_sender() {
         let config = Config::parse(Path::new("live.toml"), SITE, overrides).unwrap();
         config.services.gateways[0].sender.clone().unwrap()
     };
-    assert_eq!(sender(&[]).time_to_live, None);
-    assert_eq!(sender(&["gateway[0].ttl=7".to_owned()]).time_to_live, Some(7));
+    assert_eq!(sender(&[]).ttl, None);
+    assert_eq!(sender(&["gateway[0].ttl=7".to_owned()]).ttl, Some(7));
     let refused = Config::parse(Path::new("live.toml"), SITE, &["gateway[0].ttl=0".to_owned()]);
     let refused = refused.unwrap_err().to_string();
     assert!(refused.contains("gateway[0].ttl"), "{refused}");
@@ -150,7 +150,7 @@ fn a_cue_outlet_needs_one_way_out_and_a_source_with_cues() {
     ))
     .unwrap();
     let sender = config.services.gateways.last().unwrap().sender.clone().unwrap();
-    assert_eq!(sender.time_to_live, Some(3));
+    assert_eq!(sender.ttl, Some(3));
     for (keys, expected) in [
         (source.to_owned(), "give either send_to (datagrams) or listen"),
         (

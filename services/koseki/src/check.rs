@@ -343,7 +343,7 @@ fn summary(path: &Path, config: &Config, found: &[RecordingFindings], free_bytes
             text,
             "platform {}   {}",
             platform.number,
-            check_trackers::describe_platform(platform)
+            check_trackers::describe_platform(platform, &config.readings.platforms[usize::from(platform.number)])
         );
     }
     text
@@ -361,7 +361,11 @@ fn describe(source: &Source, config: &Config, found: Option<&RecordingFindings>)
         (Input::Tracker(_), _) => check_trackers::describe(source, config),
         (Input::Recorded(recorded), None) => recorded.file.display().to_string(),
         (Input::Recorded(recorded), Some(found)) => {
-            let editions: Vec<String> = recorded.asterix.tables.iter().map(ToString::to_string).collect();
+            let editions: Vec<String> = recordings::tables(recorded)
+                .tables()
+                .iter()
+                .map(ToString::to_string)
+                .collect();
             let skipped = match found.skipped {
                 0 => String::new(),
                 bytes => format!(", {bytes} bytes not understood"),

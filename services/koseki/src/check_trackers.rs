@@ -1,6 +1,7 @@
 //! Tracker processes in the answer of `koseki check`: sensors and platforms, and waits that contradict the sensors.
 
 use deployment::{Input, Platform, PlatformFeed, PlatformInput, Source};
+use sources::PlatformReading;
 use tracking::cutting::{Boundaries, CutterSettings};
 
 use crate::config::Config;
@@ -31,9 +32,9 @@ pub(crate) fn describe(source: &Source, config: &Config) -> String {
 }
 
 /// Returns the input of a platform that carries sensors, in words.
-pub(crate) fn describe_platform(platform: &Platform) -> String {
+pub(crate) fn describe_platform(platform: &Platform, reading: &PlatformReading) -> String {
     let input = match &platform.input {
-        PlatformInput::Live(PlatformFeed::Udp(udp)) => format!("live, datagrams to {}:{}", udp.address, udp.port),
+        PlatformInput::Live(PlatformFeed::Udp(udp)) => format!("live, datagrams to {}", udp.listen),
         PlatformInput::Live(PlatformFeed::Loopback(_)) => "simulated".to_owned(),
         PlatformInput::Live(PlatformFeed::Tcp(server)) => format!("live, sentences from {server}"),
         PlatformInput::Live(PlatformFeed::Device(device)) => format!("live, sentences from {}", device.display()),
@@ -43,7 +44,7 @@ pub(crate) fn describe_platform(platform: &Platform) -> String {
     format!(
         "{}: {input}; states at most {} s apart",
         platform.name,
-        platform.assumed.max_gap_s.s()
+        reading.assumed.max_gap_s.s()
     )
 }
 

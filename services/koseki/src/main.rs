@@ -136,7 +136,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Bench(passed) => lab::run("bench", passed),
         Command::Keeper(serve) => run_service(ProcessKind::Keeper, serve, |process, _| launcher::keeper::run(process)),
         Command::Adapter(serve) => run_service(ProcessKind::Adapter, serve, |process, config| {
-            adapter::run(process, &config.processing)
+            adapter::run(process, &config.readings)
         }),
         Command::Fusion(serve) => run_service(ProcessKind::Fusion, serve, |process, config| {
             fusion_service::run(process, &config.engine)

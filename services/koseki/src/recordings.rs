@@ -12,7 +12,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use asterix::{Edition, Error as BlockError, Mode, blocks, registry};
+use asterix::{Edition, Error as BlockError, StatedTables, blocks, registry};
 use csv_table::CsvError;
 use deployment::{
     Input, Platform, PlatformInput, PlotFormat, Recorded, RecordedFormat, SampleDelivery, Source, Truncated,
@@ -29,6 +29,7 @@ use formats::scan_rows_csv::ScanRowReader;
 use formats::sensor_tracks_csv::SensorTrackReader;
 use formats::wide_area_csv::WideAreaReader;
 use frames::time::{NS_PER_DAY, seconds};
+use reception::ConversionModel;
 use sources::{Pipeline, Processing, Samples, TrackerSettings};
 use tracking::turn_time::TurnEstimate;
 use tracking::wide_area::arrivals::Arrivals;
@@ -122,8 +123,14 @@ pub(crate) fn inspect(config: &Config, data: &Path, depth: Depth) -> Result<Vec<
             .map_err(|error| key.unreadable(&error))
             .and_then(|bytes| {
                 let looked = look(&bytes, recorded, &key, depth)?;
-                let turn =
-                    (depth == Depth::Records).then(|| turn(&bytes, recorded, source, config.tracker(source.number)));
+                let turn = (depth == Depth::Records).then(|| {
+                    turn(
+                        &bytes,
+                        recorded,
+                        config.reading(source).model,
+                        config.tracker(source.number),
+                    )
+                });
                 Ok(RecordingFindings {
                     turn: turn.flatten(),
                     ..looked
@@ -256,10 +263,16 @@ fn look(bytes: &[u8], recorded: &Recorded, key: &RecordingOwner, depth: Depth) -
     })
 }
 
+/// The tables by which a recording is read.
+pub(crate) fn tables(recorded: &Recorded) -> StatedTables {
+    StatedTables::new(&recorded.asterix.editions, recorded.asterix.is_strict)
+}
+
 /// Compares the blocks with the editions by which the source's adapter reads them.
 fn survey(bytes: &[u8], recorded: &Recorded) -> RecordingSurvey {
-    let tables = recorded.asterix.tables.iter();
-    let recording = RecordingBytes::new(bytes).with_mode(recorded.asterix.mode);
+    let stated = tables(recorded);
+    let recording = RecordingBytes::new(bytes).with_mode(stated.mode());
+    let tables = stated.tables().iter();
     tables
         .fold(recording, |recording, table| recording.with_table(table))
         .survey()
@@ -333,7 +346,7 @@ fn doubts(survey: &RecordingSurvey, recorded: &Recorded, key: &RecordingOwner) -
     let mut doubts = Vec::new();
     let read = survey.categories.iter().filter(|(number, _)| expected.contains(number));
     for (number, category) in read {
-        let (place, is_strict) = (&key.place, recorded.asterix.mode == Mode::Strict);
+        let (place, is_strict) = (&key.place, recorded.asterix.is_strict);
         let set = |edition: Edition| format!("set {place}.editions = {{ \"{number}\" = \"{edition}\" }}");
         let sentence = editions::verdict(*number, category, is_strict, set);
         match sentence {
@@ -347,14 +360,15 @@ fn doubts(survey: &RecordingSurvey, recorded: &Recorded, key: &RecordingOwner) -
 
 /// The categories of the editions that the configuration lists; without any, all that there are tables for.
 fn expected_categories(recorded: &Recorded) -> Vec<u8> {
-    if recorded.asterix.tables.is_empty() {
+    let stated = &recorded.asterix.editions;
+    if stated.is_empty() {
         return registry::defaults().map(|table| table.number).collect();
     }
-    recorded.asterix.tables.iter().map(|table| table.number).collect()
+    stated.iter().map(|(number, _)| *number).collect()
 }
 
 fn decode(bytes: &[u8], recorded: &Recorded, depth: Depth) -> RecordingFindings {
-    let mut decoder = recorded.asterix.decoder();
+    let mut decoder = tables(recorded).decoder();
     let mut found = RecordingFindings::default();
     'datagrams: for datagram in datagrams(bytes).flatten() {
         for record in decoder.records(&datagram.bytes).flatten() {
@@ -375,12 +389,17 @@ fn decode(bytes: &[u8], recorded: &Recorded, depth: Depth) -> RecordingFindings 
 }
 
 /// Turn of the antenna that a recording shows, found as the source's adapter finds it.
-fn turn(bytes: &[u8], recorded: &Recorded, source: &Source, tracker: Option<&TrackerSettings>) -> Option<TurnEstimate> {
+fn turn(
+    bytes: &[u8],
+    recorded: &Recorded,
+    model: ConversionModel,
+    tracker: Option<&TrackerSettings>,
+) -> Option<TurnEstimate> {
     let mut tracker = tracker?.clone();
     tracker.joining.cutters[0].period_ns = None;
     let processing = Processing::Detections(Box::new(tracker));
-    let mut pipeline = Pipeline::new(source.model, &processing, 0, Arrivals::new()).ok()?;
-    let (mut decoder, mut samples) = (recorded.asterix.decoder(), Samples::default());
+    let mut pipeline = Pipeline::new(model, &processing, 0, Arrivals::new()).ok()?;
+    let (mut decoder, mut samples) = (tables(recorded).decoder(), Samples::default());
     for datagram in datagrams(bytes).flatten() {
         for record in decoder.records(&datagram.bytes).flatten() {
             match read(&record) {

@@ -6,7 +6,7 @@
 
 use anyhow::{bail, ensure};
 use deployment::{Deployment, ReceiverTransport};
-use net::{UdpReceiver, UdpSender};
+use net::{ReceiverSettings, SenderSettings, UdpReceiver, UdpSender};
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 
 use crate::say;
@@ -25,10 +25,12 @@ pub(crate) fn check(config: &Deployment) -> anyhow::Result<()> {
     open_files()?;
     for receiver in &config.receivers {
         // Ports at the deployment's own loopback address are its own; a server may start at any time.
-        let ReceiverTransport::Udp(settings) = &receiver.transport else {
+        let ReceiverTransport::Udp(input) = &receiver.transport else {
             continue;
         };
-        let Err(error) = UdpReceiver::open(settings) else {
+        let interface = input.interface.as_deref();
+        let settings = ReceiverSettings::stated(input.listen, interface, &input.senders, input.buffer_bytes);
+        let Err(error) = settings.and_then(|settings| UdpReceiver::open(&settings)) else {
             continue;
         };
         let what = format!("receiver {}: {error}", receiver.name);
@@ -40,8 +42,9 @@ pub(crate) fn check(config: &Deployment) -> anyhow::Result<()> {
         say(&format!("{what}; it is tried again until it works"));
     }
     for gateway in &config.services.gateways {
-        let Some(sender) = &gateway.sender else { continue };
-        if let Err(error) = UdpSender::open(sender) {
+        let Some(output) = &gateway.sender else { continue };
+        let sender = SenderSettings::stated(output.send_to, output.interface.as_deref(), output.ttl);
+        if let Err(error) = UdpSender::open(&sender) {
             say(&format!(
                 "gateway {}: {error}; it is tried again until it works",
                 gateway.name

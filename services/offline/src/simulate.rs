@@ -91,7 +91,7 @@ pub(crate) fn run(simulate: &Simulate, host: &dyn Host) -> anyhow::Result<()> {
                 let mut sensor = SimulatedSensor::new(settings, simulate.seed, source.number, 0)?;
                 observers.sensors.push(sensor.clone());
                 if simulate.asterix {
-                    let feed = SensorFeed::new(source, settings, simulate.seed, 0)?;
+                    let feed = SensorFeed::new((source, config.frame), settings, simulate.seed, 0)?;
                     write_asterix(host, out, source.number, feed, &truth, end_s)?;
                 }
                 let (reports, detections) =

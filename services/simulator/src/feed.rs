@@ -3,6 +3,7 @@
 use anyhow::Context as _;
 use asterix::{Category, registry};
 use deployment::Source;
+use frames::SystemFrame;
 use messages::{NS_PER_S, SensorTrack};
 use outgoing::{HeightReference, SensorReports};
 use scenario::{RadarPlot, SensorKind, SensorSettings, SimulatedSensor, Truth};
@@ -27,19 +28,23 @@ pub struct SensorFeed {
 }
 
 impl SensorFeed {
-    /// Creates the sensor of `source` with these settings, in a scenario of this seed that starts at `start_utc_ns`
-    /// (UTC, nanoseconds).
+    /// Creates the sensor of `source`, whose reports refer to the `system`'s frame, with these settings, in a scenario of
+    /// this seed that starts at `start_utc_ns` (UTC, nanoseconds).
     ///
     /// # Errors
     /// If a setting cannot be used.
-    pub fn new(source: &Source, settings: &SensorSettings, seed: u64, start_utc_ns: i64) -> anyhow::Result<Self> {
-        let model = &source.model;
-        let (sac, sic) = model.sac_sic.context("it has no SAC and SIC")?;
+    pub fn new(
+        (source, system): (&Source, SystemFrame),
+        settings: &SensorSettings,
+        seed: u64,
+        start_utc_ns: i64,
+    ) -> anyhow::Result<Self> {
+        let (sac, sic) = source.sac_sic.context("it has no SAC and SIC")?;
         let table = table(settings.kind).context("there is no table for it")?;
         Ok(Self {
             simulated: SimulatedSensor::new(settings, seed, source.number, start_utc_ns)?,
             // Sensors report flight levels; the height of the simulated world is pressure altitude.
-            reports: SensorReports::new(table, sac, sic, model.frame, model.system, DATAGRAM_OCTETS_MAX)?
+            reports: SensorReports::new(table, sac, sic, source.frame, system, DATAGRAM_OCTETS_MAX)?
                 .with_height(HeightReference::Barometric),
             next_status_ns: i64::MIN,
             sends_plots: settings.plots,

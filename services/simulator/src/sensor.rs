@@ -19,7 +19,7 @@ pub(crate) struct AsterixSensor {
 impl AsterixSensor {
     pub(crate) fn new(process: &Process, source: &Source, settings: &SensorSettings) -> anyhow::Result<Self> {
         let (seed, start_utc_ns) = (process.options.seed, process.options.scenario_start_ns);
-        let mut feed = SensorFeed::new(source, settings, seed, start_utc_ns)?;
+        let mut feed = SensorFeed::new((source, process.config.frame), settings, seed, start_utc_ns)?;
         feed.restart_at(((Now::read().utc_ns - start_utc_ns) as f64 / NS_PER_S).max(0.0));
         Ok(Self {
             feed,

@@ -4,8 +4,9 @@ use std::hint::black_box;
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use asterix::registry;
+use deployment::Technology;
 use messages::{Contribution, SensorTrack, SystemTrack, TrackState, contribution_bits};
-use outgoing::{SensorReports, StatusReports, SystemReports, SystemSource, SystemStatus, Technology};
+use outgoing::{SensorReports, StatusReports, SystemReports, SystemSource, SystemStatus};
 
 use crate::model::World;
 use test_support::S;

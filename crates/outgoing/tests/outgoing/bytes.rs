@@ -5,13 +5,12 @@
 
 use asterix::Category;
 use asterix::categories::*;
+use deployment::Technology;
 use messages::{
     Contribution, Covariance, Identity, IdentityAges, SensorTrack, SystemTrack, TrackState, alert_bits,
     contribution_bits, sensor_track_bits as bits,
 };
-use outgoing::{
-    Condition, SensorReports, SensorStatus, StatusReports, SystemReports, SystemSource, SystemStatus, Technology,
-};
+use outgoing::{Condition, SensorReports, SensorStatus, StatusReports, SystemReports, SystemSource, SystemStatus};
 
 use crate::model::World;
 

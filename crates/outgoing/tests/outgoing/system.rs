@@ -4,8 +4,9 @@ use std::collections::HashMap;
 
 use asterix::table::Edition;
 use asterix::{Category, registry};
+use deployment::Technology;
 use messages::{Movement, SystemTrack, TrackState, alert_bits, contribution_bits, movement_bits};
-use outgoing::{HeightReference, SystemReports, SystemSource, Technology};
+use outgoing::{HeightReference, SystemReports, SystemSource};
 use proptest::prelude::*;
 
 use crate::model::{self, FOOT_M, LEVEL_M, SOURCES, World, gradient, system_track, world};

@@ -23,7 +23,7 @@ const ALARM_NS: i64 = 40 * S;
 fn radar() -> Pipeline {
     let config = Config::parse(Path::new("t.toml"), SITE, &[]).unwrap();
     let processing = Processing::Detections(Box::new(config.tracker(0).unwrap().clone()));
-    Pipeline::new(config.sources[0].model, &processing, 0, Arrivals::new()).unwrap()
+    Pipeline::new(config.readings.sources[0].model, &processing, 0, Arrivals::new()).unwrap()
 }
 
 /// A plot of a target that flies east, received at once.

@@ -16,7 +16,7 @@ use runtime::clock::SteadyClock;
 use runtime::{Agent, HealthEntry, Now, Turn};
 use sources::carrying::Carrying;
 use sources::silence::{SilenceRules, SilentSensor};
-use sources::{Pipeline, Processing, Samples, TrackerSettings};
+use sources::{Pipeline, Readings, Samples, SourceReading, TrackerSettings};
 use tracking::wide_area::arrivals::Arrivals;
 
 use crate::Processed;
@@ -74,7 +74,7 @@ impl TrackerAgent {
     pub(super) fn open(process: &Process, tracker: Processed<'_>) -> anyhow::Result<Self> {
         let mut waiter = process.bus.waiter(WaitMode::Event);
         let mut sensors = Vec::new();
-        for (place, sensor) in process.config.sensors_of(tracker.0).iter().enumerate() {
+        for (place, sensor) in process.config.sensors_of(tracker.source).iter().enumerate() {
             let topic = messages::sensor_detections(&sensor.name);
             waiter.watch(&process.bus, &topic)?;
             sensors.push(TrackedSensor {
@@ -82,12 +82,12 @@ impl TrackerAgent {
                 name: sensor.name.clone(),
                 may_move: sensor.on_board.is_some() || sensor.has_rows(),
                 events: process.bus.subscriber(&topic, || process.incarnation)?,
-                checks: checks(process, sensor)?,
-                silent: silence(tracker.1.tracker(), place, sensor),
+                checks: checks(process, sensor, tracker.readings)?,
+                silent: silence(tracker.reading().processing.tracker(), place, sensor),
                 unknown: 0,
             });
         }
-        let of_tracker = (tracker.0.number, process.config.sensors_of(tracker.0));
+        let of_tracker = (tracker.source.number, process.config.sensors_of(tracker.source));
         let orders = Orders::open(&process.bus, of_tracker, process.config.frame, process.incarnation)?;
         let mut platforms = Vec::new();
         for platform in on_board::platforms(process, tracker) {
@@ -172,16 +172,10 @@ impl TrackerAgent {
 }
 
 /// Checks of a sensor whose detections pass no adapter.
-fn checks(process: &Process, sensor: &Source) -> anyhow::Result<Option<Box<Pipeline>>> {
+fn checks(process: &Process, sensor: &Source, readings: &Readings) -> anyhow::Result<Option<Box<Pipeline>>> {
     let is_external = matches!(sensor.input, Input::External);
-    let pipeline = || {
-        Pipeline::new(
-            sensor.model,
-            &Processing::Plots,
-            process.first_day_ns(),
-            Arrivals::new(),
-        )
-    };
+    let SourceReading { model, processing, .. } = &readings.sources[usize::from(sensor.number)];
+    let pipeline = || Pipeline::new(*model, processing, process.first_day_ns(), Arrivals::new());
     Ok(is_external.then(pipeline).transpose()?.map(Box::new))
 }
 

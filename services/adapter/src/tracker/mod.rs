@@ -22,7 +22,7 @@ use live::TrackerAgent;
 /// # Errors
 /// If its input cannot be read, or shared memory fails.
 pub(crate) fn agent(process: &Process, tracker: Processed<'_>) -> anyhow::Result<Box<dyn Agent>> {
-    Ok(match tracker.0.input.is_recorded() {
+    Ok(match tracker.source.input.is_recorded() {
         true => Box::new(recorded::replay(process, tracker)?),
         false => Box::new(TrackerAgent::open(process, tracker)?),
     })

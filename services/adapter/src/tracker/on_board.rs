@@ -18,8 +18,8 @@ use crate::Processed;
 const STATES_MAX: usize = 4096;
 
 /// Platforms that carry sensors of the tracker, in the order of their numbers.
-pub(super) fn platforms<'a>(process: &'a Process, (source, _): Processed<'_>) -> Vec<&'a Platform> {
-    let sensors = process.config.sensors_of(source);
+pub(super) fn platforms<'a>(process: &'a Process, tracker: Processed<'_>) -> Vec<&'a Platform> {
+    let sensors = process.config.sensors_of(tracker.source);
     let carries = |platform: &&Platform| {
         let is_own = |number: u16| number == platform.number;
         sensors.iter().any(|sensor| {
@@ -40,27 +40,31 @@ pub(super) fn longest_wait_ns(process: &Process, tracker: Processed<'_>) -> i64 
 
 /// Carries the detections of the tracker's sensors; `states_max` states of each platform are kept.
 pub(super) fn carrying<T>(process: &Process, tracker: Processed<'_>, states_max: Option<usize>) -> Carrying<T> {
-    let (source, processing) = tracker;
     let platforms = platforms(process, tracker);
     let carriers: Vec<Carrier> = platforms
         .iter()
         .map(|platform| Carrier {
-            assumed: platform.assumed,
+            assumed: tracker.readings.platforms[usize::from(platform.number)].assumed,
             wait_ns: platform.wait_ns,
             states_max: states_max.unwrap_or(STATES_MAX),
         })
         .collect();
-    let (facts, cutters) = processing.tracker().map_or((&[][..], &[][..]), |tracker| {
-        (&tracker.settings.sensors[..], &tracker.joining.cutters[..])
-    });
-    let sensors = process.config.sensors_of(source).iter().zip(facts).zip(cutters);
+    let (facts, cutters) = tracker
+        .reading()
+        .processing
+        .tracker()
+        .map_or((&[][..], &[][..]), |tracker| {
+            (&tracker.settings.sensors[..], &tracker.joining.cutters[..])
+        });
+    let sensors = process.config.sensors_of(tracker.source).iter().zip(facts).zip(cutters);
     let sensors: Vec<Option<CarriedSensor>> = sensors
         .map(|((sensor, facts), cutter)| {
             let on_board = sensor.on_board?;
+            let reading = &tracker.readings.sources[usize::from(sensor.number)];
             let place = |number: u16| platforms.iter().position(|platform| platform.number == number);
             Some(CarriedSensor {
                 carrier: on_board.platform.and_then(place),
-                mount: on_board.mount,
+                mount: reading.mount?,
                 default_sigmas: facts.default_sigmas(),
                 looks_ns: cutter.period_ns,
             })

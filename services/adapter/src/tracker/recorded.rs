@@ -13,7 +13,7 @@ use formats::scan_rows_csv::ScanRowReader;
 use messages::{Counter, Counters, ProcessKind, SensorDetection, SensorTrack, Stream, StreamId};
 use observations::{Sampled, SensorEvent};
 use runtime::Process;
-use sources::{Pipeline, Processing, Samples};
+use sources::{Pipeline, Samples, SourceReading};
 use tracking::wide_area::arrivals::Arrivals;
 
 use crate::Processed;
@@ -45,9 +45,10 @@ pub(super) struct RecordedTracker {
 /// # Errors
 /// If a recording cannot be read, or shared memory fails.
 pub(super) fn replay(process: &Process, tracker: Processed<'_>) -> anyhow::Result<ReplayAgent<RecordedTracker>> {
-    let (source, processing) = tracker;
+    let (source, reading) = (tracker.source, tracker.reading());
     let first_day_ns = process.first_day_ns();
-    let pipeline = Pipeline::new(source.model, processing, first_day_ns, counts(process, source)?)?;
+    let counts = counts(process, tracker)?;
+    let pipeline = Pipeline::new(reading.model, &reading.processing, first_day_ns, counts)?;
     let mut recording = RecordedTracker {
         events: VecDeque::new(),
         pipeline,
@@ -59,7 +60,7 @@ pub(super) fn replay(process: &Process, tracker: Processed<'_>) -> anyhow::Resul
         detections: VecDeque::new(),
         next_detection: 0,
     };
-    recording.read_all(process.config.sensors_of(source), &process.options.data, first_day_ns)?;
+    recording.read_all(process, tracker)?;
     recording.carry(process, tracker)?;
     recording.track_ahead();
     let published = |stream| StreamId {
@@ -86,14 +87,16 @@ pub(super) fn replay(process: &Process, tracker: Processed<'_>) -> anyhow::Resul
 
 impl RecordedTracker {
     /// Reads the files of all sensors.
-    fn read_all(&mut self, sensors: &[Source], data: &Path, first_day_ns: i64) -> anyhow::Result<()> {
+    fn read_all(&mut self, process: &Process, tracker: Processed<'_>) -> anyhow::Result<()> {
+        let (data, first_day_ns) = (&process.options.data, process.first_day_ns());
         let mut all = Vec::new();
-        for (place, sensor) in sensors.iter().enumerate() {
+        for (place, sensor) in process.config.sensors_of(tracker.source).iter().enumerate() {
+            let reading = &tracker.readings.sources[usize::from(sensor.number)];
             let Input::Recorded(recorded) = &sensor.input else {
                 anyhow::bail!("sensor {} has no recording", sensor.name);
             };
             let path = data.join(&recorded.file);
-            let events = self.events_of(sensor, recorded, &path, first_day_ns);
+            let events = self.events_of((sensor, reading), recorded, &path, first_day_ns);
             let events =
                 events.with_context(|| format!("reading {}, the recording of {}", path.display(), sensor.name))?;
             let mut come_ns = i64::MIN;
@@ -134,7 +137,7 @@ impl RecordedTracker {
 
     fn events_of(
         &mut self,
-        sensor: &Source,
+        (sensor, reading): (&Source, &SourceReading),
         recorded: &Recorded,
         path: &Path,
         first_day_ns: i64,
@@ -177,7 +180,7 @@ impl RecordedTracker {
                 }
             }
             PlotFormat::Asterix => {
-                let pipeline = Pipeline::new(sensor.model, &Processing::Plots, first_day_ns, Arrivals::default())?;
+                let pipeline = Pipeline::new(reading.model, &reading.processing, first_day_ns, Arrivals::default())?;
                 let mut intake = Intake::new(sensor.number, pipeline, 0);
                 let mut content = RecordedContent::open(bytes, recorded, first_day_ns)?;
                 while !content.is_exhausted() {

@@ -8,6 +8,7 @@ use observations::Sampled;
 use runtime::Process;
 use runtime::clock::mono_ns;
 use runtime::{HealthEntry, Now};
+use sources::Readings;
 use tracking::wide_area::WideAreaReport;
 
 use super::rows::CountRows;
@@ -35,12 +36,13 @@ pub(super) struct LiveCounts {
 }
 
 impl LiveCounts {
-    pub(super) fn new(process: &Process, sensor: &WideAreaSensor) -> anyhow::Result<Self> {
+    pub(super) fn new(process: &Process, sensor: &WideAreaSensor, readings: &Readings) -> anyhow::Result<Self> {
         let topic = messages::wide_area(&sensor.name);
         Ok(Self {
             reader: match &sensor.input {
                 WideAreaInput::Tracks(tracks) => {
-                    CountReader::Tracks(Box::new(OtherSystemTracks::new(tracks, process.first_day_ns())))
+                    let model = super::model(sensor, readings)?;
+                    CountReader::Tracks(Box::new(OtherSystemTracks::new(tracks, model, process.first_day_ns())))
                 }
                 _ => CountReader::Rows(CountRows::default()),
             },

@@ -17,8 +17,10 @@ mod tracks;
 use anyhow::Context as _;
 use deployment::WideAreaSensor;
 use messages::{Counter, Counters, Stream, StreamId};
+use reception::ConversionModel;
 use runtime::Agent;
 use runtime::Process;
+use sources::Readings;
 use tracking::wide_area::{ReportRejection, WideAreaReport, fault_in};
 
 use self::live::LiveCounts;
@@ -29,9 +31,9 @@ use crate::replay::{Published, ReplayAgent};
 ///
 /// # Errors
 /// If its input cannot be read, or shared memory fails.
-pub(crate) fn agent(process: &Process, sensor: &WideAreaSensor) -> anyhow::Result<Box<dyn Agent>> {
+pub(crate) fn agent(process: &Process, sensor: &WideAreaSensor, readings: &Readings) -> anyhow::Result<Box<dyn Agent>> {
     if sensor.recording().is_some() {
-        let recording = recorded::read(sensor, &process.options.data, process.first_day_ns())?;
+        let recording = recorded::read((sensor, readings), &process.options.data, process.first_day_ns())?;
         let published = Published {
             topic: &messages::wide_area(&sensor.name),
             stream: StreamId {
@@ -49,8 +51,14 @@ pub(crate) fn agent(process: &Process, sensor: &WideAreaSensor) -> anyhow::Resul
     }
     let receiver = sensor.receiver().and_then(|name| process.config.receiver(name));
     let receiver = receiver.with_context(|| format!("wide-area sensor {} is behind no receiver", sensor.name))?;
-    let live = LiveCounts::new(process, sensor)?;
+    let live = LiveCounts::new(process, sensor, readings)?;
     Ok(Box::new(DatagramAgent::open(process, &receiver.transport, live)?))
+}
+
+/// Model of the tracks that a wide-area sensor counts.
+fn model(sensor: &WideAreaSensor, readings: &Readings) -> anyhow::Result<ConversionModel> {
+    let model = readings.counted[usize::from(sensor.number)];
+    model.with_context(|| format!("wide-area sensor {} counts no tracks", sensor.name))
 }
 
 /// Reports that a check has rejected, by reason.

@@ -8,6 +8,7 @@ use deployment::{WideAreaInput, WideAreaSensor};
 use formats::wide_area_csv::WideAreaReader;
 use messages::{Counter, Counters, StageTimes, WideArea};
 use observations::Sampled;
+use sources::Readings;
 use tracking::wide_area::WideAreaReport;
 use tracking::wide_area::arrivals::order;
 
@@ -31,7 +32,11 @@ pub(crate) struct RecordedReports {
 ///
 /// # Errors
 /// If it cannot be read, or lacks a column.
-pub(crate) fn read(sensor: &WideAreaSensor, data: &Path, first_day_ns: i64) -> anyhow::Result<RecordedReports> {
+pub(crate) fn read(
+    (sensor, readings): (&WideAreaSensor, &Readings),
+    data: &Path,
+    first_day_ns: i64,
+) -> anyhow::Result<RecordedReports> {
     let file = sensor.recording().context("the wide-area sensor has no recording")?;
     let path = data.join(file);
     let mut read = RecordedReports {
@@ -41,7 +46,8 @@ pub(crate) fn read(sensor: &WideAreaSensor, data: &Path, first_day_ns: i64) -> a
         next: 0,
     };
     let done = match &sensor.input {
-        WideAreaInput::Tracks(tracks) => read.tracks(OtherSystemTracks::new(tracks, first_day_ns), &path),
+        WideAreaInput::Tracks(tracks) => super::model(sensor, readings)
+            .and_then(|model| read.tracks(OtherSystemTracks::new(tracks, model, first_day_ns), &path)),
         _ => read.rows(&path, first_day_ns),
     };
     done.with_context(|| format!("reading {}", path.display()))?;

@@ -6,11 +6,11 @@
 //! Live, a track arrives with its datagram. A recording does not contain this time; there a track arrives at its time
 //! of measurement.
 
-use asterix::{Block, Decoder, Error};
+use asterix::{Block, Decoder, Error, StatedTables};
 use deployment::CountedTracks;
 use formats::observation::{self, Reading};
 use messages::{Counter, Counters, TrackState};
-use reception::Converter;
+use reception::{ConversionModel, Converter};
 use tracking::wide_area::WideAreaReport;
 use tracking::wide_area::counting::{CountedTrack, TrackCounter};
 
@@ -31,11 +31,11 @@ pub(super) struct OtherSystemTracks {
 
 impl OtherSystemTracks {
     /// The first track is of the day that begins at `first_day_ns` (UTC, nanoseconds).
-    pub(super) fn new(settings: &CountedTracks, first_day_ns: i64) -> Self {
+    pub(super) fn new(settings: &CountedTracks, model: ConversionModel, first_day_ns: i64) -> Self {
         Self {
             period_ns: settings.period_ns,
-            decoder: settings.asterix.decoder(),
-            converter: Converter::new(settings.model, first_day_ns),
+            decoder: StatedTables::new(&settings.asterix.editions, settings.asterix.is_strict).decoder(),
+            converter: Converter::new(model, first_day_ns),
             counting: TrackCounter::new(settings.period_ns, settings.group_m),
             arrived_ns: None,
             blocks_rejected: 0,
@@ -150,7 +150,10 @@ mod tests {
         };
         let table = registry::default_edition(62).unwrap();
         let sender = SystemReports::new(table, 1, 1, config.frame, &[], 1400).unwrap();
-        (OtherSystemTracks::new(settings, 0), sender.with_tentative())
+        (
+            OtherSystemTracks::new(settings, config.readings.counted[0].unwrap(), 0),
+            sender.with_tentative(),
+        )
     }
 
     /// Three tracks near each other at a time: confirmed, coasted, and one more.

@@ -68,7 +68,7 @@ impl Wants {
     fn of(config: &Config) -> Self {
         let fusion = &config.fusion;
         let buffer = |transport: &ReceiverTransport| match transport {
-            ReceiverTransport::Udp(settings) => settings.receive_buffer_octets as u64,
+            ReceiverTransport::Udp(input) => input.buffer_bytes as u64,
             _ => 0,
         };
         let buffers = config.receivers.iter().map(|receiver| buffer(&receiver.transport));

@@ -91,12 +91,12 @@ impl Inlets {
                 port: Port::Closed,
             });
         };
-        for (number, (source, processing)) in (0..).zip(config.sources.iter().zip(&config.processing)) {
+        for (number, source) in (0..).zip(&config.sources) {
             if matches!(source.input, Input::External) {
                 add(&source.name, &source.name, InletKind::Tracks(number));
             }
             let sensors = config.sensors_of(source);
-            let facts = processing.tracker().map(|tracker| &tracker.settings.sensors);
+            let facts = config.tracker(number).map(|tracker| &tracker.settings.sensors);
             for (place, sensor) in sensors.iter().enumerate() {
                 if !matches!(sensor.input, Input::External) || sensor.takes_orders {
                     continue;

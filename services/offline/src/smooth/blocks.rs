@@ -43,7 +43,7 @@ impl<W: Write> TrackBlocks<W> {
         let source = |source: &Source| SystemSource {
             number: source.number,
             technology: source.technology,
-            code: source.model.sac_sic.map(|(sac, sic)| [sac, sic]),
+            code: source.sac_sic.map(|(sac, sic)| [sac, sic]),
         };
         let sources: Vec<_> = sources.iter().map(source).collect();
         let [sac, sic] = form.sender;

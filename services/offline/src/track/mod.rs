@@ -172,8 +172,11 @@ impl TrackConfiguration {
             }
             Self::Deployment(config) => {
                 let platform = carrying(config).next();
-                let platform = platform.and_then(|number| config.platforms.get(usize::from(number)));
-                platform.map(|platform| (platform.assumed, platform.wait_ns))
+                let platform = platform.map(usize::from);
+                platform.and_then(|number| {
+                    let reading = config.readings.platforms.get(number)?;
+                    Some((reading.assumed, config.platforms[number].wait_ns))
+                })
             }
         };
         let (assumed, wait_ns) = platform.unwrap_or_default();
@@ -197,8 +200,8 @@ impl TrackConfiguration {
         match self {
             Self::Offline(config) => config.platform().mount(sensor_id),
             Self::Deployment(config) => {
-                let on_board = sensor_of(config, sensor_id)?.on_board?;
-                on_board.platform.map(|_| on_board.mount)
+                let sensor = sensor_of(config, sensor_id)?;
+                sensor.on_board?.platform.and_then(|_| config.reading(sensor).mount)
             }
         }
     }
@@ -212,8 +215,9 @@ impl TrackConfiguration {
                 named.map(|sensor| sensor.mount)
             }
             Self::Deployment(config) => {
-                let on_board = sensor_of(config, sensor_id)?.on_board?;
-                on_board.platform.is_none().then_some(on_board.mount)
+                let sensor = sensor_of(config, sensor_id)?;
+                let is_stated = sensor.on_board?.platform.is_none();
+                config.reading(sensor).mount.filter(|_| is_stated)
             }
         }
     }
