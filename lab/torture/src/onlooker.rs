@@ -1,5 +1,7 @@
 //! Subscriber through which the judge sees the deployment.
 
+use std::collections::BTreeSet;
+
 use std::collections::BTreeMap;
 
 use bus::{Bus, Root, SharedMemory, Subscriber};
@@ -15,6 +17,7 @@ const LOOK_NS: i64 = 250_000_000;
 
 /// See the module's documentation.
 pub(super) struct Onlooker {
+    locators: BTreeSet<u16>,
     bus: Bus<SharedMemory>,
     tracks: Subscriber<SharedMemory, SystemTrack>,
     health: Subscriber<SharedMemory, Health>,
@@ -30,7 +33,7 @@ impl Onlooker {
     ///
     /// # Errors
     /// If the deployment is being rebuilt, or its memory is unusable.
-    pub(super) fn join(root: &Root, ledger: &mut Ledger) -> anyhow::Result<Self> {
+    pub(super) fn join(root: &Root, locators: &BTreeSet<u16>, ledger: &mut Ledger) -> anyhow::Result<Self> {
         let bus = Bus::open(root, "torture")?;
         let mut joined_ns = 0;
         let now_ns = || {
@@ -48,6 +51,7 @@ impl Onlooker {
             bus,
             tracks,
             health,
+            locators: locators.clone(),
             announced: 0,
             looked_ns: joined_ns,
         })
@@ -64,10 +68,11 @@ impl Onlooker {
         take_overs: &mut TakeOvers,
     ) -> anyhow::Result<bool> {
         let at_ns = mono_ns();
+        let locators = &self.locators;
         self.tracks.take(usize::MAX, |header, tracks| {
             for track in tracks {
                 latencies.add(track.stages.fused_ns - track.stages.ingested_ns);
-                let what = What::State(state(header, track));
+                let what = What::State(state(header, track, locators));
                 // A state may have been sent after the look began.
                 let at_ns = at_ns.max(mono_ns());
                 ledger.take(&Event { at_ns, what });
@@ -107,7 +112,7 @@ impl Onlooker {
 }
 
 /// Part of a system track that the judge looks at.
-fn state(header: &BatchHeader, track: &SystemTrack) -> State {
+fn state(header: &BatchHeader, track: &SystemTrack, locators: &BTreeSet<u16>) -> State {
     let place = track.position_m.iter().chain(&track.velocity_mps);
     let is_finite = place.chain(&track.covariance.upper).all(|value| value.is_finite());
     State {
@@ -126,6 +131,7 @@ fn state(header: &BatchHeader, track: &SystemTrack) -> State {
         },
         merged_into: track.merged_into,
         of_report: track.trigger_source != NO_SOURCE,
+        of_locator: locators.contains(&track.trigger_source),
         address: track.identity.address(),
         time_ns: track.reference_time_ns,
         position_m: is_finite.then_some(track.position_m),

@@ -4,19 +4,19 @@
 //! it, and keeps a second ahead of the deployment. The sensors' datagrams go through the decoders, pipelines and the
 //! engine of the deployment's processes.
 
-use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, BTreeSet};
 
 use asterix::{Decoder, StatedTables, blocks};
 use deployment::{Deployment, Input};
+use formats::observation::{self, Reading};
 use fusion::Engine;
 use messages::{NO_SOURCE, NS_PER_S, SystemTrack, TrackState};
 use observations::EmitterMeasurement;
-use formats::observation::{self, Reading};
 use runtime::clock::Now;
 use scenario::{Instrument, SimulatedDirectionFinder, TargetState, Truth};
 use simulator::SensorFeed;
-use sources::{Pipeline, SourceReading, Samples};
+use sources::{Pipeline, Samples, SourceReading};
 use tracking::wide_area::arrivals::Arrivals;
 
 use crate::judge::event::Undisturbed;
@@ -44,6 +44,7 @@ pub(super) struct UndisturbedRun {
     begin_utc_ns: i64,
     engine: Engine,
     tracks: BTreeMap<u32, Shown>,
+    locators: BTreeSet<u16>,
 }
 
 /// A simulated sensor, and the processing of its data.
@@ -60,7 +61,7 @@ enum Sender {
 /// The newest state of a confirmed track.
 struct Shown {
     state: SystemTrack,
-    /// States in the present second.
+    /// States in the present second that reports led to, those of locators aside.
     states: u32,
 }
 
@@ -90,7 +91,10 @@ impl UndisturbedRun {
             let instrument = match instrument {
                 Instrument::Sensor(settings) => {
                     let feed = SensorFeed::new((source, config.frame), settings, SEED, begin.utc_ns)?;
-                    Sender::Asterix(Box::new(feed), Box::new(StatedTables::new(&live.asterix.editions, live.asterix.is_strict).decoder()))
+                    Sender::Asterix(
+                        Box::new(feed),
+                        Box::new(StatedTables::new(&live.asterix.editions, live.asterix.is_strict).decoder()),
+                    )
                 }
                 Instrument::DirectionFinder { settings, array: None } => {
                     let finder = SimulatedDirectionFinder::new(settings, SEED, source.number, begin.utc_ns)?;
@@ -108,6 +112,7 @@ impl UndisturbedRun {
             begin_utc_ns: begin.utc_ns,
             engine: Engine::new(engines.fusion)?,
             tracks: BTreeMap::new(),
+            locators: locators(config),
         })
     }
 
@@ -124,9 +129,9 @@ impl UndisturbedRun {
         {
             let now_ns = self.begin_utc_ns + (observer.due_s() * NS_PER_S) as i64;
             let samples = observer.deliver(truth, now_ns);
-            let tracks = &mut self.tracks;
+            let (tracks, locators) = (&mut self.tracks, &self.locators);
             for report in &samples.tracks {
-                let taken = &mut |state: &SystemTrack| take(tracks, state);
+                let taken = &mut |state: &SystemTrack| take(tracks, state, locators);
                 self.engine.take_at(report, now_ns, taken);
             }
         }
@@ -204,7 +209,13 @@ impl Observer {
     }
 }
 
-fn take(tracks: &mut BTreeMap<u32, Shown>, state: &SystemTrack) {
+/// Sources whose tracks are located, by their numbers.
+pub(super) fn locators(config: &Deployment) -> BTreeSet<u16> {
+    let sources = config.sources.iter().filter(|source| source.has_bearings());
+    sources.map(|source| source.number).collect()
+}
+
+fn take(tracks: &mut BTreeMap<u32, Shown>, state: &SystemTrack, locators: &BTreeSet<u16>) {
     let is_shown = [TrackState::Confirmed, TrackState::Coasted]
         .map(|life| life as u8)
         .contains(&state.state);
@@ -217,7 +228,8 @@ fn take(tracks: &mut BTreeMap<u32, Shown>, state: &SystemTrack) {
         states: 0,
     });
     shown.state = *state;
-    shown.states += u32::from(state.trigger_source != NO_SOURCE);
+    let is_counted = state.trigger_source != NO_SOURCE && !locators.contains(&state.trigger_source);
+    shown.states += u32::from(is_counted);
 }
 
 /// The target of this address, else the nearest, if one is near; with the distance in the plane, metres.

@@ -2,7 +2,7 @@
 
 mod memory;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -55,6 +55,8 @@ pub(crate) struct Deployment {
     launcher: Child,
     starts: usize,
     sources: Vec<String>,
+    /// Sources whose tracks are located, by their numbers.
+    locators: BTreeSet<u16>,
     /// Names of the children, once all run.
     expected: Vec<String>,
     world: Option<World>,
@@ -123,6 +125,7 @@ impl Deployment {
             command,
             launcher,
             starts: 1,
+            locators: undisturbed::locators(&config),
             sources: config.sources.into_iter().map(|source| source.name).collect(),
             expected: Vec::new(),
             world,
@@ -347,7 +350,7 @@ impl Deployment {
                 .is_some_and(|prefix| Some(&prefix) != self.dead_prefix.as_ref())
         };
         if self.onlooker.is_none() && has_memory() && self.may_be_read()? {
-            match Onlooker::join(&self.root, &mut self.ledger) {
+            match Onlooker::join(&self.root, &self.locators, &mut self.ledger) {
                 Ok(onlooker) => self.onlooker = Some(onlooker),
                 Err(error) => self.obstacle = format!("{error:#}"),
             }

@@ -93,6 +93,10 @@ pub(crate) struct State {
     pub(crate) merged_into: u32,
     /// Whether a report led to it.
     pub(crate) of_report: bool,
+    /// Whether that is the report of a locator: of targets nearer to each other than its errors it may follow another
+    /// one than in the run without faults.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub(crate) of_locator: bool,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) address: Option<u32>,
     /// Reference time, UTC, nanoseconds.

@@ -185,7 +185,7 @@ impl Picture {
         if state.of_report {
             track.reported_ns = Some(state.time_ns);
             if let Some(watch) = state.address.and_then(|address| self.watches.get_mut(&address)) {
-                watch.came += 1;
+                watch.came += u32::from(!state.of_locator);
             }
         }
         track.states.push_back(state.clone());

@@ -219,6 +219,7 @@ impl Deployment {
             life,
             merged_into,
             of_report: life == Life::Confirmed,
+            of_locator: false,
             address: Some(truth.address),
             time_ns: BEGIN_UTC_NS + now,
             position_m: Some([x + wander, y - wander, z + 0.5 * wander]),
