@@ -7,8 +7,8 @@ use deployment::Link;
 use serde_json::json;
 
 use crate::mirror::UsageError;
-use crate::side_endpoints;
 use crate::sides::{self, Findings, Side};
+use crate::{side_endpoints, side_places};
 
 /// `koseki-link check`.
 #[derive(Debug, Args)]
@@ -55,7 +55,11 @@ pub(crate) fn run(check: &Check) -> anyhow::Result<()> {
     }
     match &sides[..] {
         [one] => drop(side_endpoints::of_one(one, &mut found)),
-        [west, east] => sides::of_two([west, east], &mut found),
+        [west, east] => {
+            sides::of_two([west, east], &mut found);
+            side_places::check(west, east, &mut found);
+            side_endpoints::check([west, east], &mut found);
+        }
         _ => {}
     }
     let Findings { mut refused, warnings } = found;

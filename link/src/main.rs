@@ -39,8 +39,8 @@ use std::process::ExitCode;
 use anyhow::Context as _;
 use clap::{Args, CommandFactory as _, Parser, Subcommand};
 use configuration::{Config, ConfigError};
-use runtime::Process;
 use messages::ProcessKind;
+use runtime::Process;
 use runtime::{Now, Options, Speed};
 
 /// Exchanges topics of Koseki deployments between hosts

@@ -13,8 +13,6 @@ use messages::{SensorTrack, Topic, Visitor, WideArea};
 use runtime::instance::{Visit, each_stream};
 use settings::{Document, SettingsError, nearest};
 
-use crate::side_places;
-
 /// One of the configurations.
 pub(crate) struct Side {
     pub(crate) config: Config,
@@ -208,8 +206,7 @@ fn forgotten_shares(config: &Config, remote: &RemoteTopic) -> Option<(String, St
 }
 
 /// Finds what contradicts itself between two configurations.
-pub(crate) fn of_two(sides: [&Side; 2], found: &mut Findings) {
-    let [west, east] = sides;
+pub(crate) fn of_two([west, east]: [&Side; 2], found: &mut Findings) {
     if west.config.name == east.config.name {
         let what = format!(
             "\"{}\" is the name of the deployment in {}, too; give each its own",
@@ -222,8 +219,6 @@ pub(crate) fn of_two(sides: [&Side; 2], found: &mut Findings) {
         received(east, west, found);
         check_company(west, east, found);
     }
-    side_places::check(west, east, found);
-    crate::side_endpoints::check(sides, found);
 }
 
 /// Whether anything is received at all, and both are centres of their own.

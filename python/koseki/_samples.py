@@ -8,7 +8,7 @@ import re
 import numpy as np
 
 from . import _koseki
-from .offline import Table, _column
+from ._table import Table, column_of
 
 _NUMBERS = {"f64": "<f8", "f32": "<f4"} | {f"{s}{8 * n}": f"<{s}{n}" for s in "ui" for n in (1, 2, 4, 8)}
 _DOCS: dict[str, dict[str, str]] = {}
@@ -93,4 +93,4 @@ def table(samples: np.ndarray, *, origin: tuple[float, float, float] | None = No
     first_ns = int(samples[times[0]][0]) if times and len(samples) else 0
     octets = np.ascontiguousarray(samples).tobytes()
     columns = _koseki.of_samples(names[0], octets, origin, first_ns // _DAY_NS * _DAY_NS)
-    return Table((name, _column(*column)) for name, column in columns)
+    return Table((name, column_of(*column)) for name, column in columns)

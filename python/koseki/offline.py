@@ -23,26 +23,13 @@ from typing import Any
 
 import numpy as np
 
-from . import _koseki
+from . import _koseki, _samples
+from ._table import Table, column_of
 
 __all__ = ["Table", "compare", "decode", "decode_columns", "fuse", "locate", "score", "simulate", "smooth", "track"]
 
 Editions = Mapping[int | str, str]
 Progress = Callable[[float], object]
-
-
-class Table(dict[str, np.ndarray]):
-    """Columns by name, as numpy arrays of one length: also what takes Arrow takes it, where pyarrow is installed.
-
-    `summary` is what the command that made it prints with `--json`: what was read, left out and found.
-    """
-
-    summary: Mapping[str, Any] = {}
-
-    def __arrow_c_stream__(self, requested_schema: object = None) -> object:
-        import pyarrow
-
-        return pyarrow.table(dict(self)).__arrow_c_stream__(requested_schema)
 
 
 class _Command:
@@ -86,7 +73,7 @@ class _Command:
     def run(self, progress: Progress | None) -> tuple[dict[str, Table], str, str]:
         """The tables that it wrote, its answer, and what it said beside that."""
         written, answer, said = _koseki.run(self.words, self.tables, progress)
-        tables = {path: Table((name, _column(*column)) for name, column in columns) for path, columns in written.items()}
+        tables = {path: Table((name, column_of(*column)) for name, column in columns) for path, columns in written.items()}
         return tables, answer, said
 
     def out(self, progress: Progress | None) -> Table:
@@ -107,9 +94,7 @@ class _Command:
 
 def _columns(table: Any) -> list[tuple[str, Any]]:
     if isinstance(table, np.ndarray) and table.dtype.names:
-        from ._samples import table as of_samples
-
-        table = of_samples(table)
+        table = _samples.table(table)
     is_frame = hasattr(table, "columns") and not (hasattr(table, "__arrow_c_stream__") and not hasattr(table, "__dataframe__"))
     if not isinstance(table, Mapping) and not is_frame:
         import pyarrow
@@ -129,10 +114,6 @@ def _values(column: np.ndarray) -> np.ndarray | list[str]:
 
 def _text(value: object) -> str:
     return "" if value is None or value != value else str(value)
-
-
-def _column(kind: str, values: bytearray | list[str]) -> np.ndarray:
-    return np.frombuffer(values, kind) if isinstance(values, bytearray) else np.array(values, dtype=object)
 
 
 def fuse(

@@ -322,11 +322,15 @@ fn an_example_is_found_behind_other_blocks() {
 
 #[test]
 fn modules_do_not_use_each_other_in_circles() {
-    let metadata = workspace_and_lab();
-    for (name, package) in packages(&metadata) {
-        let cycles = modules::cycles(&sources(package));
-        assert!(cycles.is_empty(), "{name}: {cycles:?}");
+    let others = ["link", "c", "python"].map(|workspace| metadata(&format!("{workspace}/Cargo.toml")));
+    for metadata in [workspace_and_lab()].iter().chain(&others) {
+        for (name, package) in packages(metadata) {
+            let cycles = modules::cycles(&sources(package));
+            assert!(cycles.is_empty(), "{name}: {cycles:?}");
+        }
     }
+    let cycles = modules::python_cycles(&repository("python/koseki"));
+    assert!(cycles.is_empty(), "{cycles:?}");
 }
 
 /// What rustfmt does to code; it leaves comments alone.

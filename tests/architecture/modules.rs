@@ -6,6 +6,7 @@
 //! do not count: a parent and its children may use each other.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 
 use super::source::Source;
 
@@ -40,8 +41,35 @@ pub(crate) fn cycles(sources: &[Source]) -> Vec<Vec<String>> {
         let used = absolute.chain(relative);
         edges.insert(name.clone(), used.filter(|of| of != name && !of.is_empty()).collect());
     }
-    let reach: BTreeMap<&String, BTreeSet<&String>> =
-        edges.keys().map(|from| (from, reachable(from, &edges))).collect();
+    groups(&edges)
+}
+
+/// Circles of the modules of a Python package in a folder; an import inside a function counts as one at the top.
+pub(crate) fn python_cycles(folder: &Path) -> Vec<Vec<String>> {
+    let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let files = files.filter(|path| path.extension().is_some_and(|extension| extension == "py"));
+    let texts: BTreeMap<String, String> = files
+        .map(|path| {
+            let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
+            (name, std::fs::read_to_string(path).unwrap())
+        })
+        .collect();
+    let used = |text: &str| -> BTreeSet<String> {
+        let lines = text.lines().map(str::trim);
+        let imports = lines.filter_map(|line| line.strip_prefix("from .")?.split_once(" import "));
+        let names = imports.flat_map(|(of, names)| match of {
+            "" => names.split(',').map(|name| name.trim().to_owned()).collect(),
+            of => vec![of.to_owned()],
+        });
+        names.filter(|name| texts.contains_key(name)).collect()
+    };
+    let edges = texts.iter().map(|(name, text)| (name.clone(), used(text)));
+    groups(&edges.collect())
+}
+
+/// Groups of modules each of which uses, over others of the group, itself.
+fn groups(edges: &BTreeMap<String, BTreeSet<String>>) -> Vec<Vec<String>> {
+    let reach: BTreeMap<&String, BTreeSet<&String>> = edges.keys().map(|from| (from, reachable(from, edges))).collect();
     let mut groups = BTreeSet::new();
     for (name, reached) in &reach {
         let group: Vec<String> = reached
@@ -191,4 +219,17 @@ fn cycles_are_found_over_relative_paths() {
     assert_eq!(cycles(&sources), [["a::b", "a::c::d"]]);
     sources[4].text += "use super::super::super::top::Top;\n";
     assert_eq!(cycles(&sources), [["a", "a::b", "a::c::d", "top"]]);
+}
+
+#[test]
+fn cycles_are_found_among_python_modules() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    write("__init__.py", "from . import b\nfrom .a import A\nfrom . import _compiled\n");
+    write("a.py", "import numpy as np\n\ndef f():\n    from . import b\n");
+    write("b.py", "from .c import C, D\n");
+    write("c.py", "");
+    assert_eq!(python_cycles(folder.path()), [[""; 0]; 0]);
+    write("c.py", "    from . import _compiled, a\n");
+    assert_eq!(python_cycles(folder.path()), [["a", "b", "c"]]);
 }

@@ -28,8 +28,8 @@ pub struct SensorFeed {
 }
 
 impl SensorFeed {
-    /// Creates the sensor of `source`, whose reports refer to the `system`'s frame, with these settings, in a scenario of
-    /// this seed that starts at `start_utc_ns` (UTC, nanoseconds).
+    /// Creates the sensor of `source`, whose reports refer to the `system`'s frame, with these settings, in a scenario
+    /// of this seed that starts at `start_utc_ns` (UTC, nanoseconds).
     ///
     /// # Errors
     /// If a setting cannot be used.
