@@ -30,6 +30,7 @@ const ORDER: &[&str] = &[
     "association",
     "scenario",
     "scoring",
+    "fusion_settings",
     "fusion",
     "tracking",
     "locating",

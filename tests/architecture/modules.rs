@@ -225,7 +225,10 @@ fn cycles_are_found_over_relative_paths() {
 fn cycles_are_found_among_python_modules() {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
-    write("__init__.py", "from . import b\nfrom .a import A\nfrom . import _compiled\n");
+    write(
+        "__init__.py",
+        "from . import b\nfrom .a import A\nfrom . import _compiled\n",
+    );
     write("a.py", "import numpy as np\n\ndef f():\n    from . import b\n");
     write("b.py", "from .c import C, D\n");
     write("c.py", "");

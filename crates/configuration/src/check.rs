@@ -5,8 +5,8 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use ::fusion::Settings as Engine;
 use frames::SystemFrame;
+use fusion_settings::Settings as Engine;
 use settings::SettingsError;
 
 use super::check_network::Network;

@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use deployment::check_name;
 use frames::SystemFrame;
-use fusion::qnh::{QNH_REGIONS_MAX, RegionalQnh};
-use fusion::region::Region;
+use fusion_settings::qnh::{QNH_REGIONS_MAX, RegionalQnh};
+use fusion_settings::region::Region;
 use settings::SettingsError;
 
 use super::check_region::corners;

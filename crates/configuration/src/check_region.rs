@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use deployment::check_name;
 use frames::{Geodetic, SystemFrame};
-use fusion::region::{CORNERS_MAX, REGIONS_MAX, Region};
+use fusion_settings::region::{CORNERS_MAX, REGIONS_MAX, Region};
 use settings::SettingsError;
 
 use super::checked::Checked;

@@ -4,8 +4,8 @@
 
 use std::path::PathBuf;
 
-use ::fusion::settings::{AccuracyTable, CoverageArea, SourceSettings};
 use frames::{SensorFrame, SystemFrame};
+use fusion_settings::{AccuracyTable, CoverageArea, SourceSettings};
 use locating::music::ArraySettings;
 use reception::ConversionModel;
 use scenario::{ArrayGeometry, Instrument, SensorKind, SensorSettings};

@@ -2,9 +2,9 @@
 
 use std::ops::{Deref, DerefMut};
 
-use ::fusion::settings::ReportLimits;
 use deployment::Source;
 use frames::Geodetic;
+use fusion_settings::ReportLimits;
 use reception::PlausibilityLimits;
 use settings::SettingsError;
 use sources::SourceReading;

@@ -65,7 +65,7 @@ pub struct ConfigWith<P> {
     /// Facts for each process.
     pub deployment: Deployment,
     /// Settings of the fusion engine.
-    pub engine: fusion::Settings,
+    pub engine: fusion_settings::Settings,
     /// How adapters read what the deployment's sensors send.
     pub readings: Readings,
     /// The simulated world, and what observes it.

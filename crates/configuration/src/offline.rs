@@ -25,7 +25,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use deployment::check_name;
-use fusion::settings::{AccuracyModel, AccuracyTable, Settings, SourceSettings, Weighing};
+use fusion_settings::{AccuracyModel, AccuracyTable, Settings, SourceSettings, Weighing};
 use messages::admission::REACH_M;
 use reception::PlausibilityLimits;
 use settings::{Document, Seconds, SettingsError};

@@ -160,7 +160,7 @@ settings::settings! {
     }
 
     /// A source: exactly one of `recorded`, `live`, `simulated`, `simulated_direction_finder` and `external`.
-    pub struct SourceTable with weighing: fusion::settings::Weighing {
+    pub struct SourceTable with weighing: fusion_settings::Weighing {
         check SourceTable::check;
         /// Name, which is also part of its topic's name.
         name: String;
@@ -287,7 +287,7 @@ settings::settings! {
     }
 
     /// A tracker process: its sensors' detections become the tracks of one source.
-    pub struct TrackerTable with weighing: fusion::settings::Weighing {
+    pub struct TrackerTable with weighing: fusion_settings::Weighing {
         check TrackerTable::check;
         /// Name of the process and of the source of its tracks.
         name: String;
@@ -472,7 +472,7 @@ settings::settings! {
     }
 
     /// The fusion process.
-    pub struct FusionTable with engine: fusion::Settings, process: Fusion {}
+    pub struct FusionTable with engine: fusion_settings::Settings, process: Fusion {}
 }
 
 /// Refuses a table that has none or several of these keys.

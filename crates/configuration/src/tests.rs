@@ -244,11 +244,11 @@ fn every_option_of_weighing_can_be_set_and_its_mistakes_are_named() {
     let rule = Config::parse(Path::new("test.toml"), &text, &[]).unwrap().engine.rule;
     assert_eq!((rule.hysteresis, rule.hold_refreshes), (0.8, 2));
     assert_eq!((rule.overdue_periods, rule.quality_scans), (2.0, 6));
-    assert_eq!(rule.intersection, fusion::settings::Intersection::Trace);
+    assert_eq!(rule.intersection, fusion_settings::Intersection::Trace);
     assert_eq!(rule.common_noise_m2ps3, Some(4.0));
     let hand_over = &rule.hand_over;
     assert_eq!((&hand_over.ramp[..], hand_over.by_traces), (&[0.2, 0.6][..], true));
-    assert_eq!(hand_over.drop_out, fusion::settings::DropOut::Blend);
+    assert_eq!(hand_over.drop_out, fusion_settings::DropOut::Blend);
     assert_eq!((hand_over.pairs[0].from.number, hand_over.pairs[0].to.number), (0, 2));
     let default: Vec<u16> = rule.mosaic.default.iter().map(|source| source.number).collect();
     assert_eq!((rule.mosaic.cell_m, &default[..]), (2000.0, &[2, 0][..]));

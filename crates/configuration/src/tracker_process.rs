@@ -22,11 +22,11 @@
 
 use std::collections::BTreeSet;
 
-use ::fusion::settings::SourceSettings;
 use deployment::{
     Input, OnBoard, PlotFormat, RecordedFormat, SampleDelivery, Source, TrackerInput, Truncated, check_name,
 };
 use frames::SystemFrame;
+use fusion_settings::SourceSettings;
 use platform::{Bearings, Mount};
 use settings::{Seconds, SettingsError};
 use sources::joining::JoiningSettings;

@@ -15,7 +15,7 @@ use association::floor;
 use kept::{Get, Kept as _, Put, kept};
 use serde::{Deserialize, Serialize};
 
-use crate::coverage::CoverageArea;
+use crate::settings::CoverageArea;
 
 /// Probability that a source follows a target at a place, before anything was learned.
 const DETECTION_PRIOR: f64 = 0.5;

@@ -9,7 +9,7 @@ use messages::{SensorTrack, sensor_track_bits};
 use serde::{Deserialize, Serialize};
 
 use crate::places::{self, TablePlace};
-use crate::rules::settings::ResidualKind;
+use crate::settings::ResidualKind;
 
 /// The part of a report that is kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -12,19 +12,15 @@
 
 use messages::NS_PER_S;
 use serde::{Deserialize, Serialize};
-use settings::{Seconds, SettingsError};
 
 use crate::gaps::Gaps;
 use crate::restarts::Restarts;
 use crate::rhythm::Rhythm;
-use crate::settings::{FRESH_PERIODS, LifeSettings, Settings, SourceSettings};
+use crate::settings::{FRESH_PERIODS, LifeSettings, SourceSettings};
 use crate::source_model::Median;
 
 /// Time that a source is given to report a track a second time, nanoseconds: slower ones are rare.
 const PATIENCE_NS: i64 = 60_000_000_000;
-
-/// Periods within which a source that sees a target has surely reported it again: no antenna turns quite evenly.
-const SURELY_AGAIN: f64 = 1.1;
 
 /// Binary logarithms of the parts by which a report changes what is known of its source's lateness: a report that is
 /// later than expected, and others. The result is exceeded by one report in ten or so.
@@ -203,51 +199,10 @@ impl Lifetimes {
     }
 }
 
-impl Settings {
-    /// The stated life times that make no sense beside the sources' periods, each with key, value and remedy. They hold
-    /// all the same.
-    pub fn doubtful_lifetimes(&self) -> Vec<SettingsError> {
-        let stated_s = |time: Option<Seconds>| time.map_or(f64::INFINITY, Seconds::s);
-        let (tentative_s, terminate_s) = (stated_s(self.life.tentative_s), stated_s(self.life.terminate_s));
-        let mut doubts = Vec::new();
-        let mut doubt = |key: &str, what: String| doubts.push(SettingsError::new(format!("fusion.life.{key}"), what));
-        if let Some(slowest) = self.sources.iter().max_by_key(|source| source.fresh_ns) {
-            let [period_s, fresh_s] = [slowest.period_ns, slowest.fresh_ns].map(|ns| Seconds::of_ns(ns).s());
-            let name = &slowest.name;
-            if tentative_s < SURELY_AGAIN * period_s {
-                doubt(
-                    "tentative_s",
-                    format!(
-                        "{tentative_s} s: a new track has ended before {name}, every {period_s} s, reports it again, \
-                         and is started anew each time; leave it out, or make it {fresh_s} or more"
-                    ),
-                );
-            }
-            if terminate_s < fresh_s {
-                doubt(
-                    "terminate_s",
-                    format!(
-                        "{terminate_s} s: a track ends while the latest report of {name} still counts, {fresh_s} s; \
-                         leave it out, or make it more than that"
-                    ),
-                );
-            }
-        }
-        if tentative_s.is_finite() && tentative_s > terminate_s {
-            doubt(
-                "tentative_s",
-                format!(
-                    "{tentative_s} s: a track that nobody believes in outlives a confirmed one, which ends after \
-                     {terminate_s} s; make it less than that"
-                ),
-            );
-        }
-        doubts
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use settings::Seconds;
+
     use super::*;
     use crate::testing::test_settings;
     use test_support::S;

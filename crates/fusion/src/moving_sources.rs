@@ -13,7 +13,7 @@ use kept::kept;
 use messages::{SensorTrack, sensor_track_bits};
 use serde::{Deserialize, Serialize};
 
-use crate::coverage::CoverageArea;
+use crate::settings::CoverageArea;
 
 /// Time for which the latest stated place of a platform counts as its present place, nanoseconds: ships move less
 /// than a cell of the coverage meanwhile.

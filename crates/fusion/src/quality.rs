@@ -5,10 +5,8 @@
 //! beginning belong to the scan, and a scan is missed half a period after its due time. The antenna may thus turn
 //! unevenly, and a source with more frequent reports than its period has no advantage.
 
+pub use fusion_settings::SCANS_MAX;
 use serde::{Deserialize, Serialize};
-
-/// Most scans that the index can look back over: one bit each.
-pub const SCANS_MAX: u32 = 64;
 
 /// The last scans of every sensor-track slot, allocated at once.
 #[derive(Debug, Serialize, Deserialize)]

@@ -50,7 +50,6 @@ mod progress;
 mod recent;
 mod rows;
 mod sensitivity;
-pub(crate) mod settings;
 mod significance;
 mod solution;
 mod steps;

@@ -7,9 +7,9 @@ use messages::{
 
 use crate::explanation::Sink;
 use crate::outlet::Outlet;
-use crate::qnh;
 use crate::rules::Share;
 use crate::settings::Settings;
+use crate::settings::qnh;
 use crate::system_tracks::SystemSlot;
 use crate::tracks::Tracks;
 use crate::weighing::Weighed;

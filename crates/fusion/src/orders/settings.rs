@@ -5,10 +5,10 @@ use messages::admission::REACH_M;
 use messages::{DesignatedPlace, FusionRule, NO_SOURCE, Order, OrderKind, Refusal};
 
 use crate::engine::Engine;
-use crate::qnh::RegionalQnh;
-use crate::rules::settings::OrderedEta;
 use crate::rules::{self, RuleMethod};
 use crate::sensor_tracks::SensorSlot;
+use crate::settings::OrderedEta;
+use crate::settings::qnh::RegionalQnh;
 use crate::settings::{NORMAL, RuleName};
 use crate::source_model::SourceModel;
 

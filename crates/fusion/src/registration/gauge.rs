@@ -10,7 +10,7 @@
 use crate::registration::displacement::{Displacement, MeanErrors, ROWS};
 use crate::registration::errors::{ClockError, SourceErrors, clock_of};
 use crate::registration::rows::{Errors, UP};
-use crate::source_ref::SOURCES_MAX;
+use crate::settings::SOURCES_MAX;
 
 /// Subtracts the common part of the errors: one step towards the median (Weiszfeld).
 pub(super) fn fix(sources: &mut [SourceErrors], displacements: &[Displacement], clocks: &[ClockError]) {

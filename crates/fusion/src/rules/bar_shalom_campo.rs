@@ -16,7 +16,7 @@ use nalgebra::{Matrix2, SMatrix};
 
 use super::matrices::{self, Combination};
 use super::{RuleEntry, RuleMemory, RuleMethod, Share, Target};
-use crate::rules::settings::{Intersection, RuleSettings};
+use crate::settings::{Intersection, RuleSettings};
 use crate::state::State;
 
 pub(super) const ENTRY: RuleEntry = RuleEntry {

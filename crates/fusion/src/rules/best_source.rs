@@ -10,7 +10,7 @@
 
 use super::combination::combine;
 use super::{Candidate, NO_SOURCE, RuleEntry, RuleMemory, RuleMethod, Share, Target};
-use crate::rules::settings::{ResidualKind, RuleSettings, Tie};
+use crate::settings::{ResidualKind, RuleSettings, Tie};
 use crate::state::State;
 
 pub(super) const ENTRY: RuleEntry = RuleEntry {

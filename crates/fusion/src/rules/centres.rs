@@ -17,7 +17,7 @@ use nalgebra::SMatrix;
 use super::bar_shalom_campo::block_root;
 use super::matrices::{self, Combination};
 use super::{Candidate, Share};
-use crate::rules::settings::Intersection;
+use crate::settings::Intersection;
 use crate::state::State;
 
 /// Measure that intersection makes small here.

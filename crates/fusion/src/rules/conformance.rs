@@ -6,7 +6,7 @@ use proptest::prelude::*;
 
 use super::testing::{fused_of, target};
 use super::*;
-use crate::rules::settings::{DropOut, HandOverSettings, ResidualKind};
+use crate::settings::{DropOut, HandOverSettings, ResidualKind};
 use test_support::S;
 
 /// The rules that make their states from candidates.

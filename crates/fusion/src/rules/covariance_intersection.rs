@@ -8,7 +8,7 @@ use estimation::{Criterion, Estimate, INPUTS_MAX, intersection_weights, weighted
 
 use super::matrices::{self, Combination};
 use super::{RuleEntry, RuleMemory, RuleMethod, Share, Target};
-use crate::rules::settings::{Intersection, RuleSettings};
+use crate::settings::{Intersection, RuleSettings};
 use crate::state::State;
 
 pub(super) const ENTRY: RuleEntry = RuleEntry {

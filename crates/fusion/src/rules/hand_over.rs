@@ -13,7 +13,7 @@ use messages::CONTRIBUTIONS_MAX;
 use serde::{Deserialize, Serialize};
 
 use super::{Candidate, NO_SOURCE, Share};
-use crate::rules::settings::{DropOut, HandOverSettings};
+use crate::settings::{DropOut, HandOverSettings};
 
 /// State of a target's hand-over on an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -168,7 +168,7 @@ impl Blend {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rules::settings::PairRamp;
+    use crate::settings::PairRamp;
 
     /// Follows `choices` and yields the weights of sources 0, 1, 2 at each refresh.
     fn weights(settings: &HandOverSettings, choices: &[u16], change: impl Fn(&mut Candidate, usize)) -> Vec<[f64; 3]> {

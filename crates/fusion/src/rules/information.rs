@@ -7,7 +7,7 @@ use estimation::{Estimate, information_sum};
 
 use super::matrices::{self, Combination};
 use super::{RuleEntry, RuleMemory, RuleMethod, Share, Target};
-use crate::rules::settings::RuleSettings;
+use crate::settings::RuleSettings;
 use crate::state::State;
 
 pub(super) const ENTRY: RuleEntry = RuleEntry {

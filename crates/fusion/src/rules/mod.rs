@@ -18,7 +18,6 @@ mod inverse_trace;
 mod matrices;
 mod mosaic;
 mod quality_factor;
-pub(crate) mod settings;
 mod system_filter;
 
 use messages::{FusionRule, TrackState};
@@ -27,7 +26,7 @@ pub(crate) use centres::join;
 use hand_over::HandOver;
 use serde::{Deserialize, Serialize};
 
-use crate::rules::settings::RuleSettings;
+use crate::settings::RuleSettings;
 use crate::state::State;
 
 /// Source number that stands for none.

@@ -9,7 +9,7 @@ use messages::TrackState;
 use super::combination::combine;
 use super::{Candidate, RuleEntry, RuleMemory, RuleMethod, Share, Target};
 use crate::history::moved;
-use crate::rules::settings::RuleSettings;
+use crate::settings::RuleSettings;
 use crate::state::State;
 
 pub(super) const ENTRY: RuleEntry = RuleEntry {
@@ -48,7 +48,7 @@ fn fuse(settings: &RuleSettings, target: &Target<'_>, memory: &mut RuleMemory, s
 mod tests {
     use super::*;
     use crate::rules;
-    use crate::rules::settings::{MosaicCell, MosaicSettings, RuleName};
+    use crate::settings::{MosaicCell, MosaicSettings, RuleName};
 
     fn selected(settings: &RuleSettings, candidates: &[Candidate], place_m: [f64; 3]) -> Option<u16> {
         let target = Target {

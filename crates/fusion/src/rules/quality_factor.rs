@@ -7,7 +7,7 @@ use messages::TrackState;
 
 use super::combination::combine;
 use super::{RuleEntry, RuleMemory, RuleMethod, Share, Target};
-use crate::rules::settings::RuleSettings;
+use crate::settings::RuleSettings;
 use crate::state::State;
 
 pub(super) const ENTRY: RuleEntry = RuleEntry {

@@ -10,7 +10,7 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 use std::sync::OnceLock;
 
-use fusion::region::Region;
+use fusion::settings::region::Region;
 use fusion::settings::{AccuracyTable, Settings, Shares, SourceSettings, Weighing};
 use fusion::{Engine, Sink};
 use messages::{Contribution, FusionRule, SensorTrack, SystemTrack, TrackState};

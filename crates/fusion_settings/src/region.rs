@@ -3,7 +3,7 @@
 /// Most corners of a region.
 pub const CORNERS_MAX: usize = 256;
 /// Distance within which borders are taken for the same, metres: rounding decides nothing.
-pub(crate) const TOUCH_M: f64 = 1.0;
+pub const TOUCH_M: f64 = 1.0;
 /// Most regions.
 pub const REGIONS_MAX: usize = 64;
 

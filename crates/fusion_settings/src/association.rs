@@ -2,7 +2,7 @@
 
 use settings::SettingsError;
 
-use crate::settings::identity::FactorExponents;
+use crate::identity::FactorExponents;
 
 settings::settings! {
     /// Association of reports with system tracks (TI-3).
@@ -83,7 +83,7 @@ impl AssociationSettings {
     }
 
     /// Whether addresses tell targets apart.
-    pub(crate) fn uses_addresses(&self) -> bool {
+    pub fn uses_addresses(&self) -> bool {
         self.use_identity && self.exponents.address > 0.0
     }
 

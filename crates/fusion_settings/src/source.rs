@@ -12,7 +12,7 @@ use crate::source_ref::SourceRef;
 /// Word for `shares` where the sources are not known.
 const UNKNOWN: &str = "unknown";
 /// Periods for which a report is fresh unless configured: two reports may be missed.
-pub(crate) const FRESH_PERIODS: f64 = 2.5;
+pub const FRESH_PERIODS: f64 = 2.5;
 
 settings::settings! {
     /// Weighing of one source (TI-2).
@@ -306,7 +306,7 @@ impl SourceSettings {
 impl CorrectionTable {
     /// The biases that are not 0, in the order of their removal: the time last, since the others hold at the measured
     /// place.
-    pub(crate) fn biases(&self) -> impl Iterator<Item = (BiasKind, [f64; 2])> {
+    pub fn biases(&self) -> impl Iterator<Item = (BiasKind, [f64; 2])> {
         let biases = [
             (BiasKind::Position, [self.east_m, self.north_m]),
             (BiasKind::Azimuth, [self.azimuth_deg.rad(), 0.0]),
@@ -367,7 +367,7 @@ impl CorrectionTable {
 
 impl SourceSettings {
     /// Refuses a correction that cannot be made.
-    pub(crate) fn check_correction(&self) -> Result<(), SettingsError> {
+    pub fn check_correction(&self) -> Result<(), SettingsError> {
         if self.place_m.is_none() && self.correction.is_some_and(|known| known.needs_place()) {
             let what = format!(
                 "{}: azimuth and range can be corrected only from the position of the sensor; state the position",
@@ -380,7 +380,7 @@ impl SourceSettings {
 }
 
 /// Longest time between two reports of any source, seconds.
-pub(crate) fn longest_period_s(sources: &[SourceSettings]) -> f64 {
+pub fn longest_period_s(sources: &[SourceSettings]) -> f64 {
     let longest = sources.iter().map(|source| source.period_ns).max();
     longest.unwrap_or(0) as f64 / NS_PER_S
 }
@@ -430,7 +430,7 @@ impl AccuracyBase {
     /// What the configuration states for a target at this place, metres; `None` if the source itself states it. An
     /// estimate counts before there are residuals.
     #[inline]
-    pub(crate) fn configured_m(&self, [east, north, _]: [f64; AXES]) -> Option<f64> {
+    pub fn configured_m(&self, [east, north, _]: [f64; AXES]) -> Option<f64> {
         match *self {
             Self::Constant { sigma_m } => Some(sigma_m),
             Self::Polar {
@@ -490,7 +490,7 @@ impl AccuracyTable {
     }
 
     /// Refuses two methods of one number.
-    pub(crate) fn check(&self) -> Result<(), SettingsError> {
+    pub fn check(&self) -> Result<(), SettingsError> {
         let mut numbers = BTreeSet::new();
         for (place, method) in self.methods.iter().enumerate() {
             if !numbers.insert(method.number) {

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use messages::{FusionRule, NO_SOURCE};
 use settings::SettingsError;
 
-use crate::quality::SCANS_MAX;
+use crate::SCANS_MAX;
 use crate::source_ref::SourceRef;
 
 /// Most refreshes that a hand-over can take.
@@ -204,7 +204,7 @@ impl HandOverSettings {
     }
 
     /// The coefficient that an order in force sets for hand-overs from source `from` to source `to`: the newest.
-    pub(crate) fn ordered(&self, from: u16, to: u16) -> Option<&[f64]> {
+    pub fn ordered(&self, from: u16, to: u16) -> Option<&[f64]> {
         let holds = |ordered: &&OrderedEta| {
             let is_meant = |named: u16, source: u16| named == NO_SOURCE || named == source;
             is_meant(ordered.from, from) && is_meant(ordered.to, to)
@@ -213,7 +213,7 @@ impl HandOverSettings {
     }
 
     /// The ramp from source `from` to source `to`.
-    pub(crate) fn ramp(&self, from: u16, to: u16) -> &[f64] {
+    pub fn ramp(&self, from: u16, to: u16) -> &[f64] {
         if let Some(ordered) = self.ordered(from, to) {
             return ordered;
         }
@@ -238,7 +238,7 @@ impl MosaicSettings {
     }
 
     /// The list that holds at a place (east, north, up, metres); `None` where priorities decide.
-    pub(crate) fn list_at(&self, place_m: [f64; 3]) -> Option<&[SourceRef]> {
+    pub fn list_at(&self, place_m: [f64; 3]) -> Option<&[SourceRef]> {
         let cell = |metres: f64| (metres / self.cell_m).floor() as i32;
         let here = (cell(place_m[0]), cell(place_m[1]));
         match self.cells.binary_search_by_key(&here, |cell| (cell.east, cell.north)) {

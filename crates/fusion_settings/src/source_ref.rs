@@ -6,7 +6,8 @@ pub const SOURCES_MAX: usize = 64;
 /// A source that a key names: its number follows when all sources are known.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SourceRef {
-    pub(crate) name: String,
+    /// Its name in the file; empty where it was given by its number.
+    pub name: String,
     /// Its number, its place among the sources.
     pub number: u16,
 }

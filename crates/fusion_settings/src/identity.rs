@@ -47,7 +47,7 @@ impl IdentitySettings {
 
 impl FactorExponents {
     /// Whether position or velocity counts other than plainly.
-    pub(crate) fn weighs_motion(&self) -> bool {
+    pub fn weighs_motion(&self) -> bool {
         self.position != 1.0 || self.velocity != 1.0
     }
 }

@@ -31,7 +31,7 @@ impl CoverageTable {
     }
 
     /// Where the source at this place sees, east and north, metres.
-    pub(crate) fn at(&self, place_m: [f64; 2]) -> CoverageArea {
+    pub fn at(&self, place_m: [f64; 2]) -> CoverageArea {
         CoverageArea {
             place_m,
             range_m: self.range_m.unwrap_or(f64::INFINITY),

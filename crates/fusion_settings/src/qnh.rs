@@ -29,16 +29,16 @@ pub struct RegionalQnh {
     /// its time.
     pub readings: Vec<(i64, f64)>,
     /// Pressure by an order in force, hPa.
-    pub(crate) ordered_hpa: Option<f64>,
+    pub ordered_hpa: Option<f64>,
 }
 
 /// Altitude of a target, with the pressure that it refers to.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Altitude {
+pub struct Altitude {
     /// Metres above mean sea level.
-    pub(crate) altitude_m: f64,
+    pub altitude_m: f64,
     /// Pressure at mean sea level, hPa.
-    pub(crate) qnh_hpa: f64,
+    pub qnh_hpa: f64,
 }
 
 impl RegionalQnh {
@@ -67,7 +67,7 @@ impl RegionalQnh {
 
 /// Returns the altitude of a target at a place (east and north, metres) with a transponder's level, in the first of the
 /// regions that contains the place; `None` outside of them, and from the transition level on.
-pub(crate) fn altitude(regions: &[RegionalQnh], place: [f64; 2], level: i16, time_ns: i64) -> Option<Altitude> {
+pub fn altitude(regions: &[RegionalQnh], place: [f64; 2], level: i16, time_ns: i64) -> Option<Altitude> {
     let regional = regions.iter().find(|regional| regional.contains(place))?;
     if level >= regional.transition_level.saturating_mul(STEPS_OF_LEVEL) {
         return None;

@@ -18,7 +18,7 @@ settings::settings! {
 
 impl TargetSizeSettings {
     /// Size of a target of this type, metres.
-    pub(crate) fn of(&self, target_type: &TargetType) -> f64 {
+    pub fn of(&self, target_type: &TargetType) -> f64 {
         let named = target_type.name().and_then(|name| self.type_m.get(name));
         *named.unwrap_or(&self.unknown_m)
     }

@@ -1,10 +1,23 @@
-//! The engine's settings: the keys of `[fusion]`, and the properties of each source. The settings of a part stand
-//! beside the part.
+//! The engine's settings: the keys of `[fusion]`, and the properties of each source.
+//!
+//! Plain data with the checks of their keys, without the engine: an edit in the engine rebuilds no reader of
+//! configurations.
+
+#![forbid(unsafe_code)]
 
 mod association;
+mod border;
+mod coverage;
+mod doubts;
+mod existence;
 mod identity;
 mod numbers;
+pub mod qnh;
+pub mod region;
+mod registration;
+mod rule;
 mod source;
+mod source_ref;
 mod target_size;
 
 pub use association::{AssociationSettings, GateProbability};
@@ -14,27 +27,29 @@ pub use source::{
     Accuracy, AccuracyBase, AccuracyModel, AccuracyTable, CorrectionTable, MethodAccuracy, ReportLimits, Shares,
     SourceSettings, Weighing,
 };
-pub(crate) use source::{FRESH_PERIODS, longest_period_s};
+pub use source::{FRESH_PERIODS, longest_period_s};
 
 use messages::NO_SOURCE;
 use settings::{Seconds, SettingsError};
 
-pub use crate::border::BorderSettings;
-pub use crate::coverage::{CoverageArea, CoverageTable};
-pub use crate::existence::ExistenceSettings;
-pub use crate::qnh::RegionalQnh;
-pub use crate::registration::settings::RegistrationSettings;
-pub use crate::rules::settings::{
-    DropOut, HandOverSettings, Intersection, MosaicCell, MosaicSettings, PairRamp, RAMP_MAX, ResidualKind, RuleName,
-    RuleSettings, Tie,
+pub use border::{BorderSettings, Gap};
+pub use coverage::{CoverageArea, CoverageTable};
+pub use existence::ExistenceSettings;
+pub use qnh::RegionalQnh;
+pub use registration::RegistrationSettings;
+pub use rule::{
+    DropOut, HandOverSettings, Intersection, MosaicCell, MosaicSettings, OrderedEta, PairRamp, RAMP_MAX, ResidualKind,
+    RuleName, RuleSettings, Tie,
 };
-pub use crate::settings::target_size::TargetSizeSettings;
-pub use crate::source_ref::{SOURCES_MAX, SourceRef};
+pub use source_ref::{SOURCES_MAX, SourceRef};
+pub use target_size::TargetSizeSettings;
 
+/// Most scans that the index can look back over: one bit each.
+pub const SCANS_MAX: u32 = 64;
 /// Most stored reports per source and target.
 pub const STORED_REPORTS_MAX: usize = 64;
 /// Condition (weather) in which no factor of a condition applies.
-pub(crate) const NORMAL: &str = "normal";
+pub const NORMAL: &str = "normal";
 /// Usual window of late reports, seconds.
 const LATE_WINDOW_S: f64 = 10.0;
 
@@ -154,14 +169,14 @@ impl Settings {
     }
 
     /// Rank of a source where one has to come first, the least being the first: the reference source, then by priority.
-    pub(crate) fn rank(&self, source: u16) -> (bool, u32, u16) {
+    pub fn rank(&self, source: u16) -> (bool, u32, u16) {
         let reference = self.registration.reference_source.as_ref();
         let is_reference = reference.is_some_and(|reference| reference.number == source);
         (!is_reference, self.sources[usize::from(source)].priority, source)
     }
 
     /// Whether one source comes before another, if there are both.
-    pub(crate) fn comes_before(&self, source: u16, other: u16) -> bool {
+    pub fn comes_before(&self, source: u16, other: u16) -> bool {
         source != NO_SOURCE && other != NO_SOURCE && self.rank(source) < self.rank(other)
     }
 
@@ -229,7 +244,7 @@ impl Settings {
     }
 
     /// Whether all rules give accuracy values (TI-9).
-    pub(crate) fn accuracy_values(&self) -> bool {
+    pub fn accuracy_values(&self) -> bool {
         self.rule.accuracy_values.unwrap_or(self.refresh_s.is_some())
     }
 
@@ -249,12 +264,12 @@ impl Settings {
     }
 
     /// Greatest age of a report that changes its track's state as if it had come in time, nanoseconds; 0: none does.
-    pub(crate) fn late_window_ns(&self) -> i64 {
+    pub fn late_window_ns(&self) -> i64 {
         self.late_window_s.map_or(0, Seconds::ns)
     }
 
     /// Longest time between two reports of any source, seconds.
-    pub(crate) fn longest_period_s(&self) -> f64 {
+    pub fn longest_period_s(&self) -> f64 {
         longest_period_s(&self.sources)
     }
 
