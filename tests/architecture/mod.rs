@@ -31,6 +31,7 @@ const ORDER: &[&str] = &[
     "scenario",
     "scoring",
     "fusion_settings",
+    "fusion_rules",
     "fusion",
     "tracking",
     "locating",

@@ -4,8 +4,8 @@ use estimation::Gaussian;
 use messages::{AXES, Counter, Covariance, Identity, NS_PER_S, STATE_LEN, SensorTrack, TrackState};
 
 use crate::filter::TargetFilter;
-use crate::gross;
-use crate::settings::{CorrectionTable, ReportLimits, SourceSettings};
+use crate::gross::without_biases;
+use crate::settings::{ReportLimits, SourceSettings};
 use crate::system_tracks::SystemTracks;
 
 /// Smallest variances that are believed, of position (m²) and velocity (m²/s²): to a millimetre and a tenth of a
@@ -114,21 +114,6 @@ pub(crate) fn corrected(report: &SensorTrack, sources: &[SourceSettings], now_ns
     let source = sources.get(usize::from(report.source))?;
     let known = source.correction.as_ref()?;
     Some(without_biases(report, (known, source.place_m), now_ns))
-}
-
-/// Returns the report without the biases `known` of a source at `place_m`, at `now_ns`.
-#[cold]
-pub(crate) fn without_biases(
-    report: &SensorTrack,
-    (known, place_m): (&CorrectionTable, Option<[f64; 2]>),
-    now_ns: i64,
-) -> SensorTrack {
-    let mut corrected = *report;
-    corrected.position_m[2] -= known.up_m;
-    for (kind, value) in known.biases() {
-        corrected = gross::corrected(&corrected, kind, value, place_m, now_ns);
-    }
-    corrected
 }
 
 /// Returns a report that leaves something unknown, completed with what its source is known for, and then with what

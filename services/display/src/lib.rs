@@ -107,7 +107,7 @@ const ALARM_ACTS: &str = "alarm-acts.json";
 ///
 /// # Errors
 /// If the configuration has no display, no port is free, or shared memory fails.
-pub fn run(process: &Process, settings: &Settings, engine: &fusion::Settings) -> anyhow::Result<()> {
+pub fn run(process: &Process, settings: &Settings, engine: &fusion_settings::Settings) -> anyhow::Result<()> {
     let path = process.config.path.display();
     let first = settings.address();
     first.with_context(|| format!("{path}: display.listen is not given"))?;
@@ -179,7 +179,7 @@ pub fn check_views(settings: &Settings, data: &Path) -> Result<(), String> {
 /// If the recording cannot be read or no port is free.
 pub fn show_recording(
     config: &Deployment,
-    engine: &fusion::Settings,
+    engine: &fusion_settings::Settings,
     (path, files): (&Path, &[PathBuf]),
     settings: &Settings,
 ) -> anyhow::Result<()> {

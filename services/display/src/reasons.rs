@@ -8,8 +8,9 @@
 
 use std::borrow::Cow;
 
-use fusion::comparison::{Comparison, compare, without_errors};
-use fusion::{Settings, State};
+use fusion_rules::State;
+use fusion_rules::comparison::{Comparison, compare, without_errors};
+use fusion_settings::Settings;
 use messages::{Contribution, Covariance, FusionRule, Registration, SensorTrack, SystemTrack, contribution_bits};
 use serde_json::{Value, json};
 
@@ -485,14 +486,14 @@ mod tests {
         let track = track(&parts);
         let (rows, missing) = rules(&world, &track);
         assert!(rows.is_empty() && missing.unwrap().contains("--config"));
-        let accuracy = || fusion::settings::Accuracy {
-            base: fusion::settings::AccuracyBase::Constant { sigma_m: 20.0 },
+        let accuracy = || fusion_settings::Accuracy {
+            base: fusion_settings::AccuracyBase::Constant { sigma_m: 20.0 },
             per_speed_s: 0.0,
             conditions: Vec::new(),
             methods: Vec::new(),
         };
         let sources = [("radar", 4.0), ("ads-b", 1.0)];
-        let sources = sources.map(|(name, period_s)| fusion::settings::SourceSettings::of(name, period_s, accuracy()));
+        let sources = sources.map(|(name, period_s)| fusion_settings::SourceSettings::of(name, period_s, accuracy()));
         world.engine = Some(std::sync::Arc::new(Settings::of(sources.into())));
         let (rows, missing) = rules(&world, &track);
         assert_eq!(missing, None);

@@ -174,7 +174,7 @@ pub(crate) struct World {
     /// Magnetic declination at the origin, degrees, positive to the east.
     pub(crate) declination_deg: Option<f64>,
     /// Settings of fusion, where the configuration is known.
-    pub(crate) engine: Option<Arc<fusion::Settings>>,
+    pub(crate) engine: Option<Arc<fusion_settings::Settings>>,
     pub(crate) history: History,
     pub(crate) reports: Reports,
     pub(crate) history_s: i64,

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// The sensor accuracies of all sources under the present condition.
 #[derive(Debug, Serialize, Deserialize)]
-pub(crate) struct Accuracies {
+pub struct Accuracies {
     /// Factors of the present condition, per source.
     factors: Vec<ConditionFactors>,
     /// Running mean square of residuals, per source, m²; used where the accuracy is estimated.
@@ -44,14 +44,16 @@ impl ConditionFactors {
 
 /// What a report states about its own accuracy.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct StatedAccuracy<'a> {
-    pub(crate) covariance: &'a Covariance,
+pub struct StatedAccuracy<'a> {
+    /// Its covariance.
+    pub covariance: &'a Covariance,
     /// Method of observation; 0 for a single method.
-    pub(crate) method: u8,
+    pub method: u8,
 }
 
 impl Accuracies {
-    pub(crate) fn new(sources: &[SourceSettings]) -> Self {
+    /// The accuracy values that the settings of the sources state.
+    pub fn new(sources: &[SourceSettings]) -> Self {
         Self {
             factors: sources
                 .iter()
@@ -62,13 +64,13 @@ impl Accuracies {
     }
 
     /// Mean square of the residuals of the source with this number, m²; `None` before the first.
-    pub(crate) fn mean_square_mut(&mut self, source: usize) -> &mut Option<f64> {
+    pub fn mean_square_mut(&mut self, source: usize) -> &mut Option<f64> {
         &mut self.mean_squares[source]
     }
 
     /// Sets the condition `name` for one source, or for all sources (TI-7). Sources that do not name the condition have
     /// factor 1.
-    pub(crate) fn set_condition(&mut self, sources: &[SourceSettings], name: &str, only: Option<u16>) {
+    pub fn set_condition(&mut self, sources: &[SourceSettings], name: &str, only: Option<u16>) {
         for (index, (factor, source)) in self.factors.iter_mut().zip(sources).enumerate() {
             if only.is_some_and(|only| usize::from(only) != index) {
                 continue;
@@ -78,7 +80,7 @@ impl Accuracies {
     }
 
     /// Learns from a residual of `source` (horizontal, metres) where its accuracy is to be estimated.
-    pub(crate) fn learn(&mut self, sources: &[SourceSettings], source: u16, residual: [f64; 3]) {
+    pub fn learn(&mut self, sources: &[SourceSettings], source: u16, residual: [f64; 3]) {
         let index = usize::from(source);
         let AccuracyBase::Estimated { memory, .. } = sources[index].accuracy.base else {
             return;
@@ -90,7 +92,7 @@ impl Accuracies {
 
     /// alpha of `source` (TI-8) for a target at this place, metres, that has this velocity, m/s, and of which the
     /// source states this accuracy.
-    pub(crate) fn alpha(
+    pub fn alpha(
         &self,
         settings: &Settings,
         source: u16,

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 /// The last scans of every sensor-track slot, allocated at once.
 #[derive(Debug, Serialize, Deserialize)]
-pub(crate) struct Qualities {
+pub struct Qualities {
     scans: Vec<ScanHistory>,
 }
 
@@ -24,18 +24,20 @@ struct ScanHistory {
 }
 
 impl Qualities {
-    pub(crate) fn new(slots: usize) -> Self {
+    /// Of so many sensor tracks, without reports.
+    pub fn new(slots: usize) -> Self {
         Self {
             scans: vec![ScanHistory::default(); slots],
         }
     }
 
-    pub(crate) fn clear(&mut self, slot: usize) {
+    /// Forgets the reports of a sensor track.
+    pub fn clear(&mut self, slot: usize) {
         self.scans[slot] = ScanHistory::default();
     }
 
     /// Adds a report of the track in `slot` of a source with the given period.
-    pub(crate) fn push(&mut self, slot: usize, time_ns: i64, period_ns: i64, confirmed: bool) {
+    pub fn push(&mut self, slot: usize, time_ns: i64, period_ns: i64, confirmed: bool) {
         let scans = &mut self.scans[slot];
         let passed = scans
             .began_ns
@@ -49,7 +51,7 @@ impl Qualities {
     }
 
     /// M: how many of the last `count` due scans confirmed the track, as of `now_ns`.
-    pub(crate) fn index(&self, slot: usize, now_ns: i64, period_ns: i64, count: u32) -> u32 {
+    pub fn index(&self, slot: usize, now_ns: i64, period_ns: i64, count: u32) -> u32 {
         let scans = &self.scans[slot];
         let passed = scans
             .began_ns

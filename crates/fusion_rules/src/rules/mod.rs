@@ -22,7 +22,7 @@ mod system_filter;
 
 use messages::{FusionRule, TrackState};
 
-pub(crate) use centres::join;
+pub use centres::join;
 use hand_over::HandOver;
 use serde::{Deserialize, Serialize};
 
@@ -60,7 +60,7 @@ impl RuleEntry {
     }
 
     /// Whether the rule takes states from the targets' filters.
-    pub(crate) fn is_from_filter(&self) -> bool {
+    pub fn is_from_filter(&self) -> bool {
         matches!(self.method, RuleMethod::Filter)
     }
 }
@@ -102,18 +102,26 @@ pub fn entry(code: FusionRule) -> &'static RuleEntry {
 }
 
 /// A rule in serde's form.
-pub(crate) mod by_code {
+pub mod by_code {
     use messages::FusionRule;
     use serde::de::{Deserialize, Deserializer, Error};
     use serde::{Serialize, Serializer};
 
     use super::{RuleEntry, entry};
 
-    pub(crate) fn serialize<S: Serializer>(rule: &RuleEntry, serializer: S) -> Result<S::Ok, S::Error> {
+    /// Writes the rule's code.
+    ///
+    /// # Errors
+    /// Those of the serializer.
+    pub fn serialize<S: Serializer>(rule: &RuleEntry, serializer: S) -> Result<S::Ok, S::Error> {
         rule.code.code().serialize(serializer)
     }
 
-    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<&'static RuleEntry, D::Error> {
+    /// Reads a code.
+    ///
+    /// # Errors
+    /// Those of the deserializer, or if no rule has the code.
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<&'static RuleEntry, D::Error> {
         let code = FusionRule::from_code(u8::deserialize(deserializer)?);
         code.map(entry).ok_or_else(|| D::Error::custom("no rule has this code"))
     }
@@ -138,7 +146,7 @@ pub fn fuse(
 }
 
 /// Fills a share per candidate with its contribution to the estimate of the target's filter.
-pub(crate) fn share_out(candidates: &[Candidate], shares: &mut [Share]) {
+pub fn share_out(candidates: &[Candidate], shares: &mut [Share]) {
     system_filter::share_out(candidates, shares);
 }
 
@@ -200,7 +208,7 @@ impl Candidate {
     }
 
     /// Accuracy value of each axis (TI-6), metres; 0 where there is none.
-    pub(crate) fn lambda_by_axis(&self) -> [f32; 3] {
+    pub fn lambda_by_axis(&self) -> [f32; 3] {
         let residual = self.residual.unwrap_or_default();
         let mut lambda = residual.map(|part| (self.alpha * part.abs()) as f32);
         if !self.state.has_height {
@@ -263,7 +271,7 @@ pub struct RuleMemory {
 
 impl RuleMemory {
     /// Whether the last stored report of `source` may still be needed though it has ceased to be fresh.
-    pub(crate) fn holds(&self, source: u16) -> bool {
+    pub fn holds(&self, source: u16) -> bool {
         self.hand_overs.iter().any(|hand_over| hand_over.holds(source))
     }
 }

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// A place of a table.
-pub(crate) trait TablePlace: Sized {
+pub trait TablePlace: Sized {
     /// Whether something has taken it.
     fn is_taken(&self) -> bool;
 
@@ -11,14 +11,19 @@ pub(crate) trait TablePlace: Sized {
     fn free() -> Self;
 }
 
-pub(crate) fn serialize<T: TablePlace + Serialize, S: Serializer>(
-    places: &[T],
-    serializer: S,
-) -> Result<S::Ok, S::Error> {
+/// Writes a table.
+///
+/// # Errors
+/// Those of the serializer.
+pub fn serialize<T: TablePlace + Serialize, S: Serializer>(places: &[T], serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_seq(places.iter().map(|place| place.is_taken().then_some(place)))
 }
 
-pub(crate) fn deserialize<'de, T, D>(deserializer: D) -> Result<Vec<T>, D::Error>
+/// Reads a table.
+///
+/// # Errors
+/// Those of the deserializer.
+pub fn deserialize<'de, T, D>(deserializer: D) -> Result<Vec<T>, D::Error>
 where
     T: TablePlace + Deserialize<'de>,
     D: Deserializer<'de>,

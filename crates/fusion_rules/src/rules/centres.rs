@@ -48,7 +48,7 @@ impl Combination for ManoeuvreCombination {
 /// Joins the state of the `own` sensors, if there is one, with those of other centres; all are of one time. Fills the
 /// shares of the centres and gives the own one's. `shares_none`: the centres and this one have no sensor in common.
 /// `None` if no state can be used.
-pub(crate) fn join(
+pub fn join(
     own: Option<&State>,
     centres: &[Candidate],
     shares_none: bool,

@@ -11,13 +11,13 @@
 use messages::{Registration, SensorTrack, TrackState};
 
 use crate::accuracy::{Accuracies, StatedAccuracy};
+use crate::candidate::{candidate_of, value};
+use crate::gross;
 use crate::history::Histories;
-use crate::inlet;
 use crate::quality::Qualities;
 use crate::rules::{self, Candidate, REGISTRY, RuleEntry, RuleMemory, RuleMethod, Share, Target};
 use crate::settings::{Settings, SourceSettings};
 use crate::state::State;
-use crate::weighing::{candidate_of, value};
 
 /// Result of one rule for one target.
 #[derive(Clone, Debug)]
@@ -43,7 +43,7 @@ pub struct Comparison {
 /// nanoseconds.
 pub fn without_errors(report: &SensorTrack, source: &SourceSettings, known: &Registration, now_ns: i64) -> SensorTrack {
     let correction = source.correction.unwrap_or_default().with_estimated(known);
-    inlet::without_biases(report, (&correction, source.place_m), now_ns)
+    gross::without_biases(report, (&correction, source.place_m), now_ns)
 }
 
 /// Lets every rule weigh the contributions to one target at `reference_ns` (UTC, nanoseconds).

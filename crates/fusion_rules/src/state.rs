@@ -20,7 +20,8 @@ pub struct State {
 }
 
 impl State {
-    pub(crate) fn of_report(report: &SensorTrack) -> Self {
+    /// That of a report.
+    pub fn of_report(report: &SensorTrack) -> Self {
         Self {
             time_ns: report.time_of_measurement_ns,
             position_m: report.position_m,
@@ -30,8 +31,9 @@ impl State {
         }
     }
 
+    /// That of an estimate at its time.
     #[inline]
-    pub(crate) fn of_estimate(time_ns: i64, estimate: &Gaussian, has_height: bool) -> Self {
+    pub fn of_estimate(time_ns: i64, estimate: &Gaussian, has_height: bool) -> Self {
         Self {
             time_ns,
             position_m: estimate.position_m(),
@@ -42,7 +44,7 @@ impl State {
     }
 
     /// This state at `time_ns`: uniform straight motion, with white-noise acceleration of the given spectral density.
-    pub(crate) fn at(&self, time_ns: i64, process_noise_m2ps3: f64) -> Self {
+    pub fn at(&self, time_ns: i64, process_noise_m2ps3: f64) -> Self {
         let ns = time_ns - self.time_ns;
         if ns == 0 {
             return *self;
@@ -54,7 +56,7 @@ impl State {
     }
 
     /// Sum of the position variances over east and north, m²: what traces are compared by (TI-16).
-    pub(crate) fn horizontal_trace_m2(&self) -> f64 {
+    pub fn horizontal_trace_m2(&self) -> f64 {
         self.covariance.get(0, 0) + self.covariance.get(1, 1)
     }
 }

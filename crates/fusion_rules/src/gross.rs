@@ -1,19 +1,23 @@
 //! Gross biases: reports without a bias, and the bias that would bring two tracks together.
 
+use fusion_settings::CorrectionTable;
 use messages::{AXES, BiasKind, Covariance, NS_PER_S, SensorTrack, sensor_track_bits};
 use serde::{Deserialize, Serialize};
 
 /// Horizontal position and velocity, and the position of the sensor, if known; metres and metres per second.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub(crate) struct TrackMotion {
-    pub(crate) position_m: [f64; 2],
-    pub(crate) velocity_mps: [f64; 2],
-    pub(crate) place_m: Option<[f64; 2]>,
+pub struct TrackMotion {
+    /// East and north.
+    pub position_m: [f64; 2],
+    /// East and north.
+    pub velocity_mps: [f64; 2],
+    /// Where the sensor stands, east and north.
+    pub place_m: Option<[f64; 2]>,
 }
 
 impl TrackMotion {
     /// The motion without an error of its source; the same if the error needs a place that is not known.
-    pub(crate) fn without(mut self, kind: BiasKind, value: [f64; 2]) -> Self {
+    pub fn without(mut self, kind: BiasKind, value: [f64; 2]) -> Self {
         let ([x, y], [vx, vy]) = (self.position_m, self.velocity_mps);
         match (kind, self.place_m) {
             (BiasKind::Azimuth, Some([east, north])) => {
@@ -38,7 +42,7 @@ impl TrackMotion {
 
     /// Returns the bias of this kind that would move the target of `other` here, if possible; `sigma` is the
     /// deviation of two tracks of a target without a bias.
-    pub(crate) fn implied(&self, other: &Self, kind: BiasKind, sigma: Sigma) -> Option<[f64; 2]> {
+    pub fn implied(&self, other: &Self, kind: BiasKind, sigma: Sigma) -> Option<[f64; 2]> {
         const SIGMAS: f64 = 3.0;
         let apart = [0, 1].map(|axis| self.position_m[axis] - other.position_m[axis]);
         match kind {
@@ -72,15 +76,17 @@ impl TrackMotion {
 
 /// Deviations per axis of the difference of two motions, metres and metres per second.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Sigma {
-    pub(crate) position_m: f64,
-    pub(crate) velocity_mps: f64,
+pub struct Sigma {
+    /// Of a position.
+    pub position_m: f64,
+    /// Of a velocity.
+    pub velocity_mps: f64,
 }
 
 impl Sigma {
     /// Returns the deviations after removal of the bias from one of the two; a report moved along its velocity has an
     /// additional error of the velocity.
-    pub(crate) fn without(mut self, kind: BiasKind, value: [f64; 2]) -> Self {
+    pub fn without(mut self, kind: BiasKind, value: [f64; 2]) -> Self {
         if kind == BiasKind::Time {
             self.position_m = self.position_m.hypot(self.velocity_mps * value[0]);
         }
@@ -91,7 +97,7 @@ impl Sigma {
 /// Returns a report without its source's gross bias, at `now_ns`. A corrected time may be the present time; if
 /// reports come in the order of their stated times, the target is extrapolated instead.
 #[cold]
-pub(crate) fn corrected(
+pub fn corrected(
     report: &SensorTrack,
     kind: BiasKind,
     value: [f64; 2],
@@ -123,6 +129,21 @@ pub(crate) fn corrected(
     report.position_m[..2].copy_from_slice(&motion.position_m);
     report.velocity_mps[..2].copy_from_slice(&motion.velocity_mps);
     report
+}
+
+/// Returns the report without the biases `known` of a source at `place_m`, at `now_ns`.
+#[cold]
+pub fn without_biases(
+    report: &SensorTrack,
+    (known, place_m): (&CorrectionTable, Option<[f64; 2]>),
+    now_ns: i64,
+) -> SensorTrack {
+    let mut unbiased = *report;
+    unbiased.position_m[2] -= known.up_m;
+    for (kind, value) in known.biases() {
+        unbiased = corrected(&unbiased, kind, value, place_m, now_ns);
+    }
+    unbiased
 }
 
 #[cfg(test)]

@@ -36,14 +36,14 @@ impl StoredReport {
 }
 
 /// `position` moved along `velocity` for `ns` nanoseconds.
-pub(crate) fn moved(position_m: [f64; 3], velocity_mps: [f64; 3], ns: i64) -> [f64; 3] {
+pub fn moved(position_m: [f64; 3], velocity_mps: [f64; 3], ns: i64) -> [f64; 3] {
     let seconds = ns as f64 / messages::NS_PER_S;
     std::array::from_fn(|axis| position_m[axis] + velocity_mps[axis] * seconds)
 }
 
 /// Rings of the last N reports, one per sensor-track slot, allocated at once.
 #[derive(Debug, Serialize, Deserialize)]
-pub(crate) struct Histories {
+pub struct Histories {
     #[serde(with = "places")]
     stored: Vec<StoredReport>,
     heads: Vec<RingHead>,
@@ -53,8 +53,7 @@ pub(crate) struct Histories {
 }
 
 /// Octets that a ring of `length` reports takes.
-#[cfg(test)]
-pub(crate) fn bytes_per_track(length: usize) -> usize {
+pub fn bytes_per_track(length: usize) -> usize {
     length * size_of::<StoredReport>() + size_of::<RingHead>()
 }
 
@@ -71,7 +70,8 @@ struct RingHead {
 }
 
 impl Histories {
-    pub(crate) fn new(slots: usize, length: usize, recency: f64) -> Self {
+    /// Empty histories of so many sensor tracks, each of so many reports; see `RuleSettings::recency`.
+    pub fn new(slots: usize, length: usize, recency: f64) -> Self {
         Self {
             stored: vec![StoredReport::default(); slots * length],
             heads: vec![RingHead::default(); slots],
@@ -80,11 +80,13 @@ impl Histories {
         }
     }
 
-    pub(crate) fn clear(&mut self, slot: usize) {
+    /// Forgets the reports of a sensor track.
+    pub fn clear(&mut self, slot: usize) {
         self.heads[slot] = RingHead::default();
     }
 
-    pub(crate) fn push(&mut self, slot: usize, report: &SensorTrack) {
+    /// Adds a report of a sensor track; the oldest makes room.
+    pub fn push(&mut self, slot: usize, report: &SensorTrack) {
         let innovation = self.innovation_of(slot, report);
         let head = &mut self.heads[slot];
         head.innovation = innovation;
@@ -147,7 +149,7 @@ impl Histories {
 
     /// Position and velocity at `time_ns` between the two reports on either side of it (QF-6); `None` where there are
     /// none.
-    pub(crate) fn interpolated(&self, slot: usize, time_ns: i64) -> Option<([f64; 3], [f64; 3])> {
+    pub fn interpolated(&self, slot: usize, time_ns: i64) -> Option<([f64; 3], [f64; 3])> {
         let earlier = (1..self.length).find(|back| self.nth(slot, *back).is_some_and(|r| r.time_ns <= time_ns))?;
         let (before, after) = (self.nth(slot, earlier)?, self.nth(slot, earlier - 1)?);
         let span_ns = after.time_ns - before.time_ns;
@@ -163,7 +165,7 @@ impl Histories {
     }
 
     /// V per axis at the reference time, signed; `None` without an earlier report (TI-10).
-    pub(crate) fn residual(&self, slot: usize, kind: ResidualKind, reference_ns: i64) -> Option<[f64; 3]> {
+    pub fn residual(&self, slot: usize, kind: ResidualKind, reference_ns: i64) -> Option<[f64; 3]> {
         let head = &self.heads[slot];
         let (apart_m, apart_mps) = head.apart?;
         let position = || {
