@@ -80,6 +80,7 @@ impl Accuracies {
     }
 
     /// Learns from a residual of `source` (horizontal, metres) where its accuracy is to be estimated.
+    #[inline]
     pub fn learn(&mut self, sources: &[SourceSettings], source: u16, residual: [f64; 3]) {
         let index = usize::from(source);
         let AccuracyBase::Estimated { memory, .. } = sources[index].accuracy.base else {
@@ -92,6 +93,7 @@ impl Accuracies {
 
     /// alpha of `source` (TI-8) for a target at this place, metres, that has this velocity, m/s, and of which the
     /// source states this accuracy.
+    #[inline]
     pub fn alpha(
         &self,
         settings: &Settings,
@@ -113,6 +115,7 @@ impl Accuracies {
     }
 
     /// s of `source` (TI-7).
+    #[inline]
     fn s(
         &self,
         accuracy: &Accuracy,

@@ -7,6 +7,7 @@ use crate::settings::Settings;
 use crate::state::State;
 
 /// Contribution of the `latest` report of a sensor track, moved to `state` at `reference_ns`, without earlier reports.
+#[inline]
 pub fn candidate_of(settings: &Settings, latest: &SensorTrack, state: State, reference_ns: i64) -> Candidate {
     let (source, rule) = (&settings.sources[usize::from(latest.source)], &settings.rule);
     let age_ns = (reference_ns - latest.time_of_measurement_ns).max(0);
@@ -27,6 +28,7 @@ pub fn candidate_of(settings: &Settings, latest: &SensorTrack, state: State, ref
 }
 
 /// Gives each candidate its accuracy value.
+#[inline]
 pub fn value(candidates: &mut [Candidate]) {
     let three_axes = candidates.iter().all(|candidate| candidate.state.has_height);
     for candidate in candidates {

@@ -36,6 +36,7 @@ impl StoredReport {
 }
 
 /// `position` moved along `velocity` for `ns` nanoseconds.
+#[inline]
 pub fn moved(position_m: [f64; 3], velocity_mps: [f64; 3], ns: i64) -> [f64; 3] {
     let seconds = ns as f64 / messages::NS_PER_S;
     std::array::from_fn(|axis| position_m[axis] + velocity_mps[axis] * seconds)
@@ -86,6 +87,7 @@ impl Histories {
     }
 
     /// Adds a report of a sensor track; the oldest makes room.
+    #[inline]
     pub fn push(&mut self, slot: usize, report: &SensorTrack) {
         let innovation = self.innovation_of(slot, report);
         let head = &mut self.heads[slot];
@@ -149,6 +151,7 @@ impl Histories {
 
     /// Position and velocity at `time_ns` between the two reports on either side of it (QF-6); `None` where there are
     /// none.
+    #[inline]
     pub fn interpolated(&self, slot: usize, time_ns: i64) -> Option<([f64; 3], [f64; 3])> {
         let earlier = (1..self.length).find(|back| self.nth(slot, *back).is_some_and(|r| r.time_ns <= time_ns))?;
         let (before, after) = (self.nth(slot, earlier)?, self.nth(slot, earlier - 1)?);
@@ -165,6 +168,7 @@ impl Histories {
     }
 
     /// V per axis at the reference time, signed; `None` without an earlier report (TI-10).
+    #[inline]
     pub fn residual(&self, slot: usize, kind: ResidualKind, reference_ns: i64) -> Option<[f64; 3]> {
         let head = &self.heads[slot];
         let (apart_m, apart_mps) = head.apart?;

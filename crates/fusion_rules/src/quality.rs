@@ -37,6 +37,7 @@ impl Qualities {
     }
 
     /// Adds a report of the track in `slot` of a source with the given period.
+    #[inline]
     pub fn push(&mut self, slot: usize, time_ns: i64, period_ns: i64, confirmed: bool) {
         let scans = &mut self.scans[slot];
         let passed = scans
@@ -51,6 +52,7 @@ impl Qualities {
     }
 
     /// M: how many of the last `count` due scans confirmed the track, as of `now_ns`.
+    #[inline]
     pub fn index(&self, slot: usize, now_ns: i64, period_ns: i64, count: u32) -> u32 {
         let scans = &self.scans[slot];
         let passed = scans

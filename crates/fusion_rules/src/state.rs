@@ -21,6 +21,7 @@ pub struct State {
 
 impl State {
     /// That of a report.
+    #[inline]
     pub fn of_report(report: &SensorTrack) -> Self {
         Self {
             time_ns: report.time_of_measurement_ns,
@@ -44,6 +45,7 @@ impl State {
     }
 
     /// This state at `time_ns`: uniform straight motion, with white-noise acceleration of the given spectral density.
+    #[inline]
     pub fn at(&self, time_ns: i64, process_noise_m2ps3: f64) -> Self {
         let ns = time_ns - self.time_ns;
         if ns == 0 {
@@ -56,6 +58,7 @@ impl State {
     }
 
     /// Sum of the position variances over east and north, m²: what traces are compared by (TI-16).
+    #[inline]
     pub fn horizontal_trace_m2(&self) -> f64 {
         self.covariance.get(0, 0) + self.covariance.get(1, 1)
     }

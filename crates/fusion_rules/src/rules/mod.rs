@@ -146,6 +146,7 @@ pub fn fuse(
 }
 
 /// Fills a share per candidate with its contribution to the estimate of the target's filter.
+#[inline]
 pub fn share_out(candidates: &[Candidate], shares: &mut [Share]) {
     system_filter::share_out(candidates, shares);
 }
@@ -199,6 +200,7 @@ pub struct Candidate {
 
 impl Candidate {
     /// alpha·V with V over two axes or all three.
+    #[inline]
     pub(crate) fn lambda_over(&self, three_axes: bool) -> f64 {
         let norm = |[x, y, z]: [f64; 3]| {
             let z = if three_axes { z } else { 0.0 };
@@ -208,6 +210,7 @@ impl Candidate {
     }
 
     /// Accuracy value of each axis (TI-6), metres; 0 where there is none.
+    #[inline]
     pub fn lambda_by_axis(&self) -> [f32; 3] {
         let residual = self.residual.unwrap_or_default();
         let mut lambda = residual.map(|part| (self.alpha * part.abs()) as f32);
@@ -271,6 +274,7 @@ pub struct RuleMemory {
 
 impl RuleMemory {
     /// Whether the last stored report of `source` may still be needed though it has ceased to be fresh.
+    #[inline]
     pub fn holds(&self, source: u16) -> bool {
         self.hand_overs.iter().any(|hand_over| hand_over.holds(source))
     }
