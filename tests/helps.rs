@@ -1,5 +1,6 @@
 //! Pages of help: each command's `-h` and `--help` fit a terminal, and show what the executable does.
 
+use crate::architecture::prose::assert_plain;
 use crate::common::Folder;
 
 /// Columns of a terminal.
@@ -24,17 +25,19 @@ fn each_page(folder: &Folder, command: &str, look: &mut impl FnMut(&str, &str)) 
 }
 
 #[test]
-fn every_page_of_help_fits_a_terminal() {
+fn every_page_of_help_fits_a_terminal_and_all_are_plain() {
     let folder = Folder::new();
-    let (mut pages, mut wide) = (0, String::new());
+    let (mut pages, mut wide, mut all) = (0, String::new(), String::new());
     each_page(&folder, "", &mut |command, page| {
         pages += 1;
+        all += page;
         for line in page.lines().filter(|line| line.chars().count() > COLUMNS) {
             wide.push_str(&format!("{command}: {line}\n"));
         }
     });
     assert!(wide.is_empty(), "{wide}");
     assert!(pages > 80, "{pages}");
+    assert_plain("the pages of help", &all);
 }
 
 #[test]

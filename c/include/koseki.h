@@ -1,4 +1,4 @@
-/* Koseki for C: read what a deployment publishes, and feed sources of your own.
+/* Koseki for C: read the topics of a deployment, and feed sources.
  *
  *   koseki_subscription *tracks;
  *   if (koseki_subscribe("demo", "system/tracks", KOSEKI_SYSTEM_TRACK_SCHEMA, &tracks))
@@ -12,8 +12,8 @@
  *   }
  *   koseki_unsubscribe(tracks);
  *
- * Samples and their constants are in koseki_messages.h: units, ranges, frames. A handle may move to another thread, and
- * is used by one at a time. Link with -lkoseki (pkg-config koseki; CMake: koseki::koseki). */
+ * Samples and their constants are in koseki_messages.h: units, ranges, frames. A handle may move to another
+ * thread; two threads must not use a handle at the same time. Link with -lkoseki (pkg-config koseki; CMake: koseki::koseki). */
 #ifndef KOSEKI_H
 #define KOSEKI_H
 
@@ -28,10 +28,10 @@ enum {
   KOSEKI_OK = 0,
   KOSEKI_NOT_RUNNING = 1,   /* No such deployment runs: start it, or wait for it. */
   KOSEKI_ENDED = 2,         /* The deployment has ended or was replaced: close, and open anew. */
-  KOSEKI_SCHEMA = 3,        /* Header, library and deployment are not of one version. */
+  KOSEKI_SCHEMA = 3,        /* Header, library and deployment have different versions. */
   KOSEKI_NO_SUCH_TOPIC = 4, /* The deployment has no such topic. */
   KOSEKI_FULL = 5,          /* The topic has no place left for another reader or writer. */
-  KOSEKI_BORROWED = 6,      /* Two slices are kept, and that is the limit: release one. */
+  KOSEKI_BORROWED = 6,      /* Two slices are kept, the most allowed: release a slice. */
   KOSEKI_ARGUMENT = 7,      /* An argument makes no sense. */
   KOSEKI_SYSTEM = 8,        /* The system has refused something. */
   KOSEKI_NOTHING = 9,       /* Nothing came in time, or a signal did. */
@@ -41,27 +41,27 @@ enum {
 typedef struct koseki_subscription koseki_subscription;
 typedef struct koseki_publisher koseki_publisher;
 
-/* A slice in shared memory. It is valid, and is not written to, until it is released. */
+/* A slice in shared memory: valid and unchanged until the slice is released. */
 typedef struct {
   const void *samples;       /* `count` samples of the topic's type. */
-  size_t count;              /* May be 0: then only the header says something. */
-  const KosekiBatchHeader *header; /* What their publisher says of them. */
-  uint64_t lost;             /* Samples missing between the slice before and this one. */
+  size_t count;              /* May be 0: then the header is all there is. */
+  const KosekiBatchHeader *header; /* Publisher's statement about the samples. */
+  uint64_t lost;             /* Samples missing between the slice before and this slice. */
   int starts_epoch;          /* 1: fusion has started anew (of recorded inputs: numbers begin again), or the first slice. */
   void *kept;                /* The library's own. */
 } koseki_slice;
 
-/* Counts of a subscription since it was opened. */
+/* Counts of a subscription since its opening. */
 typedef struct {
   uint64_t taken;           /* Samples. */
-  uint64_t lost;            /* Samples missing: the reader was too slow, or they died with their publisher. */
+  uint64_t lost;            /* Samples missing: the reader was too slow, or the publisher died. */
   uint64_t of_older_epochs; /* Samples dropped because they came from a fusion that has been replaced since. */
   uint64_t epoch;           /* Start-up number of the fusion that wrote the latest slice; 0: none yet. */
 } koseki_counters;
 
-/* Reads a topic of the deployment called `instance` (that of `koseki up --instance`, or the name in its
- * configuration). `schema` is the constant of the topic's type, such as KOSEKI_SYSTEM_TRACK_SCHEMA for system/tracks:
- * it shows whether this header is that of the library. */
+/* Reads a topic of the deployment called `instance` (the name given with `koseki up --instance`, or the name in the
+ * configuration). `schema` is the constant of the topic's type, such as KOSEKI_SYSTEM_TRACK_SCHEMA for system/tracks.
+ * The constant shows whether header and library have the same version. */
 int koseki_subscribe(const char *instance, const char *topic, uint64_t schema, koseki_subscription **handle);
 
 /* Reads like koseki_subscribe, with a queue of `queue` slices in place of the topic's usual number (256 for tracks): a reader
@@ -70,20 +70,21 @@ int koseki_subscribe(const char *instance, const char *topic, uint64_t schema, k
 int koseki_subscribe_with_queue(const char *instance, const char *topic, uint64_t schema, size_t queue,
                                 koseki_subscription **handle);
 
-/* Takes the next slice, and waits for it up to `timeout_ms` milliseconds; 0: not at all; -1: as long as it takes.
- * Whatever was in `slice` is overwritten: release it before. */
+/* Takes the next slice, and waits up to `timeout_ms` milliseconds for a slice; 0: no wait; -1: no limit. The former
+ * content of `slice` is overwritten: release the former slice first. */
 int koseki_receive(koseki_subscription *subscription, int64_t timeout_ms, koseki_slice *slice);
 
-/* Gives a slice back. Does nothing with one that holds nothing. */
+/* Gives a slice back. An empty slice has no effect. */
 void koseki_release(koseki_slice *slice);
 
 /* A descriptor for poll, select or epoll, readable when there is something to receive. Then receive with time-out 0
- * until KOSEKI_NOTHING; do so every tenth of a second all the same, since a wake-up can be lost. Do not close it. */
+ * until KOSEKI_NOTHING; receive every tenth of a second in any case, since a wake-up can be lost. Do not close the
+ * descriptor. */
 int koseki_descriptor(const koseki_subscription *subscription);
 
 koseki_counters koseki_counts(const koseki_subscription *subscription);
 
-/* Ends a subscription; slices that are kept stay valid until they are released. The handle is invalid afterwards. */
+/* Ends a subscription; kept slices stay valid until released. The handle is invalid afterwards. */
 void koseki_unsubscribe(koseki_subscription *subscription);
 
 /* Writes the topic of a source (sensor/NAME/tracks, KosekiSensorTrack), sensor of a tracker (sensor/TRACKER.NAME/detections,
@@ -91,18 +92,19 @@ void koseki_unsubscribe(koseki_subscription *subscription);
  * KosekiPlatformState) that the configuration calls external. */
 int koseki_advertise(const char *instance, const char *topic, uint64_t schema, koseki_publisher **handle);
 
-/* Publishes `count` samples of the topic's type. Their sequence numbers and stamps are filled in. If a sample has a fault
+/* Publishes `count` samples of the topic's type. Sequence numbers and stamps are filled in. If a sample has a fault
  * (no finite number, a time in seconds, a variance of 0, …), none is published, and the code is KOSEKI_ARGUMENT:
  * koseki_error() names the sample, field, value, limit and remedy. */
 int koseki_publish(koseki_publisher *publisher, const void *samples, size_t count);
 
 /* Observations, as koseki_send_detections and koseki_send_track_reports take them: places in degrees, or in metres of the
- * system frame. Make one with the functions below, then state what else is known; a number that is NAN is unknown. */
+ * system frame. Make an observation with the functions below, then state further known values; NAN
+ * stands for an unknown number. */
 typedef struct {
   size_t size;           /* Of this struct: filled in by the functions below. */
   int64_t time_ns;       /* Time of measurement, UTC, nanoseconds since 1970; 0: now. */
-  int64_t scan;         /* Number of the scan; -1: detections with one time are one scan. */
-  int32_t unused;        /* In place of the state of a track report. */
+  int64_t scan;         /* Number of the scan; -1: detections with the same time form a scan. */
+  int32_t unused;        /* Keeps the layout of a track report. */
   uint32_t address;      /* 24-bit address of ICAO; 0: unknown. */
   uint32_t mmsi;         /* 0: unknown. */
   uint32_t reserved;
@@ -118,7 +120,7 @@ typedef struct {
                                      unknown. */
   double range_m;                 /* Slant range from the sensor, metres. */
   double bearing_deg;             /* Direction from the sensor, degrees clockwise, from -360 to 360: from true north at a
-                                     sensor in latitude and longitude, from the system frame's north at one in metres. */
+                                     sensor in latitude and longitude, from the system frame's north at a sensor in metres. */
   double elevation_deg;           /* Direction above the horizontal of the same place, degrees. */
   double range_sigma_m;           /* Standard deviation of the range, metres, above 0. */
   double bearing_sigma_deg;       /* Standard deviation of the bearing, degrees, above 0. */
@@ -136,7 +138,7 @@ typedef struct {
 typedef struct {
   size_t size;           /* Of this struct: filled in by the functions below. */
   int64_t time_ns;       /* Time of measurement, UTC, nanoseconds since 1970; 0: now. */
-  int64_t track;         /* Number of the track at its sensor. */
+  int64_t track;         /* Number of the track at the sensor. */
   int32_t state;         /* KOSEKI_STATE_…; -1: confirmed. */
   uint32_t address;      /* 24-bit address of ICAO; 0: unknown. */
   uint32_t mmsi;         /* 0: unknown. */
@@ -165,7 +167,7 @@ typedef struct {
 void koseki_begin_detection(koseki_detection *detection, size_t size);
 void koseki_begin_track_report(koseki_track_report *report, size_t size);
 
-/* A detection at a latitude and a longitude (WGS-84, degrees), with the standard deviation of its position. */
+/* A detection at a latitude and a longitude (WGS-84, degrees), with the standard deviation of the position. */
 static inline koseki_detection koseki_detection_at(double latitude, double longitude, double sigma_m) {
   koseki_detection detection;
   koseki_begin_detection(&detection, sizeof detection);
@@ -175,7 +177,8 @@ static inline koseki_detection koseki_detection_at(double latitude, double longi
   return detection;
 }
 
-/* A bearing from a sensor at a latitude and a longitude (WGS-84, degrees), with its standard deviation. */
+/* A bearing from a sensor at a latitude and a longitude (WGS-84, degrees), with the standard deviation of
+ * the bearing. */
 static inline koseki_detection koseki_bearing_from(double latitude, double longitude, double bearing_deg,
                                                    double sigma_deg) {
   koseki_detection detection;
@@ -187,7 +190,7 @@ static inline koseki_detection koseki_bearing_from(double latitude, double longi
   return detection;
 }
 
-/* A report of the track `track` at a latitude and a longitude (WGS-84, degrees), with the standard deviation of its
+/* A report of the track `track` at a latitude and a longitude (WGS-84, degrees), with the standard deviation of the
  * position. */
 static inline koseki_track_report koseki_track_at(uint32_t track, double latitude, double longitude, double sigma_m) {
   koseki_track_report report;
@@ -199,13 +202,13 @@ static inline koseki_track_report koseki_track_at(uint32_t track, double latitud
   return report;
 }
 
-/* Feeds the source called `source` with what it takes: detections or sensor tracks. A sensor of a tracker is called
- * TRACKER.NAME. End it with koseki_unadvertise. */
+/* Feeds the source called `source` with detections or sensor tracks, as the configuration states. A sensor of a tracker
+ * is called TRACKER.NAME. End the feed with koseki_unadvertise. */
 int koseki_feed(const char *instance, const char *source, koseki_publisher **handle);
 
-/* Publishes `count` observations; without a time they are of now. If one has a fault (a latitude beyond 90 degrees, a
- * standard deviation of 0, …), none is published, and the code is KOSEKI_ARGUMENT: koseki_error() names the observation,
- * field, value, limit and remedy. The first call waits up to a fifth of a second for the origin of the system frame. */
+/* Publishes `count` observations; an observation without a time is of the present. If an observation has a fault (a
+ * latitude beyond 90 degrees, a standard deviation of 0, …), none is published, and the code is KOSEKI_ARGUMENT:
+ * koseki_error() names the observation, field, value, limit and remedy. The first call waits up to a fifth of a second for the origin of the system frame. */
 int koseki_send_detections(koseki_publisher *publisher, const koseki_detection *detections, size_t count);
 int koseki_send_track_reports(koseki_publisher *publisher, const koseki_track_report *reports, size_t count);
 
@@ -217,14 +220,14 @@ int koseki_limit_clock(koseki_publisher *publisher, double limit_s);
 void koseki_unadvertise(koseki_publisher *publisher);
 
 /* Gives an order to the fusion of the deployment called `instance`, and waits for the answer up to `timeout_ms`
- * milliseconds; -1: without limit. `order` has the words of `koseki order`: the kind and its parameters, such as
+ * milliseconds; -1: without limit. `order` has the words of `koseki order`: kind and parameters, such as
  * "out source=radar-south". The order expires after `lasts_s` seconds; 0: never. `state` gets the answer, also of an
- * order that is refused (status KOSEKI_ORDER_STATUS_REFUSED, with the reason in `text`); it may be null. Orders in force
+ * order that is refused (status KOSEKI_ORDER_STATUS_REFUSED, with the reason in `text`); null: no answer is wanted. Orders in force
  * are on the topic system/order-states. */
 int koseki_order(const char *instance, const char *order, const char *operator_name, double lasts_s,
                  int64_t timeout_ms, KosekiOrderState *state);
 
-/* Text of this thread's latest failure, with what to do about it; valid until its next one. */
+/* Text of this thread's latest failure, with the remedy; valid until the thread's next failure. */
 const char *koseki_error(void);
 
 #ifdef __cplusplus

@@ -1,4 +1,4 @@
-// Koseki for C++17: the functions of koseki.h as types that give back what they hold.
+// Koseki for C++17: the functions of koseki.h as types that release slices and handles by themselves.
 //
 //   koseki::Subscription<KosekiSystemTrack> tracks("demo");
 //   for (;;)
@@ -17,7 +17,7 @@
 
 namespace koseki {
 
-// A failure: `code` is one of the outcomes of koseki.h, and what() says what to do.
+// A failure: `code` is an outcome of koseki.h, and the text states the remedy.
 class Error : public std::runtime_error {
 public:
   explicit Error(int code) : std::runtime_error(koseki_error()), code(code) {}
@@ -56,7 +56,7 @@ template <> struct Topic<KosekiPlatformState> {
   static std::string name(const std::string &platform) { return "platform/" + platform + "/state"; }
 };
 
-// A slice in shared memory; empty where nothing came. A subscription can have two of them at a time.
+// A slice in shared memory; empty without samples. A subscription can hold two slices at a time.
 template <class Sample> class Slice {
 public:
   Slice() noexcept = default;
@@ -102,7 +102,7 @@ public:
   }
   ~Subscription() { koseki_unsubscribe(handle_); }
 
-  // The next slice; an empty one if none comes in time. A negative time-out waits as long as it takes.
+  // The next slice; an empty slice if none comes in time. A negative time-out has no limit.
   Slice<Sample> receive(std::chrono::milliseconds timeout = std::chrono::milliseconds(-1)) {
     Slice<Sample> slice;
     const int code = koseki_receive(handle_, timeout.count(), &slice.slice_);
@@ -179,7 +179,7 @@ private:
   koseki_publisher *handle_ = nullptr;
 };
 
-// Gives an order, such as "out source=radar", and returns its state; see koseki_order. Throws without an answer in time.
+// Gives an order, such as "out source=radar", and returns the order's state; see koseki_order. Throws without an answer in time.
 inline KosekiOrderState order(const std::string &instance, const std::string &words, const std::string &operator_name,
                               std::chrono::duration<double> lasts = {},
                               std::chrono::milliseconds timeout = std::chrono::seconds(10)) {

@@ -1,4 +1,4 @@
-"""System tracks of a Koseki deployment as numpy record arrays, and reports of one's own into it.
+"""System tracks of a Koseki deployment as numpy record arrays, and reports into the deployment.
 
     import koseki
 
@@ -6,7 +6,7 @@
         print(tracks["track_number"], tracks["position_m"])
 
 Positions are metres east, north and up in the system frame, velocities metres per second, times nanoseconds since 1970
-(UTC), stamps nanoseconds of the machine's monotonic clock. `koseki.describe(dtype)` tells every field.
+(UTC), stamps nanoseconds of the machine's monotonic clock. `koseki.describe(dtype)` describes every field.
 """
 
 from __future__ import annotations
@@ -26,7 +26,10 @@ from . import _koseki
 from . import offline
 from .offline import Table, compare, decode, decode_columns, fuse, locate, score, simulate, smooth, track
 from ._errors import AlreadyFed, BorrowLimit, Ended, KosekiError, NoPlaceLeft, NoSuchTopic, NotRunning, SchemaMismatch
-from ._samples import CODES, DTYPES, covariance, describe, table, upper
+from . import _codes
+from ._codes import *
+from ._codes import CODES
+from ._samples import DTYPES, covariance, describe, table, upper
 
 if TYPE_CHECKING:
     import pandas
@@ -35,24 +38,29 @@ __all__ = [
     "AlreadyFed", "BorrowLimit", "CODES", "Counts", "DTYPES", "Ended", "KosekiError", "NoPlaceLeft", "NoSuchTopic", "NotRunning",
     "Publisher", "SchemaMismatch", "Subscription", "Table", "Tracks", "compare", "covariance", "decode", "decode_columns",
     "describe", "fuse", "instances", "locate", "offline", "order", "origin", "publish", "read", "score", "simulate",
-    "smooth", "sources", "subscribe", "table", "topics", "track", "upper", *CODES,
+    "smooth", "sources", "subscribe", "table", "topics", "track", "upper",
 ]
+__all__ += _codes.__all__
 
 __version__: str = version("koseki")
-globals().update(CODES)
+
+
+def __dir__() -> list[str]:
+    """The public names."""
+    return sorted(__all__)
 
 
 #: Seconds between two looks for a deployment that does not run yet.
 _PAUSE = 0.2
-#: Seconds for which a topic may be missing from a deployment that runs: its processes create their topics one by one.
+#: Seconds for which a topic may be missing from a deployment that runs: the processes create topics one after another.
 _TOPIC_PATIENCE = 5.0
 
 
 class Tracks(np.ndarray):
-    """A slice of samples: a record array that knows what is missing before it.
+    """A slice of samples: a record array with the count of samples missing before.
 
-    `lost` is the number of samples between the slice before and this one that never came; `starts_epoch` says that
-    fusion has started anew, so that with recorded inputs track numbers begin again, or that this is the first slice.
+    `lost` is the number of samples missing between the slice before and this slice. `starts_epoch`: fusion has started
+    anew, so that with recorded inputs track numbers begin again, or this is the first slice.
     """
 
     lost: int = 0
@@ -61,14 +69,14 @@ class Tracks(np.ndarray):
 
     @property
     def __arrow_c_stream__(self) -> Callable[..., object]:
-        """The samples for what takes Arrow, with nested columns, where pyarrow is installed; a single field has none."""
+        """The samples for readers of Arrow, with nested columns; needs pyarrow. A single field has no such form."""
         if not self.dtype.names or self.ndim != 1:
             raise AttributeError("__arrow_c_stream__")
         return lambda requested_schema=None: _arrow.table(self).__arrow_c_stream__(requested_schema)
 
 
 class Counts(NamedTuple):
-    """Counts of a subscription since it was opened, in samples; `epoch` is the start-up number of fusion."""
+    """Counts of a subscription since the opening, in samples; `epoch` is the start-up number of fusion."""
 
     taken: int
     lost: int
@@ -77,7 +85,7 @@ class Counts(NamedTuple):
 
 
 class Subscription:
-    """Reader of one topic: see `subscribe`. Iterating over it ends when the deployment ends."""
+    """Reader of one topic: see `subscribe`. Iteration ends with the deployment."""
 
     def __init__(
         self, instance: str, topic: str = "system/tracks", *, borrow: bool = False, wait: bool | float = False,
@@ -118,9 +126,10 @@ class Subscription:
         return self._missing_since is not None and time.monotonic() - self._missing_since >= _TOPIC_PATIENCE
 
     def _leave_ended(self) -> None:
-        """Leaves a run of the deployment that has ended: its memory can then be cleared."""
+        """Leaves a run of the deployment that has ended, so that the shared memory can be cleared."""
         self._last_counts = self.counts
-        self._inner.close()
+        if self._inner is not None:
+            self._inner.close()
         self._inner = None
 
     @property
@@ -130,19 +139,21 @@ class Subscription:
 
     @property
     def counts(self) -> Counts:
-        """What was taken and what was lost; between two runs of the deployment, the counts of the run before."""
+        """Samples taken and samples lost; between two runs of the deployment, the counts of the run before."""
         return self._last_counts if self._inner is None else Counts(*self._inner.counts())
 
     def receive(self, timeout: float | None = None) -> Tracks | None:
-        """The next slice; None if none comes within `timeout` seconds. 0 does not wait; None waits as long as it takes.
+        """The next slice; None if no slice comes within `timeout` seconds. 0 does not wait; None waits without limit.
 
-        Raises Ended, SchemaMismatch, and BorrowLimit where two borrowed slices are held already. With `reconnect` it
-        waits for the next run of the deployment instead of raising Ended: its first slice has `starts_epoch`. It raises
-        NoSuchTopic if that run has had no such topic for 5 s.
+        Raises Ended, SchemaMismatch, and BorrowLimit where two borrowed slices are held already. With `reconnect` the
+        call waits for the next run of the deployment instead of raising Ended: the first slice has `starts_epoch`. The
+        call raises NoSuchTopic if that run has had no such topic for 5 s.
         """
         end = float("inf") if timeout is None else time.monotonic() + timeout
         while True:
-            if self._inner is None and not self._reopen(end):
+            if self._inner is None:
+                self._reopen(end)
+            if self._inner is None:
                 return None
             try:
                 piece = self._inner.receive(None if timeout is None else max(end - time.monotonic(), 0.0))
@@ -163,19 +174,17 @@ class Subscription:
         tracks.lost, tracks.starts_epoch, tracks.epoch = piece.lost, piece.starts_epoch, piece.epoch
         return tracks
 
-    def _reopen(self, end: float) -> bool:
+    def _reopen(self, end: float) -> None:
         """Waits until `end` for the next run of the deployment."""
         if self._is_closed:
-            raise ValueError("it is closed")
+            raise ValueError("the publisher or subscription is closed")
         try:
             self._inner = self._open(end)
         except NotRunning:
-            return False
+            pass
         except NoSuchTopic:
             if self._is_topic_unknown():
                 raise
-            return False
-        return True
 
     def __iter__(self) -> Iterator[Tracks]:
         try:
@@ -212,9 +221,9 @@ class Subscription:
             loop.remove_reader(descriptor)
 
     def to_dataframe(self, seconds: float, *, raw: bool = False) -> "pandas.DataFrame":
-        """What comes within so many seconds, as a pandas data frame: a row a sample.
+        """The samples of so many seconds, as a pandas data frame with a row for each sample.
 
-        Columns are those of `table`, with latitude and longitude; the offline commands take them. With `raw` each
+        Columns are as in `table`, with latitude and longitude, for the offline commands. With `raw` each
         number has a column: arrays become columns such as `position_m_0`, samples within samples such as
         `stages.fused_ns`.
         """
@@ -235,12 +244,12 @@ class Subscription:
         """
         if self._inner is None:
             if self._is_closed:
-                raise ValueError("it is closed")
+                raise ValueError("the publisher or subscription is closed")
             raise NotRunning(f"instance {self._names[0]} has ended and does not run again yet")
         return self._inner.fileno()
 
     def close(self) -> None:
-        """Leaves the deployment. Its memory can only be cleared when all have left."""
+        """Leaves the deployment. The shared memory can be cleared when all readers have left."""
         self._is_closed = True
         if self._inner is not None:
             self._inner.close()
@@ -253,7 +262,7 @@ class Subscription:
 
 
 def _columns(array: np.ndarray, prefix: str = "") -> Iterator[tuple[str, np.ndarray]]:
-    for name in array.dtype.names:
+    for name in array.dtype.names or ():
         column, path = array[name], prefix + name
         if column.dtype.names and column.ndim == 1:
             yield from _columns(column, path + ".")
@@ -280,12 +289,12 @@ def topics(instance: str) -> list[str]:
 
 
 def sources(instance: str) -> list[str]:
-    """Names of the sources of a running instance, by their numbers in samples; empty if it does not run."""
+    """Names of the sources of a running instance, by number in samples; empty if the instance does not run."""
     return _koseki.sources(instance)
 
 
 def origin(instance: str, timeout: float = 2.0) -> tuple[float, float, float] | None:
-    """Latitude and longitude (degrees) and height (m) of the origin of the system frame; None if it is not published."""
+    """Latitude and longitude (degrees) and height (m) of the system frame's origin; None if the origin is not published."""
     with Subscription(instance, "system/frame-origin") as frame:
         piece = frame.receive(timeout)
         if piece is None or not len(piece):
@@ -298,12 +307,12 @@ def subscribe(
     instance: str, topic: str = "system/tracks", *, borrow: bool = False, wait: bool | float = False,
     reconnect: bool = False, queue: int | None = None,
 ) -> Subscription:
-    """Reads a topic of the deployment called `instance` (of `koseki up --instance`, or its configuration's name).
+    """Reads a topic of the deployment called `instance` (of `koseki up --instance`, or the name in the configuration).
 
-    Iterating yields record arrays, of system tracks if nothing else is said; other topics are `system/alarms`,
-    `sensor/NAME/tracks`, `sensor/NAME/detections`, `wide-area/NAME/reports`, `platform/NAME/state`, `health`. They are
-    copies; with `borrow` they lie in shared memory, can only be read, and no more than two may be held at a time.
-    `wait` waits for the deployment, for ever or so many seconds; `reconnect` goes on with its next run when it ends.
+    Iterating yields record arrays, by default of system tracks; other topics are `system/alarms`,
+    `sensor/NAME/tracks`, `sensor/NAME/detections`, `wide-area/NAME/reports`, `platform/NAME/state`, `health`. Arrays
+    are copies; with `borrow`, arrays lie in shared memory, are read-only, and no more than two may be held at a time.
+    `wait` waits for the deployment, for ever or so many seconds; `reconnect` continues with the next run after an end.
     A topic that is missing for 5 s from a deployment that runs raises NoSuchTopic all the same.
 
     `queue` is the number of slices that may wait before the oldest is lost, in place of the topic's usual number (256
@@ -316,8 +325,8 @@ def subscribe(
 def read(path: str | os.PathLike[str]) -> dict[str, Tracks]:
     """All samples of a recording of all topics (a file of MCAP that the recorder wrote), as a record array a topic.
 
-    Raises SchemaMismatch where it was recorded with another version of the samples, ValueError where it is no recording.
-    Damaged parts are skipped; a warning gives their number.
+    Raises SchemaMismatch for a recording of another version of the samples, ValueError for a file that is no recording.
+    Damaged parts are skipped; a warning gives the number of such parts.
     """
     topics, damaged, damaged_bytes = _koseki.read(path)
     if damaged:
@@ -331,7 +340,7 @@ class Publisher:
     """Writer of one topic: see `publish`."""
 
     def __init__(
-        self, instance: str, topic: str | None = None, *, source: str | None = None, clock_limit_s: float | None = None
+        self, instance: str, topic: str = "", *, source: str | None = None, clock_limit_s: float | None = None
     ) -> None:
         self._inner = _koseki.Publisher(instance, topic) if source is None else _koseki.Publisher.feed(instance, source)
         self._dtype = DTYPES[self._inner.sample()]
@@ -349,7 +358,7 @@ class Publisher:
         return self._inner.sent()
 
     def new(self, count: int) -> np.ndarray:
-        """So many samples whose fields are all zero, which says "unknown"."""
+        """So many samples with zero ("unknown") in all fields."""
         return np.zeros(count, self._dtype)
 
     def send_detections(self, **columns: Any) -> None:
@@ -362,9 +371,9 @@ class Publisher:
           `sensor_height_m` (directions are clockwise from true north there), or `sensor_east_m`, `sensor_north_m`,
           `sensor_up_m` (from the system frame's north);
         - `range_rate_mps`, `range_rate_sigma_mps`; `address`, `mmsi` (integers), `callsign`;
-        - `time_s` or `time_ns` (UTC since 1970), now if not given; `scan`: detections with one time are one scan.
+        - `time_s` or `time_ns` (UTC since 1970), now if not given; `scan`: detections with the same time form a scan.
 
-        NaN is a value that is not known. If one detection has a fault, none is published, and a ValueError names its
+        NaN stands for an unknown value. If a detection has a fault, none is published, and a ValueError names the
         place, field, value, limit and remedy. The first call waits up to a fifth of a second for the frame's origin.
         """
         self._send(False, columns)
@@ -372,14 +381,14 @@ class Publisher:
     def send_tracks(self, **columns: Any) -> None:
         """Publishes reports of tracks in degrees or metres, as arrays or single values of these columns:
 
-        - `track`, the number of the track at its sensor, from 0 to 4294967295;
+        - `track`, the number of the track at the sensor, from 0 to 4294967295;
         - the columns of a position, an identity and a time of `send_detections`;
         - `speed_mps`, `course_deg` (clockwise from true north at the target) and `climb_mps`, or `velocity_east_mps`,
           `velocity_north_mps` and `velocity_up_mps` in the system frame; `velocity_sigma_mps`, a standard deviation. Not
           given, or with a deviation of 0, the velocity is unknown, not 0; `climb_mps` may be given alone;
         - `state`, a `TrackState`: confirmed if not given.
 
-        Errors are those of `send_detections`.
+        Errors as for `send_detections`.
         """
         self._send(True, columns)
 
@@ -397,7 +406,7 @@ class Publisher:
         given = {name: column.astype(kinds[name]) for name, column in given.items()}
         shape = np.broadcast_shapes(*(column.shape for column in given.values()))
         if len(shape) > 1:
-            raise ValueError(f"the columns have {len(shape)} dimensions: give arrays of one, or single values")
+            raise ValueError(f"the columns have {len(shape)} dimensions: give arrays of one dimension, or single values")
         count = shape[0] if shape else 1
         filled = {name: np.ascontiguousarray(np.broadcast_to(column, (count,))) for name, column in given.items()}
         callsigns = filled.pop("callsign", None)
@@ -408,7 +417,7 @@ class Publisher:
         )
 
     def send(self, samples: np.ndarray | dict[str, Any]) -> None:
-        """Publishes samples: an array of `dtype`, or a dict of columns, of which those that are not given are zero.
+        """Publishes samples: an array of `dtype`, or a dict of columns; columns left out are zero.
 
         Sequence numbers and stamps are filled in.
         """
@@ -419,7 +428,7 @@ class Publisher:
                 array[name] = column
             samples = array
         if samples.dtype != self._dtype:
-            raise ValueError(f"samples are {samples.dtype.names}, not of the topic's type: make them with new()")
+            raise ValueError(f"samples are {samples.dtype.names}, not of the topic's type: make samples with new()")
         self._inner.publish(np.ascontiguousarray(samples).tobytes())
 
     def close(self) -> None:
@@ -439,7 +448,7 @@ def order(instance: str, kind: str, *, operator: str | None = None, lasts_s: flo
 
         koseki.order("demo", "out", source="radar-south", operator="anna", lasts_s=600)
 
-    Kinds and parameters are those of `koseki order --help`; `from` is given as `from_`. The order expires after `lasts_s`
+    `koseki order --help` lists kinds and parameters; `from` is given as `from_`. The order expires after `lasts_s`
     seconds; None: never. A refused order raises ValueError with the reason; KosekiError is raised if no answer comes
     within `timeout` seconds. The topic `system/order-states` lists the orders in force.
     """
@@ -458,10 +467,10 @@ def publish(
 ) -> Publisher:
     """Feeds the source called `source`, which the configuration calls external, with detections or sensor tracks.
 
-    A sensor of a tracker is called `TRACKER.NAME`. With `topic` another one: `sensor/TRACKER.NAME/detections` of a
+    A sensor of a tracker is called `TRACKER.NAME`. `topic` names another topic: `sensor/TRACKER.NAME/detections` of a
     tracker's sensor, `wide-area/NAME/reports` or `platform/NAME/state`. Times farther than `clock_limit_s` seconds from
     this machine's clock are refused: above 0, by default 600; infinity permits all times.
     """
     if (source is None) == (topic is None):
         raise ValueError("name either a source or a topic")
-    return Publisher(instance, topic, source=source, clock_limit_s=clock_limit_s)
+    return Publisher(instance, topic or "", source=source, clock_limit_s=clock_limit_s)

@@ -17,7 +17,7 @@ def table(samples: np.ndarray) -> "pyarrow.Table":
     """The fields of the samples as columns, a row a sample."""
     import pyarrow
 
-    return pyarrow.table({name: _array(np.asarray(samples[name])) for name in samples.dtype.names})
+    return pyarrow.table({name: _array(np.asarray(samples[name])) for name in samples.dtype.names or ()})
 
 
 def _array(column: np.ndarray) -> "pyarrow.Array":

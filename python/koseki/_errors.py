@@ -1,4 +1,4 @@
-"""Failures, each of a kind that a program can act on; the text says what to do."""
+"""Failures by kind, for programs to act on; each text states the remedy."""
 
 
 class KosekiError(Exception):
@@ -6,11 +6,11 @@ class KosekiError(Exception):
 
 
 class NotRunning(KosekiError):
-    """No such deployment runs: start it, or wait for it."""
+    """No such deployment runs: start the deployment, or wait."""
 
 
 class Ended(KosekiError):
-    """The deployment has ended, or another run has taken its place: close, and open anew."""
+    """The deployment has ended, or another run has replaced this run: close, and open anew."""
 
 
 class SchemaMismatch(KosekiError):
@@ -26,8 +26,8 @@ class NoPlaceLeft(KosekiError):
 
 
 class BorrowLimit(KosekiError):
-    """Two borrowed slices are held, and that is the limit: delete an array, or copy what is needed longer."""
+    """Two borrowed slices are held, the most allowed: delete an array, or copy the samples needed for longer."""
 
 
 class AlreadyFed(KosekiError):
-    """Another process publishes the source, which has one publisher: end that process, or feed another source."""
+    """Another process publishes the source, and a source has one publisher: end that process, or feed another source."""

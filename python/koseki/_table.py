@@ -1,4 +1,4 @@
-"""Tables: columns by name, as numpy arrays of one length."""
+"""Tables: columns by name, as numpy arrays of equal length."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ import numpy as np
 
 
 class Table(dict[str, np.ndarray]):
-    """Columns by name, as numpy arrays of one length: also what takes Arrow takes it, where pyarrow is installed.
+    """Columns by name, as numpy arrays of equal length. With pyarrow installed, readers of Arrow take a table, too.
 
-    `summary` is what the command that made it prints with `--json`: what was read, left out and found.
+    `summary` has the figures that the command prints with `--json`: rows read, rows left out, results.
     """
 
     summary: Mapping[str, Any] = {}

@@ -1,15 +1,16 @@
 """Koseki's offline commands on tables, and recordings of ASTERIX as dicts and tables.
 
-Each command runs in this process, by the functions that the executable `koseki` runs, so results are those of the
-command line to the digit; other Python threads run meanwhile, Ctrl-C ends it, and `progress`, a function, is told the
-share of each pass over the tables that is done, several times a second. A table is given as a path of a CSV file, a
-dict of columns, samples of a topic (what a subscription or `read` yields), a data frame of pandas or polars, a table
-of pyarrow, or anything else with the Arrow C stream interface (that needs pyarrow). A table is returned as a dict of
-numpy columns, of which `pandas.DataFrame`, `polars.DataFrame` and `pyarrow.table` make theirs. The columns, and their
-units, are those of `koseki COMMAND --help`.
+Each command runs in this process, by the functions of the executable `koseki`, so results equal the results of the
+command line to the digit. Other Python threads run meanwhile, and Ctrl-C ends a command. `progress` is a function; each
+pass over the tables calls the function several times a second with the share that is done.
 
-What is wrong with a table or an option is a ValueError that names the table, the line as a file would have it (the first
-has the columns' names), the column, the value and a remedy. Rows that were left out are a warning.
+A table is given as a path of a CSV file, a dict of columns, samples of a topic (from a subscription or from `read`), a
+data frame of pandas or polars, a table of pyarrow, or another object with the Arrow C stream interface (which needs
+pyarrow). A table is returned as a dict of numpy columns; `pandas.DataFrame`, `polars.DataFrame` and `pyarrow.table` take
+such a dict. `koseki COMMAND --help` lists columns and units.
+
+A fault in a table or an option is a ValueError with the table, the line of a file (the first line has the columns'
+names), the column, the value and a remedy. Rows left out are a warning.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ Progress = Callable[[float], object]
 
 
 class _Command:
-    """Words of a command, and its tables in memory by their names in these words."""
+    """Words of a command, and the tables in memory by the names in these words."""
 
     def __init__(self, *words: str) -> None:
         self.words = list(words)
@@ -46,7 +47,7 @@ class _Command:
         return self
 
     def table(self, **tables: Any) -> _Command:
-        """Options that take a table; several where one is a list."""
+        """Options that take a table, or a list of tables."""
         for name, given in tables.items():
             if given is None:
                 continue
@@ -58,7 +59,7 @@ class _Command:
         return self
 
     def config(self, config: str | os.PathLike[str] | None) -> _Command:
-        """The path of a configuration; a text of several lines is one itself."""
+        """The path of a configuration, or a configuration as a text of several lines."""
         if isinstance(config, str) and "\n" in config:
             self.tables["config"] = config
             return self.option(config="config")
@@ -71,13 +72,13 @@ class _Command:
         return name
 
     def run(self, progress: Progress | None) -> tuple[dict[str, Table], str, str]:
-        """The tables that it wrote, its answer, and what it said beside that."""
+        """The written tables, the answer, and the messages of the command."""
         written, answer, said = _koseki.run(self.words, self.tables, progress)
         tables = {path: Table((name, column_of(*column)) for name, column in columns) for path, columns in written.items()}
         return tables, answer, said
 
     def out(self, progress: Progress | None) -> Table:
-        """The one table that it wrote, with its summary."""
+        """The only written table, with the summary."""
         written, answer, _ = self.option(out="out").run(progress)
         table, table.summary = written["out"], json.loads(answer)
         if refused := table.summary.get("rows_refused"):
@@ -119,7 +120,7 @@ def _text(value: object) -> str:
 def fuse(
     tracks: Any, *, config: Any = None, rule: str | None = None, refresh: float | None = None, progress: Progress | None = None
 ) -> Table:
-    """System tracks from tables of sensor tracks (metres, m/s, seconds), one or a list, as `koseki fuse` makes them.
+    """System tracks from a table or tables of sensor tracks (metres, m/s, seconds), as `koseki fuse` makes system tracks.
 
     `rule` is a fusion rule, such as "auto" or "best-source"; with `refresh` a row comes every so many seconds; `config`
     is a path or the text of a TOML file.
@@ -131,7 +132,7 @@ def fuse(
 def smooth(
     tracks: Any, *, config: Any = None, rule: str | None = None, refresh: float | None = None, progress: Progress | None = None
 ) -> Table:
-    """The rows of `fuse` with the same arguments, smoothed with the measurements after them, as `koseki smooth` makes them."""
+    """The rows of `fuse` with the same arguments, smoothed with later measurements, as by `koseki smooth`."""
     command = _Command("smooth", "--json").table(tracks=tracks).config(config)
     return command.option(rule=rule, refresh=refresh).out(progress)
 
@@ -140,9 +141,9 @@ def track(
     detections: Any, *, wide_area: Any = None, emissions: Any = None, config: Any = None, period: float | None = None,
     progress: Progress | None = None,
 ) -> Table:
-    """Tracks from tables of detections (metres, radians, seconds), one or a list, as `koseki track` makes them.
+    """Tracks from a table or tables of detections (metres, radians, seconds), as by `koseki track`.
 
-    `wide_area` is a table of counts, `emissions` one of bearings; with `period` rows come every so many seconds.
+    `wide_area` is a table of counts, `emissions` a table of bearings; `period` is the time between rows, seconds.
     """
     command = _Command("track", "--json").table(detections=detections, wide_area=wide_area, emissions=emissions)
     return command.config(config).option(period=period).out(progress)
@@ -152,7 +153,7 @@ def locate(
     bearings: Any, *, filter: str | None = None, select: str | None = None, config: Any = None,
     progress: Progress | None = None,
 ) -> Table:
-    """Places of emitters from a table of bearings (radians clockwise from north, metres), as `koseki locate` finds them.
+    """Places of emitters from a table of bearings (radians clockwise from north, metres), as by `koseki locate`.
 
     `filter` is "auto", "fixed" or "straight"; `select` is "auto", "none", "interval", "minimum" or "staged".
     """
@@ -163,7 +164,7 @@ def locate(
 def compare(
     tracks: Any, *, truth: Any = None, config: Any = None, refresh: float | None = None, progress: Progress | None = None
 ) -> dict[str, Any]:
-    """Figures of every fusion rule on the same sensor tracks, as `koseki compare --json` prints them."""
+    """Figures of every fusion rule on the same sensor tracks, as printed by `koseki compare --json`."""
     command = _Command("compare", "--json").table(tracks=tracks, truth=truth).config(config)
     return command.option(refresh=refresh).figures(progress)
 
@@ -172,9 +173,9 @@ def score(
     truth: Any, tracks: Any, *, c: float | None = None, gate: float | None = None, max_age: float | None = None,
     t0: int | None = None, t1: int | None = None, standard: str | None = None, reference: str | None = None,
 ) -> dict[str, Any]:
-    """Figures of tracks against a truth (metres, seconds), as `koseki score --json` prints them.
+    """Figures of tracks against a truth (metres, seconds), as printed by `koseki score --json`.
 
-    `c` is the cut-off of GOSPA and OSPA, `gate` the distance up to which a target keeps its track; a state older than
+    `c` is the cut-off of GOSPA and OSPA, `gate` the distance up to which a target keeps a track; a state older than
     `max_age` does not show; whole seconds from `t0` to `t1` are scored. `standard` adds the lines of standards, such as
     "ed-142,esassp"; `reference` is "truth", "independent" or "smoothed".
     """
@@ -186,15 +187,15 @@ def score(
 def simulate(
     scenario: str | os.PathLike[str] = "demo", *, seed: int = 1, seconds: float = 120.0, progress: Progress | None = None
 ) -> dict[str, Table]:
-    """Tables of a simulated world by their names, such as "truth" and "sensor_tracks_1", as `koseki simulate` makes them."""
+    """Tables of a simulated world by name, such as "truth" and "sensor_tracks_1", as by `koseki simulate`."""
     command = _Command("simulate").option(scenario=scenario, seed=seed, out="out", **{"for": seconds})
     return {Path(path).stem: table for path, table in command.run(progress)[0].items()}
 
 
 def decode(path: str | os.PathLike[str], *, editions: Editions | None = None) -> Iterator[dict[str, Any]]:
-    """Records of a recording of ASTERIX, each as a dict by item number; "_c" is its category, "_ts" when it was recorded.
+    """Records of a recording of ASTERIX, each as a dict by item number; "_c" is the category, "_ts" the time of recording.
 
-    `editions` are those that are not the default, as in {21: "0.23"}, or {"48/RE": "1.13"} for an expansion field. What
+    `editions` are editions other than the default, as in {21: "0.23"}, or {"48/RE": "1.13"} for an expansion field. What
     `koseki decode` would leave out is left out.
     """
     return iter(_koseki.records(path, _chosen(editions)))
@@ -203,8 +204,8 @@ def decode(path: str | os.PathLike[str], *, editions: Editions | None = None) ->
 def decode_columns(path: str | os.PathLike[str], *, editions: Editions | None = None) -> dict[int, Table]:
     """The same records as a table for each category: a column for each element, such as "042.X", a row for each record.
 
-    Numbers are 64-bit floats in the document's units, NaN where a record lacks them; whole ones are exact up to 2^53.
-    Texts are strings; what is repeated is a list, as in the dicts; where a record lacks them there is None.
+    Numbers are 64-bit floats in the document's units, NaN where a record lacks the element; whole numbers are exact up to 2^53.
+    Texts are strings; a repeated element is a list, as in the dicts; an element that a record lacks is None.
     """
     return {
         category: Table((name, _decoded(values)) for name, values in columns)

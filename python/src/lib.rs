@@ -17,9 +17,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use koseki_client::by_name::{self, AnyPublisher, AnySlice, AnySubscription};
-use koseki_client::messages::Constant;
 use koseki_client::messages::OrderState;
-use koseki_client::messages::layout::{ALL, CodeGroup, Layout, Sample as _, code_groups};
+use koseki_client::messages::layout::{ALL, Layout, Sample as _};
 use koseki_client::{Error, ErrorKind, Orders, Root};
 use observations::Columns;
 use pyo3::buffer::PyBuffer;
@@ -76,26 +75,6 @@ fn fields(layout: &Layout) -> (Vec<FieldRow>, usize) {
 #[pyfunction]
 fn layouts() -> Vec<(&'static str, (Vec<FieldRow>, usize))> {
     ALL.iter().map(|layout| (layout.name, fields(layout))).collect()
-}
-
-type CodeRow = (String, u64, &'static str);
-
-/// Codes and bits of the samples: the name of each group as a type, whether its values are bits, and name, value and
-/// documentation of each value.
-#[pyfunction]
-fn codes() -> Vec<(&'static str, bool, Vec<CodeRow>)> {
-    let row = |constant: Constant| {
-        let name = constant.word.replace('-', "_").to_uppercase();
-        (name, constant.value, constant.doc)
-    };
-    let group = |group: CodeGroup| {
-        (
-            group.name,
-            group.is_flags,
-            group.constants.into_iter().map(row).collect(),
-        )
-    };
-    code_groups().into_iter().map(group).collect()
 }
 
 /// Names of the running instances.
@@ -391,7 +370,6 @@ fn _koseki(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(observations::observation_numbers, module)?)?;
     module.add_function(wrap_pyfunction!(tables::run, module)?)?;
     module.add_function(wrap_pyfunction!(tables::of_samples, module)?)?;
-    module.add_function(wrap_pyfunction!(codes, module)?)?;
     module.add_function(wrap_pyfunction!(instances, module)?)?;
     module.add_function(wrap_pyfunction!(topics, module)?)?;
     module.add_function(wrap_pyfunction!(sources, module)?)?;

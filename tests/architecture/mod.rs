@@ -1,6 +1,7 @@
 //! The rules of ARCHITECTURE.md that a program can check.
 
 mod modules;
+pub(crate) mod prose;
 mod rebuilds;
 mod source;
 

@@ -62,7 +62,7 @@ mod subscription;
 pub use frames::{Geodetic, SystemFrame};
 pub use messages;
 
-pub use bus::{BORROWED_MAX, Root};
+pub use bus::{BORROWED_MAX, Payload, Root};
 pub use directory::{instances, sources, topics};
 pub use error::{Error, ErrorKind};
 pub use frame::frame;

@@ -569,6 +569,49 @@ pub fn python_module() -> String {
     out
 }
 
+/// Returns the module of the Python package with the codes and bits of the samples: each group is an enumeration, as a
+/// type checker can read it.
+pub fn python_codes() -> String {
+    let mut out = String::from(
+        "\"\"\"Codes and bits of the samples, as enumerations.\n\n\
+         Written by `cargo run -p koseki-messages --example layouts`; a test keeps the file true.\n\"\"\"\n\n\
+         from __future__ import annotations\n\nimport enum\n",
+    );
+    let groups = code_groups();
+    for group in &groups {
+        let base = if group.is_flags { "IntFlag" } else { "IntEnum" };
+        let word = |constant: &Constant| constant.word.replace('-', "_").to_uppercase();
+        let docs = group
+            .constants
+            .iter()
+            .map(|each| format!("{}: {}", word(each), each.doc));
+        let docs: Vec<String> = docs.collect();
+        let _ = writeln!(
+            out,
+            "\n\nclass {}(enum.{base}):\n    \"\"\"{}\"\"\"\n",
+            group.name,
+            docs.join("\n    ")
+        );
+        for constant in &group.constants {
+            let _ = writeln!(out, "    {} = {}", word(constant), constant.value);
+        }
+    }
+    let names = |form: &dyn Fn(&str) -> String| -> String {
+        let lines = groups.iter().map(|group| format!("    {},\n", form(group.name)));
+        lines.collect()
+    };
+    let _ = write!(
+        out,
+        "\n\n__all__ = [\n{}]\n\n\
+         #: Codes and bits by name, such as `CODES[\"TrackState\"]`.\n\
+         CODES: dict[str, type[enum.IntEnum] | type[enum.IntFlag]] = {{\n{}}}\n\n\
+         for _group in CODES.values():\n    _group.__module__ = \"koseki\"\n",
+        names(&|name| format!("\"{name}\"")),
+        names(&|name| format!("\"{name}\": {name}"))
+    );
+    out
+}
+
 fn python_type(element: &str) -> String {
     match element {
         "f64" => "ctypes.c_double".to_owned(),

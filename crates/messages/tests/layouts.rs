@@ -28,6 +28,16 @@ fn the_python_module_is_current() {
 }
 
 #[test]
+fn the_codes_of_the_python_package_are_current() {
+    let package = "../../../python/koseki/_codes.py";
+    if folder().join(package).is_file() {
+        assert_current(package, &layout::python_codes());
+    } else {
+        println!("skipped: the package is not here");
+    }
+}
+
+#[test]
 fn a_c_compiler_agrees_with_every_offset() {
     let scratch = tempfile::tempdir().unwrap();
     let source = scratch.path().join("check.c");
