@@ -376,7 +376,10 @@ pub unsafe extern "C" fn koseki_order(
         let operator = unsafe { word(operator_name, "operator_name")? };
         let timeout = u64::try_from(timeout_ms).map_or(Duration::MAX, Duration::from_millis);
         let lasts_s = (lasts_s > 0.0).then_some(lasts_s);
-        let answer = Orders::open(instance, operator).and_then(|mut orders| orders.give(order, lasts_s, timeout));
+        let answer = Orders::open(instance, operator).and_then(|mut orders| {
+            let order = orders.of_words(order)?;
+            orders.give(&order, lasts_s, timeout)
+        });
         answer.map_err(|error| failed(error.kind(), error.to_string()))
     };
     match given() {

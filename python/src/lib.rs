@@ -354,7 +354,11 @@ fn order(
     timeout_s: f64,
 ) -> PyResult<Option<Vec<u8>>> {
     let timeout = Duration::try_from_secs_f64(timeout_s.max(0.0)).unwrap_or(Duration::MAX);
-    let give = || Orders::open(instance, operator)?.give(words, lasts_s, timeout);
+    let give = || {
+        let mut orders = Orders::open(instance, operator)?;
+        let order = orders.of_words(words)?;
+        orders.give(&order, lasts_s, timeout)
+    };
     let answer = py.detach(give).map_err(failed)?;
     Ok(answer.map(|state| OrderState::octets(std::slice::from_ref(&state)).to_vec()))
 }

@@ -1,7 +1,7 @@
 //! Words in the texts that strangers read first: C headers, Python docstrings, pages of help.
 //!
-//! A sentence whose nouns are pronouns has to be read twice. The words of two families are counted; well-liked libraries
-//! have two of the first and twenty of the second in a thousand words.
+//! A sentence whose nouns are pronouns has to be read twice. The words of two families are counted; well-liked
+//! libraries have two of the first and twenty of the second in a thousand words.
 
 use crate::common::{repository, texts};
 

@@ -37,4 +37,17 @@ mod tests {
             [450.0, 80.0, 80.0]
         );
     }
+
+    #[test]
+    fn stated_sizes_take_the_place_of_the_usual_ones() {
+        let sizes = TargetSizeSettings {
+            unknown_m: 30.0,
+            type_m: BTreeMap::from([("ferry".to_owned(), 120.0)]),
+        };
+        let of = |name| sizes.of(&TargetType::new(name, 0.9).unwrap());
+        assert_eq!(
+            [of("ferry"), of("vessel"), sizes.of(&TargetType::default())],
+            [120.0, 30.0, 30.0]
+        );
+    }
 }

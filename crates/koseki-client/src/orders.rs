@@ -18,8 +18,12 @@ const PAUSE: Duration = Duration::from_millis(5);
 ///
 /// ```no_run
 /// # fn main() -> Result<(), koseki_client::Error> {
+/// use koseki_client::messages::{Order, OrderKind};
+///
 /// let mut orders = koseki_client::Orders::open("demo", "anna")?;
-/// let answer = orders.give("out source=radar-west", Some(600.0), std::time::Duration::from_secs(5))?;
+/// let radar = orders.source("radar-west").expect("the demonstration has it");
+/// let out = Order { source: radar, ..Order::new(OrderKind::Out) };
+/// let answer = orders.give(&out, Some(600.0), std::time::Duration::from_secs(5))?;
 /// match answer {
 ///     Some(state) => println!("{}", state.text()),
 ///     None => println!("fusion has not answered"),
@@ -59,19 +63,37 @@ impl Orders {
         })
     }
 
-    /// Gives an order and waits for the answer: the state of the order, refused orders included; `None` if none comes
-    /// within `timeout`. `words` are those of `koseki order`: the kind and its parameters, such as
-    /// `eta value=0.3 source=radar`. The order expires `lasts_s` seconds from now; `None`: never.
+    /// Number of the source called `name`; `None` if the deployment has no such source.
+    pub fn source(&self, name: &str) -> Option<u16> {
+        let place = self.sources.iter().position(|source| source == name)?;
+        u16::try_from(place).ok()
+    }
+
+    /// The order that these words state: those of `koseki order`, the kind and its parameters, such as
+    /// `eta value=0.3 source=radar`.
     ///
     /// # Errors
-    /// If the words are no order, or the deployment has ended.
-    pub fn give(&mut self, words: &str, lasts_s: Option<f64>, timeout: Duration) -> Result<Option<OrderState>, Error> {
-        let order = self.read(words).map_err(|text| Error::Order { text })?;
+    /// If the words are no order.
+    pub fn of_words(&self, words: &str) -> Result<Order, Error> {
+        self.read(words).map_err(|text| Error::Order { text })
+    }
+
+    /// Gives an order and waits for the answer: the state of the order, refused orders included; `None` if none comes
+    /// within `timeout`. The order expires `lasts_s` seconds from now; `None`: never.
+    ///
+    /// # Errors
+    /// If the deployment has ended.
+    pub fn give(
+        &mut self,
+        order: &Order,
+        lasts_s: Option<f64>,
+        timeout: Duration,
+    ) -> Result<Option<OrderState>, Error> {
         let now_ns = utc_ns();
         let lasts_ns = lasts_s.map(|lasts_s| (lasts_s.max(0.0) * messages::NS_PER_S) as i64);
         let order = Order {
             ends_ns: lasts_ns.map_or(i64::MAX, |lasts_ns| now_ns.saturating_add(lasts_ns)),
-            ..order.with_operator(&self.operator)
+            ..(*order).with_operator(&self.operator)
         };
         self.port.give(&order, now_ns);
         let until_ns = mono_ns().saturating_add(u64::try_from(timeout.as_nanos()).unwrap_or(u64::MAX));
@@ -97,11 +119,7 @@ impl Orders {
             pair.ok_or_else(|| format!("\"{word}\" is no parameter: write NAME=VALUE"))
         });
         let pairs = pairs.collect::<Result<Vec<_>, _>>()?;
-        let number = |name: &str| {
-            let place = self.sources.iter().position(|source| source == name)?;
-            u16::try_from(place).ok()
-        };
-        Order::parse(kind, pairs, number)
+        Order::parse(kind, pairs, |name| self.source(name))
     }
 
     /// Returns the orders in force and the orders that ended recently, as last published.

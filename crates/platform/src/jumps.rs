@@ -191,4 +191,26 @@ mod tests {
         };
         assert_eq!(watch.take(&faster), Some(Jump::Velocity));
     }
+
+    #[test]
+    fn a_stated_limit_of_angles_holds() {
+        let jumps = |attitude_deg: f64| {
+            let limits = JumpLimits {
+                attitude_deg: settings::Degrees::of(attitude_deg),
+                ..JumpLimits::default()
+            };
+            let mut watch = JumpWatch::new(limits, 2 * S);
+            let state = |time_s: i64| {
+                at(
+                    time_s * S,
+                    [8.0 * time_s as f64, 0.0, 0.0],
+                    0.0,
+                    if time_s == 5 { 10.0 } else { 0.0 },
+                )
+            };
+            let jumped: Vec<Jump> = (0..6).filter_map(|time_s| watch.take(&state(time_s))).collect();
+            jumped
+        };
+        assert_eq!((jumps(5.0), jumps(15.0)), (vec![Jump::Attitude], Vec::new()));
+    }
 }

@@ -495,4 +495,27 @@ mod tests {
             assert!((0.85..1.15).contains(&(still / count)), "{}", still / count);
         }
     }
+
+    #[test]
+    fn a_ship_pitches_rolls_and_reports_as_stated() {
+        let settings = OnBoardSettings {
+            pitch_deg: Degrees::of(6.0),
+            pitch_period_s: 8.0,
+            roll_deg: Degrees::of(10.0),
+            roll_period_s: 20.0,
+            states_per_s: 4.0,
+            ..OnBoardSettings::default()
+        };
+        let tilt_deg = |time_s| {
+            let (_, _, attitude) = settings.ship(time_s);
+            [attitude.pitch_rad, attitude.roll_rad].map(|angle: f64| (angle.to_degrees() * 1e6).round() / 1e6)
+        };
+        assert_eq!((tilt_deg(2.0)[0], tilt_deg(6.0)[0]), (6.0, -6.0));
+        assert_eq!((tilt_deg(5.0)[1], tilt_deg(15.0)[1]), (10.0, -10.0));
+        let times_ns: Vec<i64> = settings.states(1, 5.0).iter().map(|state| state.time_ns).collect();
+        assert!(
+            times_ns.windows(2).all(|pair| pair[1] - pair[0] == 250_000_000),
+            "{times_ns:?}"
+        );
+    }
 }
