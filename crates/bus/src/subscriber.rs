@@ -47,7 +47,7 @@ const SEQUENCE_MAX: u64 = u64::MAX >> 2;
 /// Takes slices of samples `T` from one topic.
 #[derive(Debug)]
 pub struct Subscriber<S: Transport, T: Payload> {
-    port: DropGuard<SubscriberPort<S>>,
+    port: Arc<DropGuard<SubscriberPort<S>>>,
     samples: PhantomData<fn() -> T>,
     topic: Arc<str>,
     slice_len: usize,
@@ -76,30 +76,44 @@ pub enum ReceiveOutcome<S: Transport, T: Payload> {
     Nothing,
 }
 
-/// A slice in shared memory, kept from being overwritten as long as this lives.
+/// A slice in shared memory, kept from being overwritten as long as this lives, also without its subscriber.
 #[derive(Debug)]
 pub struct Slice<S: Transport, T: Payload> {
     taken: DropGuard<TakenSlice<S>>,
+    /// A publisher takes back all slices of a port that is gone, the kept ones too. Dropped after `taken`.
+    _port: Arc<DropGuard<SubscriberPort<S>>>,
     /// The samples of `taken`. Their count was read once: in shared memory it may change.
     first: NonNull<T>,
     count: usize,
 }
 
-// SAFETY: the samples are numbers that nobody writes as long as `taken` lives, so who has the one has the other.
-unsafe impl<S: Transport, T: Payload> Send for Slice<S, T> where DropGuard<TakenSlice<S>>: Send {}
+// SAFETY: the samples are numbers that nobody writes as long as `taken` lives, so who has the one has the other. The
+// port may be dropped here while the subscriber uses it elsewhere.
+unsafe impl<S: Transport, T: Payload> Send for Slice<S, T>
+where
+    DropGuard<TakenSlice<S>>: Send,
+    Arc<DropGuard<SubscriberPort<S>>>: Send,
+{
+}
 
 // SAFETY: likewise.
-unsafe impl<S: Transport, T: Payload> Sync for Slice<S, T> where DropGuard<TakenSlice<S>>: Sync {}
+unsafe impl<S: Transport, T: Payload> Sync for Slice<S, T>
+where
+    DropGuard<TakenSlice<S>>: Sync,
+    Arc<DropGuard<SubscriberPort<S>>>: Sync,
+{
+}
 
 impl<S: Transport, T: Payload> Slice<S, T> {
     /// Of a topic whose slices have `slice_len` samples at most; `None` if its memory says that there are more.
     #[inline]
-    fn of(taken: DropGuard<TakenSlice<S>>, slice_len: usize) -> Option<Self> {
+    fn of(taken: DropGuard<TakenSlice<S>>, port: &Arc<DropGuard<SubscriberPort<S>>>, slice_len: usize) -> Option<Self> {
         let count = usize::try_from(taken.header().number_of_elements()).ok()?;
         (count <= slice_len).then(|| Self {
             first: NonNull::from(taken.payload()).cast(),
             count,
             taken,
+            _port: Arc::clone(port),
         })
     }
 
@@ -154,7 +168,7 @@ pub struct PublisherRecord {
 impl<S: Transport, T: Payload> Subscriber<S, T> {
     pub(crate) fn new(opened: Receiving<S>, ends: Option<Ends>, hint: Hint, topic: &Topic<T>, joined_ns: u64) -> Self {
         Self {
-            port: opened.port,
+            port: Arc::new(opened.port),
             samples: PhantomData,
             topic: topic.name.as_str().into(),
             slice_len: topic.capacity.slice_len,
@@ -208,7 +222,7 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
         let Some(sample) = received else {
             return Ok(ReceiveOutcome::Nothing);
         };
-        let Some(slice) = Slice::<S, T>::of(sample, self.slice_len).filter(|slice| {
+        let Some(slice) = Slice::<S, T>::of(sample, &self.port, self.slice_len).filter(|slice| {
             let header = slice.header();
             header.schema == T::SCHEMA && header.first_sequence <= SEQUENCE_MAX
         }) else {

@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 
 use crate::common::{Home, Line, PATIENCE, mark, send, shared_memory, suite, take_all, topic, track, until};
 use bus::{
-    Bus, BusError, InProcess, Mark, Payload, PortRole, Publisher, PublisherRecord, Root, SharedMemory, Subscriber,
-    Transport, WaitMode, Waiter, Woken,
+    Bus, BusError, InProcess, Mark, Payload, PortRole, Publisher, PublisherRecord, ReceiveOutcome, Root, SharedMemory,
+    Subscriber, Transport, WaitMode, Waiter, Woken,
 };
 use messages::layout::Sample as _;
 use messages::{BatchHeader, SensorTrack, Topic};
@@ -23,6 +23,7 @@ suite! {
     loss_before_the_first_take_is_counted
     a_late_joiner_has_lost_nothing
     a_budget_is_kept
+    a_kept_slice_outlives_its_subscriber
     a_restarted_publisher_starts_a_new_sequence
     two_publishers_are_counted_apart
     what_eight_leavers_left_is_read
@@ -188,6 +189,24 @@ fn a_budget_is_kept<S: Transport>() {
         taken
     };
     assert_eq!((take(0), take(3), take(3), take(3)), (0, 3, 2, 0));
+}
+
+fn a_kept_slice_outlives_its_subscriber<S: Transport>() {
+    let home = Home::new();
+    let line = Line::<S>::new(&home, "a", 4, 2);
+    let (mut publisher, mut subscriber) = (line.publisher(10), line.subscriber(5));
+    send(&mut publisher, 2);
+    let ReceiveOutcome::Slice(kept) = subscriber.receive().unwrap() else {
+        panic!("the slice did not come");
+    };
+    drop(subscriber);
+    let before = kept.samples().to_vec();
+    // Slices that wait: one that is taken is written anew before any other.
+    let _later = line.subscriber(20);
+    for _ in 0..100 {
+        send(&mut publisher, 2);
+    }
+    assert_eq!(kept.samples(), before);
 }
 
 fn a_restarted_publisher_starts_a_new_sequence<S: Transport>() {
