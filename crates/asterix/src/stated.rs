@@ -13,8 +13,8 @@ pub struct StatedTables {
 }
 
 impl StatedTables {
-    /// Those of these categories, each with the numbers before and behind the edition's point. Editions without a table
-    /// are left out; [`stated`] tells them. With `is_strict`, records must follow their edition closely.
+    /// Tables of these categories, each with the numbers before and behind the edition's point. Editions without table
+    /// are left out; [`stated`] refuses them. With `is_strict`, records must follow their edition closely.
     pub fn new(editions: &[(u8, [u8; 2])], is_strict: bool) -> Self {
         let table = |(number, [major, minor]): &(u8, [u8; 2])| registry::find(*number, Edition::new(*major, *minor));
         Self {

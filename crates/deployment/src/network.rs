@@ -64,7 +64,7 @@ pub struct DatagramOutput {
 pub struct Asterix {
     /// Categories whose edition the file states, each with the numbers before and behind the edition's point.
     pub editions: Vec<(u8, [u8; 2])>,
-    /// Whether records have to follow their edition closely.
+    /// True if records have to follow their edition closely.
     pub is_strict: bool,
 }
 

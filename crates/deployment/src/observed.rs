@@ -16,7 +16,7 @@ pub struct SourceFacts {
     /// Number of the source whose tracker takes the detections, if this is a sensor of a tracker: then fusion takes
     /// none of its samples.
     pub sensor_of: Option<u16>,
-    /// Whether a program of others publishes the source, without an adapter.
+    /// True if a program of others publishes the source, without an adapter.
     pub is_external: bool,
     /// Silence after which the source is silent, nanoseconds; `None`: never.
     pub silent_after_ns: Option<i64>,

@@ -14,7 +14,7 @@ pub struct Platform {
     pub name: String,
     /// Where its states come from.
     pub input: PlatformInput,
-    /// Whether it is simulated: then its sentences come over the loopback network.
+    /// True for a simulated platform: its sentences come over the loopback network.
     pub is_simulated: bool,
     /// Name of the receiver of rows from its simulated radar, if a sensor is that radar.
     pub radar: Option<String>,

@@ -15,7 +15,7 @@ pub struct WideAreaSensor {
     pub input: WideAreaInput,
     /// Name of the adapter process that publishes it: that of its receiver, or its own.
     pub adapter: String,
-    /// Whether it is simulated: then its rows come over the loopback network, to a receiver of its own name.
+    /// True for a simulated sensor: its rows come over the loopback network, to a receiver of its own name.
     pub is_simulated: bool,
 }
 

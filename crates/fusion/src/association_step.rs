@@ -96,8 +96,8 @@ impl Search<'_> {
             && !self.must_wait_for(own, system)
     }
 
-    /// Whether a sensor track may be of a target that its source follows under another number, from which nothing has
-    /// come for the greater part of a period: the source may have begun anew, before enough of its reports show it.
+    /// Returns whether a sensor track may be of a target that its source follows under another number, silent for the
+    /// greater part of a period: the source may have begun anew, before enough of its reports show it.
     pub(crate) fn may_be_renumbered(&self, own: SensorSlot) -> bool {
         let SensorEntry {
             latest: report,

@@ -501,7 +501,7 @@ impl Engine {
         if target.life == TrackState::Tentative && !was_shown {
             self.recognise(sensor, system);
         }
-        let tells_nothing = measurement.is_some_and(|measurement| self.tells_nothing(sensor, measurement));
+        let adds_nothing = measurement.is_some_and(|measurement| self.adds_nothing(sensor, measurement));
         if is_foreign {
             self.follow_centre(sensor);
         } else if follows_centre {
@@ -528,7 +528,7 @@ impl Engine {
             self.take_former_number(sensor, report.time_of_measurement_ns, sink);
         }
         // The same state again is no news.
-        if !tells_nothing || self.tracks.systems.get(system).life != life {
+        if !adds_nothing || self.tracks.systems.get(system).life != life {
             let out = &mut self.outbox.to(sink);
             self.publisher
                 .refresh(&self.settings, &mut self.tracks, &self.sources, cause, out);

@@ -452,7 +452,7 @@ fn a_fix_whose_error_persists_moves_no_target_that_is_known_better() {
 }
 
 #[test]
-fn a_fix_that_tells_nothing_of_a_target_leads_to_no_state() {
+fn a_fix_that_adds_nothing_to_a_target_leads_to_no_state() {
     let states = |fix_sigma_m: f64, late_s: f64| {
         let mut settings = test_settings(2);
         settings.sources[1].is_registered = false;

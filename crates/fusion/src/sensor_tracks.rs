@@ -116,7 +116,7 @@ pub(crate) struct SensorEntry {
     pub(crate) repaired: bool,
     /// Where the covariance of `latest` comes from.
     pub(crate) basis: CovarianceBasis,
-    /// Whether its source has displaced it, and nothing supports the new place yet.
+    /// True if its source has displaced it, and nothing supports the new place yet.
     pub(crate) is_displaced: bool,
     /// Whether its source leads it off the target, as the other sources show.
     pub(crate) is_led_off: bool,

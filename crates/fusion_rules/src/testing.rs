@@ -1,27 +1,14 @@
-//! Settings and inputs for tests.
+//! Settings for tests.
 
-use crate::settings::{Accuracy, AssociationSettings, Capacity, RuleName, Settings, SourceSettings};
+use crate::settings::{Accuracy, RuleName, Settings, SourceSettings};
 
-/// Settings for `sources` like sources, in small tables.
+/// Settings for `sources` like sources, in the order of their priority, with the simplest rule.
 pub(crate) fn test_settings(sources: usize) -> Settings {
     let source = |index: usize| SourceSettings {
         priority: index as u32,
         ..SourceSettings::of(&format!("source{index}"), 1.0, Accuracy::constant(10.0))
     };
-    let mut settings = Settings {
-        capacity: Capacity {
-            system_tracks: Some(50),
-            sensor_tracks: Some(200),
-            stored_reports: 3,
-            ..Capacity::default()
-        },
-        association: AssociationSettings {
-            target_extent_m: 40.0,
-            scan_wait: 0.0,
-            ..AssociationSettings::default()
-        },
-        ..Settings::of((0..sources).map(source).collect())
-    };
+    let mut settings = Settings::of((0..sources).map(source).collect());
     settings.rule.name = RuleName(messages::FusionRule::BestSource);
     settings
 }

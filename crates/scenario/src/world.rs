@@ -42,8 +42,8 @@ impl World {
     }
 }
 
-/// The targets of a world that some of its sensors can see. Direction finders do not count: what is only heard of is no
-/// part of a picture that has to be complete.
+/// The targets of a world that some of its sensors can see. Direction finders do not count: a target with bearings
+/// alone is no part of a picture that has to be complete.
 #[derive(Debug)]
 pub struct VisibleTargets {
     truth: Truth,
@@ -51,7 +51,8 @@ pub struct VisibleTargets {
 }
 
 impl VisibleTargets {
-    /// Those of `world` with this seed, which begins at `start_utc_ns` (UTC, nanoseconds); `None` without sensors.
+    /// Visible targets of `world` with this seed, which begins at `start_utc_ns` (UTC, nanoseconds); `None` without
+    /// sensors.
     ///
     /// # Errors
     /// If a setting cannot be used; a checked configuration rules that out.
@@ -74,7 +75,7 @@ impl VisibleTargets {
         Ok(Some(Self { truth, sensors }))
     }
 
-    /// Those at a time, seconds from the world's begin.
+    /// Visible targets at a time, seconds from the world's begin.
     pub fn at(&self, time_s: f64) -> impl Iterator<Item = TargetState> + '_ {
         let in_view = |target: &TargetState| self.sensors.iter().any(|sensor| sensor.observes(target));
         self.truth.at(time_s).filter(in_view)

@@ -1,8 +1,6 @@
 //! Subscriber through which the judge sees the deployment.
 
-use std::collections::BTreeSet;
-
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use bus::{Bus, Root, SharedMemory, Subscriber};
 use messages::{BatchHeader, Counter, Health, NO_SOURCE, ProcessKind, SystemTrack, TrackState};

@@ -47,9 +47,9 @@ impl Engine {
         }
     }
 
-    /// Returns whether a measurement tells nothing of a target: its errors persist, and the target is known better and
-    /// later from others.
-    pub(super) fn tells_nothing(&self, sensor: SensorSlot, measurement: &Measurement) -> bool {
+    /// Returns whether a measurement adds nothing to a target: the errors of its source persist, and others know the
+    /// target better and later.
+    pub(super) fn adds_nothing(&self, sensor: SensorSlot, measurement: &Measurement) -> bool {
         let entry = self.tracks.sensors.get(sensor);
         !self.settings.sources[usize::from(entry.source)].is_registered
             && entry.time_ns <= self.tracks.systems.get(entry.system).filter.time_ns

@@ -71,7 +71,7 @@ fn fly_over(state: TrackState) {
                 harness.take(&seen);
             }
         }
-        // What a coarse locator follows comes towards the first target, and passes it as the radar begins anew.
+        // The track of a coarse locator comes towards the first target, and passes it as the radar begins anew.
         harness.take(&SensorTrack {
             covariance: Covariance::diagonal([300.0, 300.0, 100.0], [10.0, 10.0, 2.0]),
             ..report(2, 0, time_s + 0.2, [200.0, 5600.0], [0.0, -100.0])
