@@ -300,7 +300,7 @@ impl Search<'_> {
     /// State of a system track at `now_ns`.
     fn state(&self, system: SystemSlot, now_ns: i64) -> Gaussian {
         let filter = &self.tracks.systems.get(system).filter;
-        filter.at(now_ns, self.sources.motion_of(filter))
+        filter.at(now_ns, self.sources.motion(filter.velocity_mps()))
     }
 
     /// Calls `visit` with every system track within `reach_m` of the `state` of `own` that neither a common source, an
@@ -366,9 +366,10 @@ impl Search<'_> {
     pub(crate) fn resumption_distance(&self, own: SensorSlot, system: SystemSlot) -> Option<f64> {
         let report = &self.tracks.sensors.get(own).latest;
         let entry = self.tracks.systems.get(system);
-        let mut expected = entry
-            .filter
-            .at(report.time_of_measurement_ns, self.sources.motion_of(&entry.filter));
+        let mut expected = entry.filter.at(
+            report.time_of_measurement_ns,
+            self.sources.motion(entry.filter.velocity_mps()),
+        );
         for axis in 0..2 {
             expected.covariance.upper[Covariance::index(axis, axis)] +=
                 self.sources.spread_m2(&self.settings.association, Some(report.source));
@@ -388,7 +389,10 @@ impl Search<'_> {
             return None;
         }
         let filter = &self.tracks.systems.get(system).filter;
-        let other = filter.at(report.time_of_measurement_ns, self.sources.motion_of(filter));
+        let other = filter.at(
+            report.time_of_measurement_ns,
+            self.sources.motion(filter.velocity_mps()),
+        );
         let heights = filter.has_height && report.has(sensor_track_bits::HEIGHT);
         self.compare(
             state,
@@ -488,7 +492,10 @@ impl Search<'_> {
     fn fits_another(&self, own: SystemSlot, report: &SensorTrack, gate: f64) -> bool {
         let state = gaussian_of(report);
         let filter = &self.tracks.systems.get(own).filter;
-        let expected = filter.at(report.time_of_measurement_ns, self.sources.motion_of(filter));
+        let expected = filter.at(
+            report.time_of_measurement_ns,
+            self.sources.motion(filter.velocity_mps()),
+        );
         if statistical_distance(&state, &expected, ComparedComponents::HorizontalPosition) <= gate {
             return false;
         }

@@ -14,7 +14,7 @@ pub(crate) fn assumed_of(
     publisher: &TrackPublisher,
 ) -> Assumed {
     Assumed {
-        motion: *sources.motion_of(&tracks.systems.get(system).filter),
+        motion: *sources.motion(tracks.systems.get(system).filter.velocity_mps()),
         common_error_m2: publisher.common_error_m2(),
     }
 }

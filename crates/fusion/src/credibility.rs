@@ -19,19 +19,15 @@
 //! among themselves. Differences below some five standard deviations are left to registration.
 
 use association::distance::{Symmetric2, squared2};
-use messages::NS_PER_S;
+use messages::{NS_PER_S, SensorTrack};
 use serde::{Deserialize, Serialize};
 
 use crate::registration::ClockError;
-use crate::sensor_tracks::{Role, SensorEntry, SensorSlot};
-use crate::tracks::Tracks;
 
 /// d² in the plane up to which two reports of one target agree, and beyond which they contradict each other. Below 0.3
 /// % and 3 in ten million by chance.
-const AGREES: f64 = 12.0;
-const CONTRADICTS: f64 = 30.0;
-/// d² in the plane of a report from the track that fits it: beyond in 5 % by chance.
-const FITS: f64 = 6.0;
+pub(crate) const AGREES: f64 = 12.0;
+pub(crate) const CONTRADICTS: f64 = 30.0;
 /// Unpredictable acceleration between two reports, metres per second squared.
 const ACCELERATION_MPS2: f64 = 5.0;
 /// Number of comparisons of a source before its share counts, and least weight of a new comparison.
@@ -42,8 +38,6 @@ const SET_ASIDE_FROM: f64 = 0.5;
 const SET_ASIDE_UNTIL: f64 = 0.2;
 /// Difference of clock offsets, seconds, that identifies the wrong one of two sources.
 const CLOCK_WORSE_S: f64 = 0.5;
-/// Share of a source set aside in a filter, from which the filter restarts.
-const MISLEADS_FROM: f64 = 0.05;
 
 /// Record of one source.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
@@ -121,48 +115,50 @@ impl Credibility {
         self.set_aside != 0
     }
 
-    /// Judges the latest report of a sensor track against the others of its system track, and learns of all their
-    /// sources. `false` if the report is not to be used. `spread_m2` gives the variance per axis of where sources see a
-    /// target, which is at least `least_m2`; `clocks` are the errors of the sources' clocks.
+    /// Judges a report of a target, expected at `place_m`, against the `others`, the latest ones of other sources of
+    /// the target, and learns of all their sources. `false` if the report is not to be used. `spread_m2` gives the
+    /// variance per axis of where sources see a target, which is at least `least_m2`; `clocks` are the errors of the
+    /// sources' clocks; `yields` with the spread whether a report that a name alone keeps with the target gives way.
     #[inline]
-    pub(crate) fn admits(
+    pub(crate) fn admits<'a, O: Iterator<Item = &'a SensorTrack>>(
         &mut self,
-        tracks: &Tracks,
-        sensor: SensorSlot,
+        (report, place_m): (&'a SensorTrack, [f64; 2]),
         (least_m2, spread_m2): (f64, impl Fn() -> f64),
         clocks: &[ClockError],
+        others: impl Fn() -> O,
+        yields: impl Fn(f64) -> bool,
     ) -> bool {
-        let entry = tracks.sensors.get(sensor);
-        let source = usize::from(entry.source);
-        if self.passed_over != 0 && self.is_passed_over(entry.source) {
+        if self.passed_over != 0 && self.is_passed_over(report.source) {
             return true;
         }
         // A larger spread only brings the report nearer.
-        if self.set_aside == 0 && is_near_track(tracks, entry, least_m2) {
+        let is_near = |spread_m2: f64| distance_from(place_m, report, spread_m2) <= AGREES;
+        let source = usize::from(report.source);
+        if self.set_aside == 0 && is_near(least_m2) {
             self.sources[source].learn(false);
             return true;
         }
         let spread_m2 = spread_m2();
-        if self.set_aside == 0 && is_near_track(tracks, entry, spread_m2) {
+        if self.set_aside == 0 && is_near(spread_m2) {
             self.sources[source].learn(false);
             return true;
         }
-        self.weigh(tracks, sensor, spread_m2, clocks)
+        self.weigh(report, spread_m2, clocks, others, yields)
     }
 
     /// The same, for a report that is far from its track or where a source is set aside.
     #[cold]
-    fn weigh(&mut self, tracks: &Tracks, sensor: SensorSlot, spread_m2: f64, clocks: &[ClockError]) -> bool {
-        let entry = tracks.sensors.get(sensor);
+    fn weigh<'a, O: Iterator<Item = &'a SensorTrack>>(
+        &mut self,
+        report: &'a SensorTrack,
+        spread_m2: f64,
+        clocks: &[ClockError],
+        all_others: impl Fn() -> O,
+        yields: impl Fn(f64) -> bool,
+    ) -> bool {
         let passed_over = self.passed_over;
-        let others = || {
-            let system = tracks.contributing_here(entry.system, entry.time_ns);
-            system
-                .filter(|member| *member != sensor)
-                .map(|member| tracks.sensors.get(member))
-                .filter(move |other| other.source != entry.source && passed_over & (1 << other.source) == 0)
-        };
-        let distance = |other: &SensorEntry| apart(entry, other, spread_m2);
+        let others = || all_others().filter(move |other| passed_over & (1 << other.source) == 0);
+        let distance = |other: &SensorTrack| apart(report, other, spread_m2);
         let (mut agreeing, mut against, mut one_against) = (0u32, 0u32, None);
         for other in others() {
             let d2 = distance(other);
@@ -178,12 +174,12 @@ impl Credibility {
         let standing = match one_against {
             None => Standing::Holds,
             Some(first) => {
-                let agrees_with_first = |other: &&SensorEntry| apart(first, other, spread_m2) <= AGREES;
+                let agrees_with_first = |other: &&SensorTrack| apart(first, other, spread_m2) <= AGREES;
                 let united = others()
                     .filter(|other| distance(other) > CONTRADICTS)
                     .filter(agrees_with_first)
                     .count() as u32;
-                let is_outvoted = united >= 2 || (against == 1 && is_worse(entry.source, first.source));
+                let is_outvoted = united >= 2 || (against == 1 && is_worse(report.source, first.source));
                 if agreeing + 1 > against {
                     Standing::Holds
                 } else if agreeing == 0 && is_outvoted {
@@ -198,37 +194,21 @@ impl Credibility {
             // have misled; so is one whose clock is.
             let majority = agreeing >= 1;
             for other in others().filter(|other| distance(other) > CONTRADICTS) {
-                if majority || is_worse(other.source, entry.source) {
+                if majority || is_worse(other.source, report.source) {
                     self.learn(other.source, true);
                 }
             }
         }
         // Of two sources alone, none would ever be found wrong, and the silent one no longer refute false tracks.
         let others_can_decide = self.sources.len() > 2;
-        if standing == Standing::Open && others_can_decide && yields(tracks, sensor, spread_m2) {
+        if standing == Standing::Open && others_can_decide && yields(spread_m2) {
             return false;
         }
         if standing != Standing::Open {
-            self.learn(entry.source, standing == Standing::Contradicted);
+            self.learn(report.source, standing == Standing::Contradicted);
         }
         let is_alone = || others().all(|other| self.is_set_aside(other.source));
-        standing != Standing::Contradicted && (!self.is_set_aside(entry.source) || is_alone())
-    }
-
-    /// Whether a filter has been misled by a source that is set aside, or leads the target off: it is to begin anew.
-    /// One that the report fits has its share of the source from the time before the source was wrong.
-    #[inline]
-    pub(crate) fn is_misled(&self, tracks: &Tracks, sensor: SensorSlot) -> bool {
-        let entry = tracks.sensors.get(sensor);
-        (self.set_aside != 0 || tracks.systems.get(entry.system).has_led_off) && {
-            let is_off = |entry: &SensorEntry| self.is_set_aside(entry.source) || entry.is_led_off;
-            let misleads = |entry: &SensorEntry| is_off(entry) && entry.share > MISLEADS_FROM;
-            !is_off(entry)
-                && distance_from_track(tracks, entry, 0.0) > FITS
-                && tracks
-                    .members(entry.system)
-                    .any(|member| misleads(tracks.sensors.get(member)))
-        }
+        standing != Standing::Contradicted && (!self.is_set_aside(report.source) || is_alone())
     }
 
     fn learn(&mut self, source: u16, contradicted: bool) {
@@ -262,49 +242,19 @@ impl SourceRecord {
     }
 }
 
-/// Whether the report of a sensor track that a name alone keeps in its system track is not to be used: it contradicts
-/// another one with a larger share in the estimate, and no report agrees with it. Between two places that a bias keeps
-/// apart, the estimate would jump to and fro.
-fn yields(tracks: &Tracks, sensor: SensorSlot, spread_m2: f64) -> bool {
-    let entry = tracks.sensors.get(sensor);
-    let mut contradicts_stronger = false;
-    for member in tracks.members(entry.system).filter(|member| *member != sensor) {
-        let other = tracks.sensors.get(member);
-        let is_fresh = tracks.is_fresh(other, entry.time_ns);
-        if other.is_foreign || other.source == entry.source || !is_fresh {
-            continue;
-        }
-        let d2 = apart(entry, other, spread_m2);
-        if d2 <= AGREES {
-            return false;
-        }
-        let is_stronger = other.role == Role::Primary && other.share > entry.share;
-        contradicts_stronger |= d2 > CONTRADICTS && is_stronger && entry.names.meet(&other.names);
-    }
-    contradicts_stronger
-}
-
-/// Returns whether a report is so near its system track that no comparison is needed.
+/// d² in the plane of a report from the place where its target is expected, by the report's covariance alone.
 #[inline]
-fn is_near_track(tracks: &Tracks, entry: &SensorEntry, spread_m2: f64) -> bool {
-    distance_from_track(tracks, entry, spread_m2) <= AGREES
-}
-
-/// d² in the plane of a report from its system track, by the report's covariance alone.
-#[inline]
-fn distance_from_track(tracks: &Tracks, entry: &SensorEntry, spread_m2: f64) -> f64 {
-    let filter = &tracks.systems.get(entry.system).filter;
-    let [x, y, _] = filter.place_at(entry.time_ns);
-    let apart = [entry.latest.position_m[0] - x, entry.latest.position_m[1] - y];
-    let own = |row, column| entry.latest.covariance.get(row, column);
+pub(crate) fn distance_from(place_m: [f64; 2], report: &SensorTrack, spread_m2: f64) -> f64 {
+    let apart = [report.position_m[0] - place_m[0], report.position_m[1] - place_m[1]];
+    let own = |row, column| report.covariance.get(row, column);
     squared2(apart, [own(0, 0) + spread_m2, own(0, 1), own(1, 1) + spread_m2])
 }
 
-/// d² of two latest reports at the time of the first one.
-fn apart(entry: &SensorEntry, other: &SensorEntry, spread_m2: f64) -> f64 {
-    let seconds = (entry.time_ns - other.time_ns) as f64 / NS_PER_S;
+/// d² of two reports of one target at the time of the first one.
+pub(crate) fn apart(report: &SensorTrack, other: &SensorTrack, spread_m2: f64) -> f64 {
+    let seconds = (report.time_of_measurement_ns - other.time_of_measurement_ns) as f64 / NS_PER_S;
     let unforeseen_m = 0.5 * ACCELERATION_MPS2 * seconds * seconds;
-    let (own, of_other) = (&entry.latest.covariance, &other.latest.covariance);
+    let (own, of_other) = (&report.covariance, &other.covariance);
     let part = |row: usize, column: usize| {
         let carried = of_other.get(row, column)
             + seconds * (of_other.get(row, column + 3) + of_other.get(column, row + 3))
@@ -314,8 +264,8 @@ fn apart(entry: &SensorEntry, other: &SensorEntry, spread_m2: f64) -> f64 {
     let extra_m2 = 2.0 * spread_m2 + unforeseen_m * unforeseen_m;
     let covariance: Symmetric2 = [part(0, 0) + extra_m2, part(0, 1), part(1, 1) + extra_m2];
     let difference = std::array::from_fn(|axis| {
-        let carried = other.latest.position_m[axis] + seconds * other.latest.velocity_mps[axis];
-        entry.latest.position_m[axis] - carried
+        let carried = other.position_m[axis] + seconds * other.velocity_mps[axis];
+        report.position_m[axis] - carried
     });
     squared2(difference, covariance)
 }

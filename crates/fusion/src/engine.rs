@@ -11,8 +11,11 @@
 //!
 //! Each part owns its learned state; [`Tracks`] is shared by all.
 
+mod admitting;
+mod comparing;
 mod filtering;
 mod joining;
+mod led_off;
 mod recognising;
 mod verifying;
 
@@ -321,7 +324,8 @@ impl Engine {
             self.outbox.counts.add(report.source, counter);
         }
         let earlier = self.earlier(report, known)?;
-        let before = earlier.map(|(sensor, seconds)| (self.tracks.sensors.get(sensor), seconds));
+        let before = earlier.map(|(sensor, seconds)| (self.tracks.sensors.get(sensor).earlier(), seconds));
+        let before = before.as_ref().map(|(before, seconds)| (before, *seconds));
         let is_foreign = self.settings.sources[usize::from(report.source)].is_centre;
         // The state is the only content of a centre's report, and the newest state replaces the previous state.
         let (mut content, mut correction) = (Content::none(), Correction::NONE);
@@ -458,12 +462,12 @@ impl Engine {
         let entry = self.tracks.sensors.get(sensor);
         if entry.role != Role::Primary {
             self.outbox.counts.add(report.source, Counter::RejectedDuplicate);
-        } else if !entry.is_foreign && !self.sources.admits(&self.settings.association, &self.tracks, sensor) {
+        } else if !entry.is_foreign && !self.admits(sensor) {
             self.set_aside(sensor, measurement);
         } else if system == before {
             self.update(sensor, report, measurement, sink);
         } else {
-            let whole = whole_report(&entry.latest);
+            let whole = whole_report(&self.tracks.sensors.get(sensor).latest);
             self.update(sensor, report, Some(&whole), sink);
         }
     }
@@ -477,11 +481,28 @@ impl Engine {
         let source = entry.source;
         self.outbox.counts.add(source, Counter::RejectedContradicted);
         if let Some(measurement) = measurement {
-            self.sources
-                .learn_of_contradiction(&self.settings, &self.tracks, (sensor, measurement));
+            self.learn_of_contradiction(sensor, measurement);
         }
-        self.sources
-            .compare(&self.settings, &self.tracks, (sensor, measurement));
+        self.compare(sensor, measurement);
+    }
+
+    /// Lets the models learn from a measurement that is not used since others contradict it.
+    fn learn_of_contradiction(&mut self, sensor: SensorSlot, measurement: &Measurement) {
+        let entry = self.tracks.sensors.get(sensor);
+        let target = self.tracks.systems.get(entry.system);
+        if !self.settings.registration.enabled || target.life != TrackState::Confirmed {
+            return;
+        }
+        let [x, y, _] = target.filter.place_at(entry.time_ns);
+        let residual_m = [measurement.position_m[0] - x, measurement.position_m[1] - y];
+        let known = &target.filter.estimate.covariance;
+        let [xx, xy, _, yy, ..] = measurement.covariance_m2;
+        let covariance_m2 = [xx + known.get(0, 0), xy + known.get(0, 1), yy + known.get(1, 1)];
+        self.sources.learn_contradiction(
+            (entry.source, entry.latest.velocity_mps),
+            (residual_m, covariance_m2),
+            (entry.system, [x, y]),
+        );
     }
 
     /// Updates the system track of a primary sensor track whose `report` has just been stored; `measurement` is the
@@ -509,7 +530,7 @@ impl Engine {
             self.tracks.restart_filter(sensor);
             self.outbox.to(sink).input(|| self.tracks.input(sensor, None));
             self.tracks.sensors.get_mut(sensor).share = 1.0;
-        } else if self.sources.credibility.is_misled(&self.tracks, sensor) || self.is_ahead(sensor) {
+        } else if self.is_misled(sensor) || self.is_ahead(sensor) {
             self.restart(sensor, sink);
         } else if let Some(measurement) = measurement
             && (self.tracks.is_established(sensor) || !self.points.sees_points())
@@ -518,8 +539,7 @@ impl Engine {
             self.update_filter(sensor, measurement, sink);
         }
         self.keep_alive(sensor, system, report);
-        self.sources
-            .compare(&self.settings, &self.tracks, (sensor, measurement));
+        self.compare(sensor, measurement);
         let out = &mut self.outbox.to(sink);
         let cause = (system, report);
         self.life

@@ -4,7 +4,8 @@ use estimation::Gaussian;
 use messages::{AXES, COVARIANCE_LEN, Covariance, STATE_LEN, SensorTrack, sensor_track_bits};
 use serde::{Deserialize, Serialize};
 
-use crate::filter::{FilterInnovation, TargetFilter};
+use crate::filter::TargetFilter;
+use crate::innovation::FilterInnovation;
 use crate::measurement::{Assumed, Correction, FilterInput, Measurement, gaussian_of};
 use crate::motion::Motion;
 

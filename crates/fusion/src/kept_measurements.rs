@@ -20,7 +20,8 @@
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::filter::{FilterInnovation, TargetFilter};
+use crate::filter::TargetFilter;
+use crate::innovation::FilterInnovation;
 use crate::kept_measurement::{KeptMeasurement, UsedMeasurement};
 use crate::measurement::Measurement;
 use crate::motion::Motion;

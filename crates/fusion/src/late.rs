@@ -17,7 +17,7 @@ use messages::{Counter, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 use crate::assumed::assumed_of;
 use crate::engine::Engine;
 use crate::explanation::Sink;
-use crate::filter::FilterInnovation;
+use crate::innovation::FilterInnovation;
 use crate::kept_measurement::KeptMeasurement;
 use crate::kept_measurements::{Lateness, Place};
 use crate::measurement::{FilterInput, Measurement, gaussian_of};
@@ -58,7 +58,7 @@ impl Engine {
         };
         self.outbox.counts.add(kept.track.0, counter);
         self.tracks.kept.begin(system, filter);
-        let innovation = kept.use_in(filter, |filter| self.sources.motion_of(filter));
+        let innovation = kept.use_in(filter, |filter| self.sources.motion(filter.velocity_mps()));
         self.tracks.kept.append_kept(system, filter, &kept);
         innovation
     }
@@ -76,7 +76,9 @@ impl Engine {
         if late.lateness(system, filter.time_ns, kept.time_ns) != Lateness::Kept {
             return None;
         }
-        let innovation = late.insert(system, filter, (kept, successor), |filter| sources.motion_of(filter))?;
+        let innovation = late.insert(system, filter, (kept, successor), |filter| {
+            sources.motion(filter.velocity_mps())
+        })?;
         self.outbox.counts.add(kept.track.0, Counter::LateUsed);
         // The time since the measurement before was learned from the one after.
         Some(FilterInnovation {

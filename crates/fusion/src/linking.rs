@@ -257,10 +257,7 @@ impl Linking<'_> {
         if entry.role == Role::Duplicate || entry.is_foreign {
             return self.part_has_split(sensor);
         }
-        let Some(d2) = self
-            .sources
-            .offset_from_others(&self.settings.association, self.tracks, sensor)
-        else {
+        let Some(d2) = self.search().offset_from_others(sensor) else {
             return false;
         };
         let split = self.misfits(sensor, d2 > gate && !self.search().is_held(sensor));
@@ -276,7 +273,10 @@ impl Linking<'_> {
     fn part_has_split(&mut self, sensor: SensorSlot) -> bool {
         let entry = self.tracks.sensors.get(sensor);
         let filter = &self.tracks.systems.get(entry.system).filter;
-        let estimate = filter.at(entry.latest.time_of_measurement_ns, self.sources.motion_of(filter));
+        let estimate = filter.at(
+            entry.latest.time_of_measurement_ns,
+            self.sources.motion(filter.velocity_mps()),
+        );
         let apart = |axis: usize| entry.latest.position_m[axis] - estimate.mean[axis];
         let now_ns = entry.latest.time_of_measurement_ns;
         let is_part = self

@@ -19,7 +19,7 @@ use estimation::NearlyConstantVelocity;
 use kept::kept;
 use serde::{Deserialize, Serialize};
 
-use crate::filter::{FilterInnovation, Fit, Manoeuvre};
+use crate::innovation::{FilterInnovation, Fit, Manoeuvre};
 use crate::motion::{LEVELS, Motion};
 use crate::seeker::Seeker;
 use crate::source_model::CHI2_MEDIAN_2;

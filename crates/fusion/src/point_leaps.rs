@@ -13,11 +13,11 @@
 use messages::{NS_PER_S, TrackState};
 
 use crate::body_frame::{from_body, to_body};
+use crate::mean_errors::MEAN_REPORTS_MIN;
 use crate::measurement::Measurement;
 use crate::reference_point::{ReferencePoints, Referred};
 use crate::sensor_tracks::{DetectionPoint, LeapWatch, SensorEntry, SensorSlot};
 use crate::settings::Settings;
-use crate::sources::MEAN_REPORTS_MIN;
 use crate::system_tracks::SystemSlot;
 use crate::tracks::Tracks;
 

@@ -227,7 +227,7 @@ impl TrackPublisher {
     /// Sets the state to the estimate of the target's filter, with the additional variance.
     fn take_over_filter(&self, tracks: &mut Tracks, sources: &Sources, system: SystemSlot, reference_ns: i64) {
         let entry = tracks.systems.get_mut(system);
-        let motion = sources.motion_of(&entry.filter);
+        let motion = sources.motion(entry.filter.velocity_mps());
         entry.filter.write_state_at(reference_ns, motion, &mut entry.state);
         for axis in 0..2 {
             let velocity = axis + AXES;
@@ -295,7 +295,7 @@ impl TrackPublisher {
             let latest = TargetFilter::of_report(&centre.latest);
             let candidate = Candidate {
                 source: centre.source,
-                state: latest.state_at(reference_ns, sources.motion_of(&latest)),
+                state: latest.state_at(reference_ns, sources.motion(latest.velocity_mps())),
                 ..Candidate::default()
             };
             let knows = centre.latest.has(sensor_track_bits::CONTRIBUTORS);

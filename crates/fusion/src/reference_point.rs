@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::body_frame::{from_body, to_body};
 use crate::explanation::Sink;
-use crate::filter::FilterInnovation;
+use crate::innovation::FilterInnovation;
 use crate::kept_measurement::UsedMeasurement;
 use crate::measurement::Measurement;
 use crate::outlet::Outlet;

@@ -112,7 +112,9 @@ impl Search<'_> {
     }
 
     fn newcomer<'b>(&self, entry: &'b SystemEntry, now_ns: i64) -> Newcomer<'b> {
-        let state = entry.filter.at(now_ns, self.sources.motion_of(&entry.filter));
+        let state = entry
+            .filter
+            .at(now_ns, self.sources.motion(entry.filter.velocity_mps()));
         Newcomer {
             time_ns: now_ns,
             height_m: entry.filter.has_height.then_some(state.mean[2]),
@@ -142,7 +144,9 @@ impl Search<'_> {
         if uses_identity && identity::contradict(newcomer.identity, &entry.identity, exponents) {
             return None;
         }
-        let state = entry.filter.at(newcomer.time_ns, self.sources.motion_of(&entry.filter));
+        let state = entry
+            .filter
+            .at(newcomer.time_ns, self.sources.motion(entry.filter.velocity_mps()));
         if let Some(height_m) = newcomer.height_m
             && entry.filter.has_height
             && (height_m - entry.filter.estimate.mean[2]).abs()

@@ -2,7 +2,6 @@
 
 use std::collections::HashMap;
 
-use estimation::Gaussian;
 use messages::{AXES, Covariance, Identity, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 use serde::{Deserialize, Serialize};
 
@@ -11,14 +10,14 @@ use crate::error_shape::Stretch;
 use crate::history::Histories;
 use crate::identity::{KnownNames, NameIndex};
 use crate::measurement::{
-    CLAIM_MAX, Content, Correction, CovarianceBasis, FilterInput, Measurement, gaussian_of, states_velocity,
-    whole_report,
+    CLAIM_MAX, Content, Correction, CovarianceBasis, FilterInput, Measurement, states_velocity, whole_report,
 };
 use crate::number_hasher::{NumberHasher, table};
 use crate::places::{self, TablePlace};
 use crate::quality::Qualities;
 use crate::quota::Quota;
 use crate::recognition::is_reachable;
+use crate::sources::{EarlierReport, StatedState};
 use crate::tracker_gain::GainEvidence;
 use crate::verification::Verification;
 
@@ -241,19 +240,28 @@ impl Default for SensorEntry {
 }
 
 impl SensorEntry {
-    /// The latest report as the source gave it, nothing taken off.
-    pub(crate) fn as_reported(&self) -> Gaussian {
-        self.correction.undone(gaussian_of(&self.latest))
+    /// The latest report, and what was taken off.
+    #[inline]
+    pub(crate) fn stated(&self) -> StatedState<'_> {
+        StatedState {
+            report: &self.latest,
+            correction: &self.correction,
+        }
+    }
+
+    /// The latest report before another one comes.
+    #[inline]
+    pub(crate) fn earlier(&self) -> EarlierReport<'_> {
+        EarlierReport {
+            stated: self.stated(),
+            evidence: &self.evidence,
+            reports: self.reports,
+        }
     }
 
     /// Correction that was made to the latest report.
     pub(crate) fn correction(&self) -> &Correction {
         &self.correction
-    }
-
-    /// Position of the latest report as the source gave it, metres.
-    pub(crate) fn reported_position_m(&self) -> [f64; AXES] {
-        std::array::from_fn(|axis| self.latest.position_m[axis] + self.correction.shift_m[axis])
     }
 
     /// Adds the next report, with the accepted `identity` and its `content`, without the source's known biases.
@@ -271,7 +279,7 @@ impl SensorEntry {
         } = *correction;
         self.claimed_too_much = content.unfiltered.map_or(1.0, |_| self.claimed_before(content));
         let seconds = (report.time_of_measurement_ns - self.time_ns) as f64 / NS_PER_S;
-        let (before_m, before_mps) = (self.reported_position_m(), self.latest.velocity_mps);
+        let (before_m, before_mps) = (self.stated().stated_m(), self.latest.velocity_mps);
         let moved_m = std::array::from_fn(|axis| report.position_m[axis] - before_m[axis] - before_mps[axis] * seconds);
         self.moved_m = moved_m.map(|way_m| way_m as f32);
         self.is_displaced |= self.displaces(report, moved_m, seconds);

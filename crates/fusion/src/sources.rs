@@ -3,17 +3,15 @@
 
 mod changes;
 mod comparison;
-mod led_off;
+mod facts;
 
 use estimation::NearlyConstantVelocity;
-use messages::{NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
+use messages::{NS_PER_S, SensorTrack, sensor_track_bits};
 use serde::{Deserialize, Serialize};
 
 use crate::alignment::Alignment;
-use crate::body_frame::from_body;
 use crate::credibility::Credibility;
 use crate::error_shape::Stretch;
-use crate::filter::{FilterInnovation, TargetFilter};
 use crate::manoeuvres::Manoeuvres;
 use crate::measurement::{
     CLAIM_MAX, Content, Correction, CovarianceBasis, Measurement, UnfilteredContent, as_reported, gaussian_of,
@@ -22,21 +20,15 @@ use crate::measurement::{
 use crate::motion::Motion;
 use crate::registration::{ClockError, Registration, TARGETS_MIN};
 use crate::schedule::TICK_NS;
-use crate::sensor_tracks::{SensorEntry, SensorSlot};
 use crate::settings::{AccuracyBase, AssociationSettings, SOURCES_MAX, Settings, SourceSettings};
-use crate::source_model::{MEAN_GAIN, MEAN_VARIANCE, SourceModel};
+use crate::source_model::{MEAN_VARIANCE, SourceModel};
 use crate::step_memory::StepMemory;
 use crate::tracker_gain::{self, Change, GainEvidence};
-use crate::tracks::Tracks;
+
+pub(crate) use facts::{ComparedStates, EarlierReport, Innovation, MeanApart, StatedState};
 
 /// Offset of a clock, seconds, that is no error beside the others.
 const CLOCK_SOUND_S: f64 = 0.5;
-/// Innovations of one sensor track before their mean is used.
-pub(crate) const MEAN_REPORTS_MIN: u32 = 4;
-/// Every how many innovations of a sensor track its mean teaches where detection points lie: in between it hardly
-/// changes.
-const SPREAD_EVERY: u32 = 4;
-
 /// Probability of steady motion from which on the shape of errors is learned.
 const SHAPE_STEADY_MIN: f64 = 0.5;
 
@@ -139,9 +131,15 @@ impl Sources {
         self.corrects_clocks
     }
 
-    /// Whether the latest report of a sensor track may be used: see [`Credibility::admits`].
+    /// Whether a `report` may be used: see [`Credibility::admits`].
     #[inline]
-    pub(crate) fn admits(&mut self, settings: &AssociationSettings, tracks: &Tracks, sensor: SensorSlot) -> bool {
+    pub(crate) fn admits<'a, O: Iterator<Item = &'a SensorTrack>>(
+        &mut self,
+        settings: &AssociationSettings,
+        (report, place_m): (&'a SensorTrack, [f64; 2]),
+        others: impl Fn() -> O,
+        yields: impl Fn(f64) -> bool,
+    ) -> bool {
         let least_m2 = settings.extent_sigma_m * settings.extent_sigma_m;
         let Self {
             credibility,
@@ -150,13 +148,13 @@ impl Sources {
             ..
         } = self;
         let spread_m2 = || learned_spread_m2(models, least_m2);
-        credibility.admits(tracks, sensor, (least_m2, spread_m2), clocks)
+        credibility.admits((report, place_m), (least_m2, spread_m2), clocks, others, yields)
     }
 
-    /// Process noise of turns of the target that `filter` follows.
+    /// How targets with this velocity, m/s, move.
     #[inline]
-    pub(crate) fn motion_of(&self, filter: &TargetFilter) -> &Motion {
-        self.manoeuvres.motion(filter.estimate.velocity_mps())
+    pub(crate) fn motion(&self, velocity_mps: [f64; 3]) -> &Motion {
+        self.manoeuvres.motion(velocity_mps)
     }
 
     /// Returns a valid report, which came at `now_ns`, without the gross error of its source, and without the error of
@@ -277,7 +275,7 @@ impl Sources {
     pub(crate) fn read_content(
         &mut self,
         report: &SensorTrack,
-        (earlier, goes_on): (Option<(&SensorEntry, f64)>, bool),
+        (earlier, goes_on): (Option<(&EarlierReport<'_>, f64)>, bool),
         repaired: bool,
         content: &mut Content,
     ) {
@@ -287,7 +285,7 @@ impl Sources {
             let (looks, knows) = (!repaired && model.looks_at_noise(), model.process_noise().is_some());
             if looks || knows {
                 let has_height = report.has(sensor_track_bits::HEIGHT);
-                let (before, after) = (earlier.as_reported(), gaussian_of(report));
+                let (before, after) = (earlier.stated.as_stated(), gaussian_of(report));
                 if looks {
                     model.learn_noise(&before.covariance, &after.covariance, seconds, has_height);
                 }
@@ -313,17 +311,17 @@ impl Sources {
     fn read_unfiltered(
         &mut self,
         report: &SensorTrack,
-        (earlier, goes_on): (Option<(&SensorEntry, f64)>, bool),
+        (earlier, goes_on): (Option<(&EarlierReport<'_>, f64)>, bool),
         content: &mut Content,
     ) {
-        let mut evidence = earlier.map_or(GainEvidence::NONE, |(entry, _)| entry.evidence);
+        let mut evidence = earlier.map_or(GainEvidence::NONE, |(before, _)| *before.evidence);
         if goes_on {
             evidence.grow_to(OLD_REPORTS);
         }
-        if let Some((entry, _)) = earlier
+        if let Some((before, _)) = earlier
             && self.models[usize::from(report.source)].gain().is_hopeless()
         {
-            evidence.grow_to(entry.reports);
+            evidence.grow_to(before.reports);
         }
         let measurement = &mut content.measurement;
         let unfiltered = content.unfiltered.insert(UnfilteredContent::stated(evidence));
@@ -380,21 +378,21 @@ impl Sources {
     fn undo_tracker(
         &mut self,
         report: &SensorTrack,
-        (earlier, seconds): (&SensorEntry, f64),
+        (earlier, seconds): (&EarlierReport<'_>, f64),
         (measurement, unfiltered): (&mut Option<Measurement>, &mut UnfilteredContent),
     ) {
-        if report.has_assumed_velocity() || earlier.latest.has_assumed_velocity() {
+        if report.has_assumed_velocity() || earlier.stated.report.has_assumed_velocity() {
             return;
         }
-        let before_m = earlier.reported_position_m();
-        let before_mps = earlier.latest.velocity_mps;
+        let before_m = earlier.stated.stated_m();
+        let before_mps = earlier.stated.report.velocity_mps;
         let change = Change {
             position_m: std::array::from_fn(|axis| {
                 report.position_m[axis] - before_m[axis] - before_mps[axis] * seconds
             }),
             velocity_mps: std::array::from_fn(|axis| report.velocity_mps[axis] - before_mps[axis]),
             seconds,
-            has_height: report.has(sensor_track_bits::HEIGHT) && earlier.latest.has(sensor_track_bits::HEIGHT),
+            has_height: report.has(sensor_track_bits::HEIGHT) && earlier.stated.report.has(sensor_track_bits::HEIGHT),
         };
         let model = &mut self.models[usize::from(report.source)];
         let Some(undone) = model.undo(&mut unfiltered.evidence, &change, &report.covariance) else {
@@ -411,126 +409,54 @@ impl Sources {
         });
     }
 
-    /// Learns from the innovation of a measurement how true its source's covariances are, unless a step has misled
-    /// filters (`is_misled`), and where its detection points lie.
-    pub(crate) fn learn_of_innovation(
-        &mut self,
-        settings: &Settings,
-        tracks: &mut Tracks,
-        sensor: SensorSlot,
-        (innovation, measurement): (&FilterInnovation, &Measurement),
-        is_misled: bool,
-    ) {
-        let entry = tracks.sensors.get_mut(sensor);
-        let (source, system) = (usize::from(entry.source), entry.system);
-        let (target_m, target_mps) = (entry.latest.position_m, entry.latest.velocity_mps);
-        let [xx, _, yy] = innovation.covariance_m2;
-        let before = entry.residual_mean_m;
-        let known = entry.residuals >= MEAN_REPORTS_MIN;
-        entry.residuals = entry.residuals.saturating_add(1);
-        let gain = (1.0 / f64::from(entry.residuals)).max(MEAN_GAIN);
-        for (mean, residual) in entry.residual_mean_m.iter_mut().zip(innovation.residual_m) {
-            *mean += gain * (residual - *mean);
+    /// Learns from an innovation how true its source's covariances are, where its detection points lie, whether its
+    /// errors change, and how targets move.
+    pub(crate) fn learn_innovation(&mut self, settings: &Settings, shown: &Innovation<'_>) {
+        let Innovation { source, innovation, .. } = *shown;
+        let index = usize::from(source);
+        if let Some(velocity_mps) = shown.moves_mps {
+            self.manoeuvres.learn(velocity_mps, innovation);
         }
-        entry.residual_variance_m2 += gain * (0.5 * (xx + yy) - entry.residual_variance_m2);
-        if !known || entry.repaired {
+        let Some(about_mean_m) = shown.about_mean_m else {
             return;
-        }
-        self.look_for_led_off(settings, tracks, sensor);
-        let entry = tracks.sensors.get(sensor);
-        let (is_led_off, has_leapt) = (entry.is_led_off, entry.point.has_leapt);
-        let about_mean = std::array::from_fn(|axis| innovation.residual_m[axis] - before[axis]);
-        let squared = association::distance::squared2(about_mean, innovation.covariance_m2);
-        let registered = |source: u16| settings.sources[usize::from(source)].is_registered;
-        let is_registered = registered(entry.source);
-        let is_confirmed = tracks.systems.get(system).life == TrackState::Confirmed;
-        if settings.registration.enabled && is_registered && is_confirmed && !has_leapt {
+        };
+        let (target_m, target_mps) = (shown.report.position_m, shown.report.velocity_mps);
+        if settings.registration.enabled && shown.shows_errors {
             self.registration.add_innovation(
-                source,
+                index,
                 (innovation.residual_m, innovation.covariance_m2),
-                (system, [target_m[0], target_m[1]], target_mps),
+                (shown.target, [target_m[0], target_m[1]], target_mps),
             );
         }
-        if settings.consistency && squared.is_finite() && !is_misled && !is_led_off {
-            self.models[source].learn_consistency(squared / (1.0 + MEAN_VARIANCE));
+        let squared = association::distance::squared2(about_mean_m, innovation.covariance_m2);
+        if settings.consistency && squared.is_finite() && shown.shows_accuracy {
+            self.models[index].learn_consistency(squared / (1.0 + MEAN_VARIANCE));
             // A turn that the filter does not follow yet has a shape of its own.
-            let steady = tracks.systems.get(system).filter.steadiness();
-            if steady > SHAPE_STEADY_MIN
-                && let Some(place_m) = place_of(&settings.sources[source])
+            if shown.steadiness > SHAPE_STEADY_MIN
+                && let Some(place_m) = place_of(&settings.sources[index])
             {
-                let shape = &mut self.models[source].shape;
-                shape.learn(about_mean, innovation.covariance_m2, (target_m, place_m));
+                let shape = &mut self.models[index].shape;
+                shape.learn(about_mean_m, innovation.covariance_m2, (target_m, place_m));
             }
         }
-        let looks = !self.models[source].knows_spread_well() || entry.residuals.is_multiple_of(SPREAD_EVERY);
-        if looks
-            && !(is_led_off || has_leapt)
-            && is_registered
-            && is_confirmed
-            && let Some((offset, noise_m2)) = self.offset(tracks, sensor, registered)
-        {
-            let size_m = settings.target_size.of(&tracks.sensors.get(sensor).latest.target_type);
-            self.models[source].learn_spread(offset, 2.0 * noise_m2, measurement.variance_m2(), size_m);
+        if let Some(apart) = &shown.apart {
+            self.models[index].learn_spread(apart.offset_m, 2.0 * apart.noise_m2, apart.measured_m2, apart.size_m);
         }
     }
 
-    /// The mean innovation of a sensor track, east and north, metres, without what its source is suspected to err on
-    /// all targets, and about its detection point if that has leapt.
-    fn mean_about_point(&self, tracks: &Tracks, entry: &SensorEntry) -> [f64; 2] {
-        let shift_m = self
-            .registration
-            .suspected_shift(entry.source, entry.latest.velocity_mps);
-        let point_m = match entry.point.has_leapt {
-            true => from_body(entry.point.offset_m, tracks.systems.get(entry.system).course),
-            false => [0.0; 2],
-        };
-        std::array::from_fn(|axis| entry.residual_mean_m[axis] - shift_m[axis] - point_m[axis])
-    }
-
-    /// The difference of a sensor track's mean innovation from that of the others of its system track, east and north,
-    /// metres, and the variance per axis that noise explains; `None` while too little is known. A turn moves all of
-    /// them to the same side, a wrong association does not. Only sources that are `compared` count among the others.
-    fn offset(&self, tracks: &Tracks, sensor: SensorSlot, compared: impl Fn(u16) -> bool) -> Option<([f64; 2], f64)> {
-        let entry = tracks.sensors.get(sensor);
-        let (system, now_ns) = (entry.system, entry.time_ns);
-        let (mut sum, mut count, mut variance) = ([0.0; 2], 0.0, 0.0);
-        for (member, other) in tracks.contributing_entries(system, now_ns) {
-            if member != sensor && compared(other.source) && other.residuals >= MEAN_REPORTS_MIN {
-                let mean_m = self.mean_about_point(tracks, other);
-                for axis in 0..2 {
-                    sum[axis] += mean_m[axis];
-                }
-                variance += other.residual_variance_m2;
-                count += 1.0;
-            }
+    /// Learns from a measurement that is not used since others contradict it: a step of its source's errors. It lies
+    /// `residual_m` from `place_m`, where its target is.
+    pub(crate) fn learn_contradiction(
+        &mut self,
+        (source, velocity_mps): (u16, [f64; 3]),
+        residual: ([f64; 2], [f64; 3]),
+        (target, place_m): (u32, [f64; 2]),
+    ) {
+        // A source that others contradict all the time does not change.
+        if !self.credibility.is_set_aside(source) {
+            self.registration
+                .add_innovation(usize::from(source), residual, (target, place_m, velocity_mps));
         }
-        if count == 0.0 || entry.residuals < MEAN_REPORTS_MIN {
-            return None;
-        }
-        let mean_m = self.mean_about_point(tracks, entry);
-        let offset = std::array::from_fn(|axis| mean_m[axis] - sum[axis] / count);
-        let variance_m2 = MEAN_VARIANCE * (entry.residual_variance_m2 + variance / (count * count));
-        Some((offset, variance_m2))
-    }
-
-    /// d² of a sensor track's offset from the others, in view of noise and of how far detection points lie apart;
-    /// `None` while too little is known.
-    pub(crate) fn offset_from_others(
-        &self,
-        settings: &AssociationSettings,
-        tracks: &Tracks,
-        sensor: SensorSlot,
-    ) -> Option<f64> {
-        // Of two that differ, one is at least half as far from the filter as they are from each other.
-        let entry = tracks.sensors.get(sensor);
-        let [east, north] = entry.residual_mean_m;
-        let gate = settings.keep_gate;
-        if 4.0 * (east * east + north * north) < gate * MEAN_VARIANCE * entry.residual_variance_m2 {
-            return Some(0.0);
-        }
-        let (offset, noise_m2) = self.offset(tracks, sensor, |_| true)?;
-        let spread_m2 = self.spread_m2(settings, None);
-        Some((offset[0] * offset[0] + offset[1] * offset[1]) / (noise_m2 + 2.0 * spread_m2))
     }
 
     /// Continues the estimate of the systematic errors, or begins a new one if it is `due`. `largest_m` is the size of

@@ -1,6 +1,6 @@
 //! Settings and inputs for tests.
 
-use crate::filter::{FilterInnovation, Fit};
+use crate::innovation::{FilterInnovation, Fit};
 use crate::settings::{Accuracy, AssociationSettings, Capacity, RuleName, Settings, SourceSettings};
 
 /// Settings for `sources` like sources, in small tables.

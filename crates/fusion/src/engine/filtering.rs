@@ -6,7 +6,7 @@ use messages::{AXES, Counter, TrackState};
 use super::Engine;
 use crate::assumed::assumed_of;
 use crate::explanation::Sink;
-use crate::filter::FilterInnovation;
+use crate::innovation::FilterInnovation;
 use crate::measurement::{CovarianceBasis, FilterInput, Measurement, shows_filter, states_velocity};
 use crate::point_leaps::PointMotion;
 use crate::sensor_tracks::SensorSlot;
@@ -103,7 +103,12 @@ impl Engine {
             if keeps {
                 tracks.kept.begin(system, filter);
             }
-            let innovation = filter.take(&relative, time_ns, sources.motion_of(filter), referred.is_usable);
+            let innovation = filter.take(
+                &relative,
+                time_ns,
+                sources.motion(filter.velocity_mps()),
+                referred.is_usable,
+            );
             if keeps {
                 let entry = tracks.sensors.get(sensor);
                 let used = referred.used(entry, &relative);
@@ -154,22 +159,13 @@ impl Engine {
             *residual += point;
         }
         let is_misled = self.sources.registration.has_misled_filters();
-        if is_confirmed && !is_misled {
-            let velocity_mps = [velocity[0], velocity[1], 0.0];
-            self.sources.manoeuvres.learn(velocity_mps, &innovation);
-        }
+        let moves_mps = (is_confirmed && !is_misled).then_some([velocity[0], velocity[1], 0.0]);
         // The shares of all sources in the estimate decay with this contribution.
         self.tracks
             .for_members(system, |member| member.share *= 1.0 - innovation.gain);
         self.tracks.sensors.get_mut(sensor).share += innovation.gain;
         self.points.learn(&mut self.tracks, sensor, &innovation);
-        self.sources.learn_of_innovation(
-            &self.settings,
-            &mut self.tracks,
-            sensor,
-            (&innovation, measurement),
-            is_misled,
-        );
+        self.learn_of_innovation(sensor, (&innovation, measurement), moves_mps, is_misled);
         if is_contradicted {
             self.begin_anew(sensor, sink);
         }

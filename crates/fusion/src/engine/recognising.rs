@@ -67,7 +67,9 @@ impl Search<'_> {
             if heights && apart_m > self.settings.association.height_gate_m {
                 return;
             }
-            let expected = other.filter.at(now_ns, self.sources.motion_of(&other.filter));
+            let expected = other
+                .filter
+                .at(now_ns, self.sources.motion(other.filter.velocity_mps()));
             let d2 = statistical_distance(&state, &expected, ComparedComponents::HorizontalPosition);
             if d2 > self.settings.association.keep_gate {
                 return;

@@ -12,7 +12,7 @@ use test_support::Random;
 
 use super::*;
 use crate::checkpoint::{CheckpointClock, Memory, MemoryRefusal, Snapshot};
-use crate::filter::Fit;
+use crate::innovation::Fit;
 use crate::testing::innovation;
 
 /// Memory that outlives the engine.

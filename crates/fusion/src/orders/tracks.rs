@@ -299,7 +299,7 @@ impl Engine {
         let now_ns = self.schedule.now_ns();
         let state = |member: SensorSlot| -> Gaussian {
             let filter = TargetFilter::of_report(&self.tracks.sensors.get(member).latest);
-            filter.at(now_ns, self.sources.motion_of(&filter))
+            filter.at(now_ns, self.sources.motion(filter.velocity_mps()))
         };
         let fresh = || {
             self.tracks
@@ -322,7 +322,7 @@ impl Engine {
         let now_ns = self.schedule.now_ns();
         let [own, theirs] = [one, other].map(|system| {
             let filter = &self.tracks.systems.get(system).filter;
-            filter.at(now_ns, self.sources.motion_of(filter))
+            filter.at(now_ns, self.sources.motion(filter.velocity_mps()))
         });
         statistical_distance(&own, &theirs, ComparedComponents::HorizontalPosition)
     }

@@ -1,42 +1,13 @@
 //! Sources whose systematic errors change, and measurements of reports that others have overtaken.
 
 use estimation::Gaussian;
-use messages::{AXES, TrackState};
+use messages::AXES;
 
 use crate::measurement::{Measurement, as_stated, recovered_measurement};
-use crate::sensor_tracks::SensorSlot;
-use crate::settings::Settings;
 use crate::sources::Sources;
 use crate::tracker_gain::{Change, GainEvidence};
-use crate::tracks::Tracks;
 
 impl Sources {
-    /// Learns from a measurement that is not used since others contradict it: a step of its source's errors.
-    pub(crate) fn learn_of_contradiction(
-        &mut self,
-        settings: &Settings,
-        tracks: &Tracks,
-        (sensor, measurement): (SensorSlot, &Measurement),
-    ) {
-        let entry = tracks.sensors.get(sensor);
-        let system = tracks.systems.get(entry.system);
-        // A source that others contradict all the time does not change.
-        let is_open = !self.credibility.is_set_aside(entry.source);
-        if !settings.registration.enabled || !is_open || system.life != TrackState::Confirmed {
-            return;
-        }
-        let place_m = system.filter.place_at(entry.time_ns);
-        let residual_m = std::array::from_fn(|axis| measurement.position_m[axis] - place_m[axis]);
-        let known = &system.filter.estimate.covariance;
-        let [xx, xy, _, yy, ..] = measurement.covariance_m2;
-        let covariance_m2 = [xx + known.get(0, 0), xy + known.get(0, 1), yy + known.get(1, 1)];
-        self.registration.add_innovation(
-            usize::from(entry.source),
-            (residual_m, covariance_m2),
-            (entry.system, [place_m[0], place_m[1]], entry.latest.velocity_mps),
-        );
-    }
-
     /// Starts the estimates of the sources anew that the others contradict since the last call: their errors have
     /// changed by more than the filters accept.
     pub(super) fn begin_anew_where_set_aside(&mut self, restarted: &mut impl FnMut(u16)) {

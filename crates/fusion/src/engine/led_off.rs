@@ -5,12 +5,13 @@
 //! theirs, its reports of this target are not used until it agrees again. A filter that it has led along begins anew
 //! with the next report of another source.
 
+use super::Engine;
+use crate::association_step::Search;
+use crate::mean_errors::MEAN_REPORTS_MIN;
 use crate::mean_innovation::{MeanInnovation, odd_one};
 use crate::sensor_tracks::SensorSlot;
-use crate::settings::{SOURCES_MAX, Settings};
+use crate::settings::SOURCES_MAX;
 use crate::source_model::MEAN_VARIANCE;
-use crate::sources::{MEAN_REPORTS_MIN, Sources};
-use crate::tracks::Tracks;
 
 /// Squared statistical length of a mean innovation that is worth a comparison.
 const SUSPICIOUS: f64 = 9.2;
@@ -18,40 +19,46 @@ const SUSPICIOUS: f64 = 9.2;
 const LEADS_OFF: f64 = 25.0;
 const AGREES: f64 = 9.2;
 
-impl Sources {
+impl Engine {
     /// Looks whether a source leads the target of a sensor track off, if the track's mean innovation is suspicious.
     #[inline]
-    pub(super) fn look_for_led_off(&self, settings: &Settings, tracks: &mut Tracks, sensor: SensorSlot) {
-        let entry = tracks.sensors.get(sensor);
+    pub(crate) fn look_for_led_off(&mut self, sensor: SensorSlot) {
+        let entry = self.tracks.sensors.get(sensor);
         let [east, north] = entry.residual_mean_m;
         let is_suspicious = east * east + north * north > SUSPICIOUS * MEAN_VARIANCE * entry.residual_variance_m2;
         if is_suspicious || entry.is_led_off {
-            self.compare_means(settings, tracks, sensor);
+            self.compare_means(sensor);
         }
     }
 
     #[cold]
-    fn compare_means(&self, settings: &Settings, tracks: &mut Tracks, sensor: SensorSlot) {
+    fn compare_means(&mut self, sensor: SensorSlot) {
+        let (sources, tracks) = (&self.sources, &mut self.tracks);
         let entry = tracks.sensors.get(sensor);
         let (system, now_ns) = (entry.system, entry.time_ns);
-        if entry.is_led_off && !self.registration.is_settled(entry.source) {
+        if entry.is_led_off && !sources.registration.is_settled(entry.source) {
             // What the source errs on all targets is unknown again, and with it what it errs on this one.
             tracks.sensors.get_mut(sensor).is_led_off = false;
             return;
         }
         let (mut means, mut count) = ([MeanInnovation::default(); SOURCES_MAX], 0);
         let mut members = [0; SOURCES_MAX];
-        let extent_m = settings.association.extent_sigma_m;
-        let points_m2 = self.possible_points_m2(extent_m * extent_m);
+        let extent_m = self.settings.association.extent_sigma_m;
+        let points_m2 = sources.possible_points_m2(extent_m * extent_m);
+        let search = Search {
+            settings: &self.settings,
+            tracks,
+            sources,
+        };
         for (member, other) in tracks.contributing_entries(system, now_ns) {
-            let is_known = other.residuals >= MEAN_REPORTS_MIN && self.registration.is_settled(other.source);
+            let is_known = other.residuals >= MEAN_REPORTS_MIN && sources.registration.is_settled(other.source);
             if !is_known || count == SOURCES_MAX {
                 continue;
             }
             let variance_m2 = MEAN_VARIANCE * other.residual_variance_m2 + points_m2;
             means[count] = MeanInnovation {
                 source: count,
-                mean_m: self.mean_about_point(tracks, other),
+                mean_m: search.mean_about_point(other),
                 covariance_m2: [variance_m2, 0.0, variance_m2],
             };
             members[count] = member;

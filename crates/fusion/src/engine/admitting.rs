@@ -1,0 +1,76 @@
+//! Which reports may move a track: those that the others of the target do not contradict (module `credibility`).
+
+use super::Engine;
+use crate::credibility::{AGREES, CONTRADICTS, apart, distance_from};
+use crate::sensor_tracks::{Role, SensorEntry, SensorSlot};
+use crate::tracks::Tracks;
+
+/// d² in the plane of a report from the track that fits it: beyond in 5 % by chance.
+const FITS: f64 = 6.0;
+/// Share of a source set aside in a filter, from which the filter restarts.
+const MISLEADS_FROM: f64 = 0.05;
+
+impl Engine {
+    /// Whether the latest report of a sensor track may be used.
+    #[inline]
+    pub(super) fn admits(&mut self, sensor: SensorSlot) -> bool {
+        let (tracks, entry) = (&self.tracks, self.tracks.sensors.get(sensor));
+        let others = || {
+            let others = tracks.contributing_entries(entry.system, entry.time_ns);
+            let of_others = |other: &&SensorEntry| !other.is_foreign && other.source != entry.source;
+            others
+                .map(|(_, other)| other)
+                .filter(of_others)
+                .map(|other| &other.latest)
+        };
+        self.sources.admits(
+            &self.settings.association,
+            (&entry.latest, expected_m(tracks, entry)),
+            others,
+            |spread_m2| yields(tracks, sensor, spread_m2),
+        )
+    }
+
+    /// Whether a filter has been misled by a source that is set aside, or leads the target off: it is to begin anew.
+    /// One that the report fits has its share of the source from the time before the source was wrong.
+    #[inline]
+    pub(super) fn is_misled(&self, sensor: SensorSlot) -> bool {
+        let (tracks, credibility) = (&self.tracks, &self.sources.credibility);
+        let entry = tracks.sensors.get(sensor);
+        (credibility.sets_aside() || tracks.systems.get(entry.system).has_led_off) && {
+            let is_off = |entry: &SensorEntry| credibility.is_set_aside(entry.source) || entry.is_led_off;
+            let misleads = |entry: &SensorEntry| is_off(entry) && entry.share > MISLEADS_FROM;
+            !is_off(entry)
+                && distance_from(expected_m(tracks, entry), &entry.latest, 0.0) > FITS
+                && tracks.member_entries(entry.system).any(|(_, member)| misleads(member))
+        }
+    }
+}
+
+/// Where the target of a sensor track is expected at the time of its latest report, metres.
+#[inline]
+fn expected_m(tracks: &Tracks, entry: &SensorEntry) -> [f64; 2] {
+    let [x, y, _] = tracks.systems.get(entry.system).filter.place_at(entry.time_ns);
+    [x, y]
+}
+
+/// Whether the report of a sensor track that a name alone keeps in its system track is not to be used: it contradicts
+/// another one with a larger share in the estimate, and no report agrees with it. Between two places that a bias keeps
+/// apart, the estimate would jump to and fro.
+fn yields(tracks: &Tracks, sensor: SensorSlot, spread_m2: f64) -> bool {
+    let entry = tracks.sensors.get(sensor);
+    let mut contradicts_stronger = false;
+    for (member, other) in tracks.member_entries(entry.system) {
+        let is_fresh = tracks.is_fresh(other, entry.time_ns);
+        if member == sensor || other.is_foreign || other.source == entry.source || !is_fresh {
+            continue;
+        }
+        let d2 = apart(&entry.latest, &other.latest, spread_m2);
+        if d2 <= AGREES {
+            return false;
+        }
+        let is_stronger = other.role == Role::Primary && other.share > entry.share;
+        contradicts_stronger |= d2 > CONTRADICTS && is_stronger && entry.names.meet(&other.names);
+    }
+    contradicts_stronger
+}
