@@ -37,7 +37,6 @@ use crate::order_table::{Configured, IN_FORCE_MAX, OrderTable};
 use crate::outlet::EngineOutbox;
 use crate::publishing::TrackPublisher;
 use crate::purity::Purity;
-use crate::reference_point::ReferencePoints;
 use crate::rules;
 use crate::scan::Scans;
 use crate::schedule::Schedule;
@@ -59,7 +58,6 @@ pub struct Engine {
     pub(crate) settings: Settings,
     pub(crate) tracks: Tracks,
     pub(crate) sources: Sources,
-    pub(crate) points: ReferencePoints,
     pub(crate) scans: Scans,
     pub(crate) life: Life,
     pub(crate) publisher: TrackPublisher,
@@ -106,7 +104,6 @@ impl Engine {
                 ),
             ),
             sources: Sources::new(&settings),
-            points: ReferencePoints::new(settings.sources.len()),
             scans: Scans::new(&settings.sources, settings.association.scan_wait),
             life: Life::new(&settings.sources),
             publisher: TrackPublisher::new(rule, &settings.sources),
@@ -533,7 +530,7 @@ impl Engine {
         } else if self.is_misled(sensor) || self.is_ahead(sensor) {
             self.restart(sensor, sink);
         } else if let Some(measurement) = measurement
-            && (self.tracks.is_established(sensor) || !self.points.sees_points())
+            && (self.tracks.is_established(sensor) || !self.sources.points.sees_points())
             && !self.corrects_claims(sensor, sink)
         {
             self.update_filter(sensor, measurement, sink);
@@ -639,15 +636,13 @@ impl Engine {
         let largest_m = self.settings.target_size.unknown_m;
         let begins = due && enabled;
         if begins || self.sources.registration.is_solving() {
-            self.sources
-                .register(begins, largest_m, (confirmed, self.points.sees_points()), |source| {
-                    self.outbox.counts.add(source, Counter::EstimatesRestarted);
-                });
+            self.sources.register(begins, largest_m, confirmed, |source| {
+                self.outbox.counts.add(source, Counter::EstimatesRestarted);
+            });
         }
         if due {
-            self.points.look(&self.sources, self.publisher.rule().keeps_points);
-            let common_m2 = self.sources.registration.common_error_m2();
-            self.publisher.set_common_error(self.points.spread_m2() + common_m2);
+            self.sources.look_at_points(self.publisher.rule().keeps_points);
+            self.publisher.set_common_error(self.sources.common_error_m2());
             self.sources.look_at_motion();
             let now_ns = self.schedule.now_ns();
             if self

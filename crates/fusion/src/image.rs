@@ -13,7 +13,7 @@ use crate::order_table::OrderTable;
 
 /// Version of the parts of an image. It rises with every change of a serialised type, the samples in it included:
 /// the fingerprint of the checkpoint covers other types.
-const FORMAT: u64 = 14;
+const FORMAT: u64 = 15;
 
 impl Engine {
     /// Returns the fingerprint of images of this build with these settings.
@@ -27,7 +27,6 @@ impl Engine {
             settings,
             tracks,
             sources,
-            points,
             scans,
             life,
             publisher,
@@ -44,7 +43,7 @@ impl Engine {
             .collect();
         let of = self.image_fingerprint();
         let parts = (
-            of, periods, tracks, sources, points, scans, life, publisher, schedule, host_clock, orders,
+            of, periods, tracks, sources, scans, life, publisher, schedule, host_clock, orders,
         );
         // Into memory, where there is always room, and all of it is of a known length.
         postcard::to_stdvec(&parts).unwrap_or_default()
@@ -68,7 +67,6 @@ impl Engine {
             periods,
             self.tracks,
             self.sources,
-            self.points,
             self.scans,
             self.life,
             self.publisher,

@@ -21,7 +21,8 @@ use crate::innovation::FilterInnovation;
 use crate::kept_measurement::KeptMeasurement;
 use crate::kept_measurements::{Lateness, Place};
 use crate::measurement::{FilterInput, Measurement, gaussian_of};
-use crate::reference_point::Referred;
+use crate::points::Referred;
+use crate::reference_point;
 use crate::sensor_tracks::{NO_SYSTEM, Role, SensorSlot};
 use crate::system_tracks::SystemSlot;
 
@@ -183,7 +184,7 @@ impl Engine {
         let mut measurement = self.sources.measurement_between(shown, earlier, (&own, has_height))?;
         let correction = self.sources.correction_of(&self.settings.sources, report);
         measurement.correct(&correction);
-        let referred = self.points.known(&self.tracks, sensor, &measurement);
+        let referred = reference_point::known(&self.sources.points, &self.tracks, sensor, &measurement);
         measurement.refer(referred.point_m, referred.variance_m2);
         let successor = after.and_then(|place| {
             let after = kept.at(place);

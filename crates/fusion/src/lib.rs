@@ -72,6 +72,7 @@ mod orders;
 mod outlet;
 mod plane_filter;
 mod point_leaps;
+mod points;
 mod pressure;
 mod principal;
 mod publishing;

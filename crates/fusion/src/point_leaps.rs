@@ -15,11 +15,10 @@ use messages::{NS_PER_S, TrackState};
 use crate::body_frame::{from_body, to_body};
 use crate::mean_errors::MEAN_REPORTS_MIN;
 use crate::measurement::Measurement;
-use crate::reference_point::{ReferencePoints, Referred};
-use crate::sensor_tracks::{DetectionPoint, LeapWatch, SensorEntry, SensorSlot};
-use crate::settings::Settings;
+use crate::points::{DetectionPoint, Referred};
+use crate::reference_point::ReferencePoints;
+use crate::sensor_tracks::{LeapWatch, SensorEntry, SensorSlot};
 use crate::system_tracks::SystemSlot;
-use crate::tracks::Tracks;
 
 /// Squared distance of a measurement from where it was expected, in variances per axis, from which its point may have
 /// leapt; that by which it must differ from the latest ones; and that within which two agree.
@@ -81,18 +80,16 @@ fn take_witness(watch: &mut LeapWatch, seen: &Seen) {
     }
 }
 
-impl ReferencePoints {
+impl ReferencePoints<'_> {
     /// Looks whether the detection point of a sensor track has leapt with its latest measurement.
     #[inline]
     pub(crate) fn look_for_leap(
         &mut self,
-        settings: &Settings,
-        tracks: &mut Tracks,
         (sensor, measurement): (SensorSlot, &Measurement),
         referred: &Referred,
     ) -> PointMotion {
-        let entry = tracks.sensors.get(sensor);
-        let system = tracks.systems.get(entry.system);
+        let entry = self.tracks.sensors.get(sensor);
+        let system = self.tracks.systems.get(entry.system);
         let place_m = system.filter.place_at(entry.time_ns);
         let apart_m = std::array::from_fn(|axis| measurement.position_m[axis] - referred.point_m[axis] - place_m[axis]);
         let noise_m2 = measurement.variance_m2();
@@ -101,14 +98,12 @@ impl ReferencePoints {
         if square(apart_m) <= LEAPS * noise_m2 && !system.awaits_leap || entry.time_ns < system.filter.time_ns {
             return PointMotion::None;
         }
-        self.judge_leap(settings, tracks, (sensor, measurement), (apart_m, referred))
+        self.judge_leap((sensor, measurement), (apart_m, referred))
     }
 
     #[cold]
     fn judge_leap(
         &mut self,
-        settings: &Settings,
-        tracks: &mut Tracks,
         (sensor, measurement): (SensorSlot, &Measurement),
         (apart_m, referred): ([f64; 2], &Referred),
     ) -> PointMotion {
@@ -118,43 +113,42 @@ impl ReferencePoints {
             time_ns,
             leap_watch,
             ..
-        } = *tracks.sensors.get(sensor);
+        } = *self.tracks.sensors.get(sensor);
         let noise_m2 = measurement.variance_m2();
-        let filter_m2 = tracks.systems.get(system).filter.variance_m2();
+        let filter_m2 = self.tracks.systems.get(system).filter.variance_m2();
         let seen = &Seen {
             apart_m,
             point_m: referred.point_m,
             noise_m2,
             variance_m2: noise_m2 + referred.variance_m2 + filter_m2,
         };
-        if self.is_witness(tracks.sensors.get(sensor)) {
-            tracks.for_members(system, |member| {
+        if self.is_witness(self.tracks.sensors.get(sensor)) {
+            self.tracks.for_members(system, |member| {
                 if member.source != source && member.leap_watch.is_waiting() {
                     take_witness(&mut member.leap_watch, seen);
                 }
             });
         }
         let motion = if leap_watch.is_waiting() {
-            self.confirm_leap(tracks, sensor, seen)
-        } else if !self.leaps[usize::from(source)].has_changed(time_ns)
-            && self.may_leap(settings, tracks, (sensor, measurement), seen)
-        {
-            let watch = &mut tracks.sensors.get_mut(sensor).leap_watch;
+            self.confirm_leap(sensor, seen)
+        } else if !self.points.has_changed(source, time_ns) && self.may_leap((sensor, measurement), seen) {
+            let watch = &mut self.tracks.sensors.get_mut(sensor).leap_watch;
             (watch.leap_m, watch.waiting, watch.stayed) = (apart_m.map(|way| way as f32), 1, 0.0);
             PointMotion::Suspected
         } else {
             PointMotion::None
         };
-        let awaits = tracks
+        let awaits = self
+            .tracks
             .member_entries(system)
             .any(|(_, member)| member.leap_watch.is_waiting());
-        tracks.systems.get_mut(system).awaits_leap = awaits;
+        self.tracks.systems.get_mut(system).awaits_leap = awaits;
         motion
     }
 
     /// Judges a measurement after one that may have been the first after a leap.
-    fn confirm_leap(&mut self, tracks: &mut Tracks, sensor: SensorSlot, seen: &Seen) -> PointMotion {
-        let watch = &mut tracks.sensors.get_mut(sensor).leap_watch;
+    fn confirm_leap(&mut self, sensor: SensorSlot, seen: &Seen) -> PointMotion {
+        let watch = &mut self.tracks.sensors.get_mut(sensor).leap_watch;
         let leap_m = watch.leap_m.map(f64::from);
         let change_m = std::array::from_fn(|axis| seen.apart_m[axis] - leap_m[axis]);
         let stays_part = (seen.apart_m[0] * leap_m[0] + seen.apart_m[1] * leap_m[1]) / square(leap_m);
@@ -164,7 +158,7 @@ impl ReferencePoints {
             return PointMotion::None;
         }
         if f64::from(watch.stayed) > STAYED || watch.waiting == WAITING_MAX {
-            self.leap(tracks, sensor, leap_m, seen.noise_m2);
+            self.leap(sensor, leap_m, seen.noise_m2);
             return PointMotion::Leapt;
         }
         watch.waiting += 1;
@@ -173,13 +167,8 @@ impl ReferencePoints {
 
     /// Returns whether no motion of the target explains where the measurement lies, and another source still follows
     /// the target.
-    fn may_leap(
-        &self,
-        settings: &Settings,
-        tracks: &Tracks,
-        (sensor, measurement): (SensorSlot, &Measurement),
-        seen: &Seen,
-    ) -> bool {
+    fn may_leap(&self, (sensor, measurement): (SensorSlot, &Measurement), seen: &Seen) -> bool {
+        let (settings, tracks) = (self.settings, &*self.tracks);
         let entry = tracks.sensors.get(sensor);
         let system = tracks.systems.get(entry.system);
         let source = &settings.sources[usize::from(entry.source)];
@@ -198,7 +187,7 @@ impl ReferencePoints {
         let is_predicted = system.life == TrackState::Confirmed
             && system.filter.steadiness() > STEADY_MIN
             && entry.residuals >= REPORTS_MIN
-            && self.is_known(&entry.point)
+            && self.points.is_known(&entry.point)
             && square(mean_m) < LEAPS * seen.variance_m2
             && square(change_m) > CHANGES * (seen.variance_m2 + seen.noise_m2);
         // Along the way from where the source's own filter expected the measurement.
@@ -211,7 +200,7 @@ impl ReferencePoints {
             && square_m2.max(square(offset_m)) <= size_m * size_m
             && own_part(0) + own_part(1) > OWN_PART
             && along_m.abs() > ALONG * across_m.abs()
-            && self.is_followed_by_another(tracks, (entry.system, entry.source), entry.time_ns)
+            && self.is_followed_by_another((entry.system, entry.source), entry.time_ns)
     }
 
     /// Returns whether measurements of a sensor track show where its target is.
@@ -219,11 +208,11 @@ impl ReferencePoints {
         entry.residuals >= MEAN_REPORTS_MIN
             && !entry.is_led_off
             && !entry.leap_watch.is_waiting()
-            && self.is_known(&entry.point)
+            && self.points.is_known(&entry.point)
     }
 
-    fn is_followed_by_another(&self, tracks: &Tracks, (system, source): (SystemSlot, u16), now_ns: i64) -> bool {
-        tracks
+    fn is_followed_by_another(&self, (system, source): (SystemSlot, u16), now_ns: i64) -> bool {
+        self.tracks
             .contributing_entries(system, now_ns)
             .any(|(_, other)| other.source != source && self.is_witness(other))
     }
@@ -231,7 +220,7 @@ impl ReferencePoints {
     /// Where the detection point of a sensor track lies from the target's reference point, east and north, metres, as
     /// far as the two are told apart.
     fn offset_m(&self, entry: &SensorEntry, course: [f64; 2]) -> [f64; 2] {
-        match self.follows(&entry.point) {
+        match self.points.follows(&entry.point) {
             true => from_body(entry.point.offset_m, course),
             false => [0.0; 2],
         }
@@ -239,14 +228,15 @@ impl ReferencePoints {
 
     /// Notes that a detection point has leapt so far, east and north, metres. A point that is the reference point
     /// leaves it. Back among the others' points, with this variance per axis of its measurements, m², it is none.
-    fn leap(&mut self, tracks: &mut Tracks, sensor: SensorSlot, by_m: [f64; 2], noise_m2: f64) {
-        let entry = tracks.sensors.get_mut(sensor);
-        let course = tracks.systems.get(entry.system).course;
+    fn leap(&mut self, sensor: SensorSlot, by_m: [f64; 2], noise_m2: f64) {
+        let entry = self.tracks.sensors.get(sensor);
+        let course = self.tracks.systems.get(entry.system).course;
         let (source, now_ns) = (entry.source, entry.time_ns);
         let before_m = self.offset_m(entry, course);
         let offset_m = std::array::from_fn(|axis| before_m[axis] + by_m[axis]);
-        entry.point = self.unknown();
-        if self.keeps_points() || square(offset_m) > FITS * 2.0 * noise_m2 {
+        let entry = self.tracks.sensors.get_mut(sensor);
+        entry.point = self.points.unknown();
+        if self.points.keeps_points() || square(offset_m) > FITS * 2.0 * noise_m2 {
             entry.point = DetectionPoint {
                 offset_m: to_body(offset_m, course),
                 reports: 1,
@@ -257,7 +247,8 @@ impl ReferencePoints {
         entry.leap_watch.waiting = 0;
         // The mean innovation of before is that of another point.
         entry.residuals = 0;
-        self.leaps[usize::from(source)].add(now_ns, tracks.sensors.count_of(source));
+        let targets = self.tracks.sensors.count_of(source);
+        self.points.learn_leap(source, now_ns, targets);
     }
 }
 

@@ -14,6 +14,7 @@ use crate::measurement::{
 };
 use crate::number_hasher::{NumberHasher, table};
 use crate::places::{self, TablePlace};
+use crate::points::DetectionPoint;
 use crate::quality::Qualities;
 use crate::quota::Quota;
 use crate::recognition::is_reachable;
@@ -161,21 +162,6 @@ pub(crate) struct SensorEntry {
 
 // Another line would cost a tenth of the engine's data misses.
 const _: () = assert!(size_of::<SensorEntry>() == 13 * 64);
-
-/// Where on a target a sensor track's detection point lies.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub(crate) struct DetectionPoint {
-    /// Along and across the target's course, from its reference point, metres.
-    pub(crate) offset_m: [f64; 2],
-    /// Reports from which that was estimated.
-    pub(crate) reports: u32,
-    /// Whether it is the reference point itself.
-    pub(crate) is_reference: bool,
-    /// Whether it has leapt to another place on the target: see `point_leaps`.
-    pub(crate) has_leapt: bool,
-    /// When that was estimated: see `Engine::points_epoch`.
-    pub(crate) epoch: u32,
-}
 
 /// What the measurements of a sensor track show of leaps.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]

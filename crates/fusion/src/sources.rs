@@ -18,6 +18,7 @@ use crate::measurement::{
     recovered_measurement, shows_filter, whole_report,
 };
 use crate::motion::Motion;
+use crate::points::Points;
 use crate::registration::{ClockError, Registration, TARGETS_MIN};
 use crate::schedule::TICK_NS;
 use crate::settings::{AccuracyBase, AssociationSettings, SOURCES_MAX, Settings, SourceSettings};
@@ -41,6 +42,8 @@ pub(crate) struct Sources {
     /// How targets manoeuvre.
     pub(crate) manoeuvres: Manoeuvres,
     pub(crate) credibility: Credibility,
+    /// The points of targets that the sources see.
+    pub(crate) points: Points,
     /// Share of each self-reporting source's reports that measuring sensors contradict.
     contradicted: Vec<f64>,
     /// Error of each source's clock.
@@ -73,6 +76,7 @@ impl Sources {
             ),
             manoeuvres: Manoeuvres::new(settings.process_noise_m2ps3),
             credibility: Credibility::new(count),
+            points: Points::new(count),
             contradicted: vec![0.0; count],
             clocks: vec![ClockError::default(); count],
             corrects_clocks: false,
@@ -217,7 +221,7 @@ impl Sources {
     /// Variance per axis of the point that a filter follows about the target's middle, m²: the mean of the sources'
     /// points, of which few tell badly how far they lie apart, or one of them if it `keeps_one`. A source's point is
     /// known relative to those of the others.
-    pub(crate) fn followed_point_m2(&self, keeps_one: bool) -> f64 {
+    fn followed_point_m2(&self, keeps_one: bool) -> f64 {
         let known = self.models.iter().filter(|model| model.knows_spread());
         let (sum_m2, count) = known.fold((0.0, 0.0), |(sum, count), model| {
             (sum + model.spread_m2().min(model.largest_points_m2()), count + 1.0)
@@ -462,13 +466,8 @@ impl Sources {
     /// Continues the estimate of the systematic errors, or begins a new one if it is `due`. `largest_m` is the size of
     /// a target of unknown type; `confirmed` targets are followed now. Long work is spread over the calls. A source
     /// whose estimate had to be dropped is passed to `restarted`.
-    pub(crate) fn register(
-        &mut self,
-        due: bool,
-        largest_m: f64,
-        (confirmed, sees_points): (usize, bool),
-        mut restarted: impl FnMut(u16),
-    ) {
+    pub(crate) fn register(&mut self, due: bool, largest_m: f64, confirmed: usize, mut restarted: impl FnMut(u16)) {
+        let sees_points = self.points.sees_points();
         if due {
             self.begin_anew_where_set_aside(&mut restarted);
             if sees_points {
@@ -504,6 +503,19 @@ impl Sources {
         self.registration
             .decide(&self.clocks, spread_m2, confirmed, sees_points);
         self.trust_found(before);
+    }
+
+    /// Looks whether the sources see different points of targets, of which a rule may keep one.
+    pub(crate) fn look_at_points(&mut self, may_keep: bool) {
+        let apart_m2 = self.possible_points_m2(0.0);
+        let followed_m2 = [false, true].map(|keeps_one| self.followed_point_m2(keeps_one));
+        self.points.look(&self.models, followed_m2, (may_keep, apart_m2));
+    }
+
+    /// Variance per axis of errors that no measurement shows, m²: of the point that filters follow, and of errors that
+    /// the sources have in common.
+    pub(crate) fn common_error_m2(&self) -> f64 {
+        self.points.spread_m2() + self.registration.common_error_m2()
     }
 
     /// Takes over how the sources' own trackers let their targets move: the median of what they assume.

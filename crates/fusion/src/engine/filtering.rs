@@ -9,6 +9,7 @@ use crate::explanation::Sink;
 use crate::innovation::FilterInnovation;
 use crate::measurement::{CovarianceBasis, FilterInput, Measurement, shows_filter, states_velocity};
 use crate::point_leaps::PointMotion;
+use crate::reference_point::{self, ReferencePoints};
 use crate::sensor_tracks::SensorSlot;
 use crate::system_tracks::SystemSlot;
 
@@ -68,19 +69,20 @@ impl Engine {
             self.count_led_off(sensor, measurement);
         }
         let out = &mut self.outbox.to(sink);
-        let mut referred = self
-            .points
-            .refer(&self.settings, &mut self.tracks, (sensor, measurement), out);
-        let point_motion =
-            self.points
-                .look_for_leap(&self.settings, &mut self.tracks, (sensor, measurement), &referred);
+        let mut points = ReferencePoints {
+            settings: &self.settings,
+            tracks: &mut self.tracks,
+            points: &mut self.sources.points,
+        };
+        let mut referred = points.refer((sensor, measurement), out);
+        let point_motion = points.look_for_leap((sensor, measurement), &referred);
         if point_motion != PointMotion::None {
             let source = self.tracks.sensors.get(sensor).source;
             self.outbox.counts.add(source, Counter::RejectedContradicted);
             if point_motion == PointMotion::Suspected {
                 return;
             }
-            referred = self.points.known(&self.tracks, sensor, measurement);
+            referred = reference_point::known(&self.sources.points, &self.tracks, sensor, measurement);
         }
         // Others go on where they are: a source that is off to one side would show a motion that nobody states.
         referred.is_usable &= !(is_displaced || is_led_off);
@@ -164,7 +166,12 @@ impl Engine {
         self.tracks
             .for_members(system, |member| member.share *= 1.0 - innovation.gain);
         self.tracks.sensors.get_mut(sensor).share += innovation.gain;
-        self.points.learn(&mut self.tracks, sensor, &innovation);
+        let mut points = ReferencePoints {
+            settings: &self.settings,
+            tracks: &mut self.tracks,
+            points: &mut self.sources.points,
+        };
+        points.learn(sensor, &innovation);
         self.learn_of_innovation(sensor, (&innovation, measurement), moves_mps, is_misled);
         if is_contradicted {
             self.begin_anew(sensor, sink);

@@ -1,0 +1,221 @@
+//! What is known of the points of targets that the sources see: whether they differ, and whether one is kept.
+//!
+//! The evidence of one target stays with its sensor tracks, each of which has a [`DetectionPoint`]; see
+//! `reference_point` and `point_leaps` for how they are used.
+
+use serde::{Deserialize, Serialize};
+
+use crate::body_frame::{from_body, to_body};
+use crate::source_model::SourceModel;
+
+/// Innovations before a detection point is known well enough to be taken off.
+const REPORTS_MIN: u32 = 4;
+/// Variance of a position above which the distance between points matters little, in variances between points.
+const UNCERTAIN: f64 = 4.0;
+/// Smallest weight of a new innovation in the estimate of a detection point.
+const GAIN_MIN: f64 = 0.05;
+
+/// Time within which most targets of a source leap together if the source has changed, nanoseconds, and time for which
+/// no leaps of this source are looked for then.
+const TOGETHER_NS: i64 = 2_000_000_000;
+const STEP_NS: i64 = 30_000_000_000;
+
+/// Where on a target a sensor track's detection point lies.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct DetectionPoint {
+    /// Along and across the target's course, from its reference point, metres.
+    pub(crate) offset_m: [f64; 2],
+    /// Reports from which that was estimated.
+    pub(crate) reports: u32,
+    /// Whether it is the reference point itself.
+    pub(crate) is_reference: bool,
+    /// Whether it has leapt to another place on the target: see `point_leaps`.
+    pub(crate) has_leapt: bool,
+    /// When that was estimated: see [`Points::follows`].
+    pub(crate) epoch: u32,
+}
+
+/// Whether the sources see different points, and whether one is kept.
+#[derive(Debug, Default, Serialize, Deserialize)]
+pub(crate) struct Points {
+    /// Whether the sources see different points of the targets.
+    sees_points: bool,
+    /// Whether sources observe different points, and the rule keeps a single point per target.
+    keeps_points: bool,
+    /// How far the point that a filter follows, one or the mean of all, lies from the target's middle, as a variance
+    /// per axis, m².
+    spread_m2: f64,
+    /// How far the points of two sources lie apart, as a variance per axis, m².
+    apart_m2: f64,
+    /// Number of changes of `keeps_points`: estimates before the last change are void.
+    epoch: u32,
+    /// Leaps of detection points, by source.
+    leaps: Vec<SourceLeaps>,
+}
+
+/// Leaps of one source's targets.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+struct SourceLeaps {
+    since_ns: i64,
+    count: usize,
+    /// Until when none are looked for, nanoseconds.
+    until_ns: i64,
+}
+
+impl SourceLeaps {
+    /// Counts a leap of one of `targets`.
+    fn add(&mut self, now_ns: i64, targets: usize) {
+        if now_ns - self.since_ns > TOGETHER_NS {
+            (self.since_ns, self.count) = (now_ns, 0);
+        }
+        self.count += 1;
+        if self.count >= 2 && 5 * self.count >= 3 * targets {
+            self.until_ns = now_ns + STEP_NS;
+        }
+    }
+
+    /// Returns whether a step of the source, not of the points of its targets, explains its leaps.
+    fn has_changed(&self, now_ns: i64) -> bool {
+        now_ns < self.until_ns
+    }
+}
+
+/// A measurement's relation to the target's reference point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Referred {
+    /// Whether the measurement may be used.
+    pub(crate) is_usable: bool,
+    /// The detection point relative to the reference point, east and north, metres.
+    pub(crate) point_m: [f64; 2],
+    /// Variance per axis of that, m².
+    pub(crate) variance_m2: f64,
+}
+
+impl Referred {
+    /// The detection point is the reference point.
+    pub(crate) const ITSELF: Self = Self {
+        is_usable: true,
+        point_m: [0.0; 2],
+        variance_m2: 0.0,
+    };
+}
+
+impl Points {
+    pub(crate) fn new(sources: usize) -> Self {
+        Self {
+            leaps: vec![SourceLeaps::default(); sources],
+            ..Self::default()
+        }
+    }
+
+    pub(crate) fn sees_points(&self) -> bool {
+        self.sees_points
+    }
+
+    pub(crate) fn keeps_points(&self) -> bool {
+        self.keeps_points
+    }
+
+    /// Variance per axis of the points that filters follow about the targets' middles, m².
+    pub(crate) fn spread_m2(&self) -> f64 {
+        self.spread_m2
+    }
+
+    /// Looks whether some source's detection points lie well apart from the others', and keeps one if the rule
+    /// `may_keep`.
+    pub(crate) fn look(&mut self, models: &[SourceModel], followed_m2: [f64; 2], (may_keep, apart_m2): (bool, f64)) {
+        const BEGIN: f64 = 2.0;
+        const END: f64 = 1.0;
+        let ratio = if self.sees_points { END } else { BEGIN };
+        self.sees_points = models.iter().any(|model| model.sees_points(ratio));
+        let keep = self.sees_points && may_keep;
+        self.spread_m2 = followed_m2[usize::from(keep)];
+        self.apart_m2 = apart_m2;
+        if keep != self.keeps_points {
+            self.keeps_points = keep;
+            self.epoch = self.epoch.wrapping_add(1);
+        }
+    }
+
+    /// How far the points of two sources lie apart, as a variance per axis, m².
+    pub(crate) fn apart_m2(&self) -> f64 {
+        self.apart_m2
+    }
+
+    /// Where a detection point lies, as far as it is known, on a target with this course. The variances per axis are
+    /// those of the measurement and of the target's place, m².
+    pub(crate) fn known(
+        &self,
+        point: &DetectionPoint,
+        course: [f64; 2],
+        (measured_m2, place_m2): (f64, f64),
+    ) -> Referred {
+        if !self.follows(point) || (point.epoch == self.epoch && point.is_reference) {
+            return Referred::ITSELF;
+        }
+        if !self.is_known(point) {
+            let is_usable = !point.has_leapt && self.is_uncertain(place_m2);
+            return Referred {
+                is_usable,
+                point_m: [0.0; 2],
+                variance_m2: if is_usable { self.apart_m2 } else { 0.0 },
+            };
+        }
+        Referred {
+            is_usable: true,
+            point_m: from_body(point.offset_m, course),
+            variance_m2: measured_m2 / f64::from(point.reports),
+        }
+    }
+
+    /// Returns whether a position with this variance per axis, m², is uncertain: see [`UNCERTAIN`].
+    pub(crate) fn is_uncertain(&self, variance_m2: f64) -> bool {
+        variance_m2 > UNCERTAIN * self.apart_m2
+    }
+
+    /// Returns whether a detection point and the target's reference point are two points.
+    pub(crate) fn follows(&self, point: &DetectionPoint) -> bool {
+        self.keeps_points || (point.has_leapt && point.epoch == self.epoch)
+    }
+
+    /// Whether it is known where a detection point lies.
+    pub(crate) fn is_known(&self, point: &DetectionPoint) -> bool {
+        !self.follows(point) || (point.epoch == self.epoch && (point.is_reference || point.reports >= REPORTS_MIN))
+    }
+
+    /// Forgets what was known of a detection point before points were last kept, or not.
+    pub(crate) fn refresh(&self, point: &mut DetectionPoint) {
+        if point.epoch != self.epoch {
+            *point = self.unknown();
+        }
+    }
+
+    pub(crate) fn unknown(&self) -> DetectionPoint {
+        DetectionPoint {
+            epoch: self.epoch,
+            ..DetectionPoint::default()
+        }
+    }
+
+    /// Whether the source of a detection point, not the points of its targets, has changed at `now_ns`.
+    pub(crate) fn has_changed(&self, source: u16, now_ns: i64) -> bool {
+        self.leaps[usize::from(source)].has_changed(now_ns)
+    }
+
+    /// Learns that the detection point of one of a source's `targets` has leapt.
+    pub(crate) fn learn_leap(&mut self, source: u16, now_ns: i64, targets: usize) {
+        self.leaps[usize::from(source)].add(now_ns, targets);
+    }
+}
+
+impl DetectionPoint {
+    /// Moves towards where an innovation, east and north, metres, shows it on a target with this course.
+    pub(crate) fn add(&mut self, residual_m: [f64; 2], course: [f64; 2]) {
+        let seen = to_body(residual_m, course);
+        self.reports = self.reports.saturating_add(1);
+        let gain = (1.0 / f64::from(self.reports)).max(GAIN_MIN);
+        for (offset, seen) in self.offset_m.iter_mut().zip(seen) {
+            *offset += gain * (seen - *offset);
+        }
+    }
+}
