@@ -23,7 +23,6 @@ use crate::measurement::gaussian_of;
 use crate::restarts;
 use crate::sensor_tracks::{NO_SYSTEM, SensorEntry, SensorSlot};
 use crate::settings::Settings;
-use crate::sources::Sources;
 use crate::system_tracks::{Bond, SystemSlot};
 use crate::tracks::Tracks;
 
@@ -52,7 +51,6 @@ const TURNED: f64 = 0.05;
 pub(crate) struct Search<'a> {
     pub(crate) settings: &'a Settings,
     pub(crate) tracks: &'a Tracks,
-    pub(crate) sources: &'a Sources,
 }
 
 /// Distance by which the sources may be off while nothing is known of them, metres.
@@ -159,7 +157,7 @@ impl Search<'_> {
             return Some(namesake);
         }
         let mut best: Option<(f64, SystemSlot)> = None;
-        let spread_m2 = self.sources.spread_m2(&self.settings.association, None);
+        let spread_m2 = self.tracks.sources.spread_m2(&self.settings.association, None);
         self.alike(own, now_ns, spread_m2, |system, d2| {
             if best.is_none_or(|(least, slot)| (d2, system) < (least, slot)) {
                 best = Some((d2, system));
@@ -179,7 +177,7 @@ impl Search<'_> {
     /// Whether a target that is shown already may be that of the system track `own`: none of its sources follows both,
     /// and the two agree, if need be as two points of one large target.
     pub(crate) fn is_shown_already(&self, own: SystemSlot, now_ns: i64) -> bool {
-        let learned_m2 = self.sources.spread_m2(&self.settings.association, None);
+        let learned_m2 = self.tracks.sources.spread_m2(&self.settings.association, None);
         let mut is_shown = false;
         self.alike(own, now_ns, learned_m2.max(DOUBTED_SPREAD_M2), |system, _| {
             is_shown |= matches!(
@@ -195,7 +193,7 @@ impl Search<'_> {
     /// velocity, while the error of the sources is not corrected.
     pub(crate) fn is_shown_elsewhere(&self, own: SystemSlot, now_ns: i64) -> bool {
         let sources = self.tracks.sources_of(own, now_ns);
-        let is_doubtful = |source: u16| self.sources.alignment.is_doubtful(source);
+        let is_doubtful = |source: u16| self.tracks.sources.alignment.is_doubtful(source);
         if !(0..u64::BITS as u16)
             .filter(|source| sources & (1 << source) != 0)
             .all(is_doubtful)
@@ -227,7 +225,7 @@ impl Search<'_> {
         let sources = self.tracks.sources_of(own, now_ns);
         let of_own = |source: &u16| sources & (1 << source) != 0;
         let mut own_sources = (0..self.settings.sources.len() as u16).filter(of_own);
-        let is_acquainted = |source| self.sources.registration.is_acquainted(source);
+        let is_acquainted = |source| self.tracks.sources.registration.is_acquainted(source);
         let is_comparable = own_sources
             .clone()
             .any(|source| self.settings.sources[usize::from(source)].is_registered);
@@ -262,7 +260,7 @@ impl Search<'_> {
     /// anew: a track near by that they followed before and follow no more. In its first reports, a track of a sensor
     /// is late in turns, beyond what it states.
     pub(crate) fn was_followed(&self, own: SystemSlot, now_ns: i64) -> bool {
-        let restarts = &self.tracks.lifetimes.restarts;
+        let restarts = &self.tracks.sources.lifetimes.restarts;
         let sources = self.tracks.sources_of(own, now_ns);
         let began_ns = self.tracks.systems.get(own).first_seen_ns;
         let has_restarted = |source: u16| restarts.is_shortly_before(source, began_ns);
@@ -300,7 +298,7 @@ impl Search<'_> {
     /// State of a system track at `now_ns`.
     fn state(&self, system: SystemSlot, now_ns: i64) -> Gaussian {
         let filter = &self.tracks.systems.get(system).filter;
-        filter.at(now_ns, self.sources.motion(filter.velocity_mps()))
+        filter.at(now_ns, self.tracks.sources.motion(filter.velocity_mps()))
     }
 
     /// Calls `visit` with every system track within `reach_m` of the `state` of `own` that neither a common source, an
@@ -338,7 +336,7 @@ impl Search<'_> {
 
     /// Calls `visit` with every system track near a report.
     pub(crate) fn near(&self, report: &SensorTrack, state: &Gaussian, visit: impl FnMut(SystemSlot)) {
-        let reach = self.reach(state, self.sources.spread_m2(&self.settings.association, None));
+        let reach = self.reach(state, self.tracks.sources.spread_m2(&self.settings.association, None));
         self.tracks.systems.grid.near(
             report.position_m[0],
             report.position_m[1],
@@ -368,11 +366,13 @@ impl Search<'_> {
         let entry = self.tracks.systems.get(system);
         let mut expected = entry.filter.at(
             report.time_of_measurement_ns,
-            self.sources.motion(entry.filter.velocity_mps()),
+            self.tracks.sources.motion(entry.filter.velocity_mps()),
         );
         for axis in 0..2 {
-            expected.covariance.upper[Covariance::index(axis, axis)] +=
-                self.sources.spread_m2(&self.settings.association, Some(report.source));
+            expected.covariance.upper[Covariance::index(axis, axis)] += self
+                .tracks
+                .sources
+                .spread_m2(&self.settings.association, Some(report.source));
         }
         let d2 = statistical_distance(&gaussian_of(report), &expected, ComparedComponents::HorizontalPosition);
         (self.is_compatible(report, system) && d2 <= self.resumption_gate()).then_some(d2)
@@ -391,14 +391,16 @@ impl Search<'_> {
         let filter = &self.tracks.systems.get(system).filter;
         let other = filter.at(
             report.time_of_measurement_ns,
-            self.sources.motion(filter.velocity_mps()),
+            self.tracks.sources.motion(filter.velocity_mps()),
         );
         let heights = filter.has_height && report.has(sensor_track_bits::HEIGHT);
         self.compare(
             state,
             &other,
             heights,
-            self.sources.spread_m2(&self.settings.association, Some(report.source)),
+            self.tracks
+                .sources
+                .spread_m2(&self.settings.association, Some(report.source)),
         )
     }
 
@@ -475,7 +477,10 @@ impl Search<'_> {
         let apart =
             |axis: usize| corrected.position_m[axis] - last.position_m[axis] - last.velocity_mps[axis] * seconds;
         let unforeseen_m = 0.5 * ACCELERATION_MPS2 * seconds * seconds;
-        let spread_m2 = self.sources.spread_m2(&self.settings.association, Some(report.source));
+        let spread_m2 = self
+            .tracks
+            .sources
+            .spread_m2(&self.settings.association, Some(report.source));
         let variance_m2 = |axis: usize| {
             let of_velocity = last.covariance.get(axis + 3, axis + 3) * seconds * seconds;
             last.covariance.get(axis, axis) + report.covariance.get(axis, axis) + of_velocity
@@ -494,7 +499,7 @@ impl Search<'_> {
         let filter = &self.tracks.systems.get(own).filter;
         let expected = filter.at(
             report.time_of_measurement_ns,
-            self.sources.motion(filter.velocity_mps()),
+            self.tracks.sources.motion(filter.velocity_mps()),
         );
         if statistical_distance(&state, &expected, ComparedComponents::HorizontalPosition) <= gate {
             return false;

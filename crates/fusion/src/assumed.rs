@@ -2,19 +2,13 @@
 
 use crate::measurement::Assumed;
 use crate::publishing::TrackPublisher;
-use crate::sources::Sources;
 use crate::system_tracks::SystemSlot;
 use crate::tracks::Tracks;
 
 /// What fusion assumes of the target of a system track.
-pub(crate) fn assumed_of(
-    system: SystemSlot,
-    tracks: &Tracks,
-    sources: &Sources,
-    publisher: &TrackPublisher,
-) -> Assumed {
+pub(crate) fn assumed_of(system: SystemSlot, tracks: &Tracks, publisher: &TrackPublisher) -> Assumed {
     Assumed {
-        motion: *sources.motion(tracks.systems.get(system).filter.velocity_mps()),
+        motion: *tracks.sources.motion(tracks.systems.get(system).filter.velocity_mps()),
         common_error_m2: publisher.common_error_m2(),
     }
 }

@@ -58,9 +58,19 @@ pub(crate) struct Credibility {
     passed_over: u64,
 }
 
+/// Judgement of a report by the others of its target.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Judgement {
+    source: u16,
+    pub(crate) standing: Standing,
+    /// Other sources that are found wrong, and all that were compared, as bits.
+    wrong: u64,
+    others: u64,
+}
+
 /// Result of the comparison of a report with the other sources' reports of its target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Standing {
+pub(crate) enum Standing {
     /// Others agree, or there are no others.
     Holds,
     /// The report is wrong.
@@ -115,50 +125,44 @@ impl Credibility {
         self.set_aside != 0
     }
 
-    /// Judges a report of a target, expected at `place_m`, against the `others`, the latest ones of other sources of
-    /// the target, and learns of all their sources. `false` if the report is not to be used. `spread_m2` gives the
-    /// variance per axis of where sources see a target, which is at least `least_m2`; `clocks` are the errors of the
-    /// sources' clocks; `yields` with the spread whether a report that a name alone keeps with the target gives way.
+    /// Whether a report of a target, expected at `place_m`, is near enough to need no comparison: where sources see a
+    /// target with a variance per axis of `spread_m2`. Sources are compared anyway where one is set aside.
     #[inline]
-    pub(crate) fn admits<'a, O: Iterator<Item = &'a SensorTrack>>(
-        &mut self,
-        (report, place_m): (&'a SensorTrack, [f64; 2]),
-        (least_m2, spread_m2): (f64, impl Fn() -> f64),
-        clocks: &[ClockError],
-        others: impl Fn() -> O,
-        yields: impl Fn(f64) -> bool,
-    ) -> bool {
-        if self.passed_over != 0 && self.is_passed_over(report.source) {
-            return true;
-        }
-        // A larger spread only brings the report nearer.
-        let is_near = |spread_m2: f64| distance_from(place_m, report, spread_m2) <= AGREES;
-        let source = usize::from(report.source);
-        if self.set_aside == 0 && is_near(least_m2) {
-            self.sources[source].learn(false);
-            return true;
-        }
-        let spread_m2 = spread_m2();
-        if self.set_aside == 0 && is_near(spread_m2) {
-            self.sources[source].learn(false);
-            return true;
-        }
-        self.weigh(report, spread_m2, clocks, others, yields)
+    pub(crate) fn is_near(&self, (report, place_m): (&SensorTrack, [f64; 2]), spread_m2: f64) -> bool {
+        self.set_aside == 0 && distance_from(place_m, report, spread_m2) <= AGREES
     }
 
-    /// The same, for a report that is far from its track or where a source is set aside.
+    /// Whether reports of this source are used without a comparison.
+    #[inline]
+    pub(crate) fn is_exempt(&self, source: u16) -> bool {
+        self.passed_over != 0 && self.is_passed_over(source)
+    }
+
+    /// Learns that a report needed no comparison.
+    #[inline]
+    pub(crate) fn learn_nearness(&mut self, source: u16) {
+        self.sources[usize::from(source)].learn(false);
+    }
+
+    /// Judges a report that is far from its track, or where a source is set aside, by the `others`, the latest reports
+    /// of other sources on its target.
     #[cold]
-    fn weigh<'a, O: Iterator<Item = &'a SensorTrack>>(
-        &mut self,
+    pub(crate) fn judge<'a, O: Iterator<Item = &'a SensorTrack>>(
+        &self,
         report: &'a SensorTrack,
         spread_m2: f64,
         clocks: &[ClockError],
         all_others: impl Fn() -> O,
-        yields: impl Fn(f64) -> bool,
-    ) -> bool {
+    ) -> Judgement {
         let passed_over = self.passed_over;
         let others = || all_others().filter(move |other| passed_over & (1 << other.source) == 0);
         let distance = |other: &SensorTrack| apart(report, other, spread_m2);
+        let mut judgement = Judgement {
+            source: report.source,
+            standing: Standing::Holds,
+            wrong: 0,
+            others: others().fold(0, |bits, other| bits | 1 << other.source),
+        };
         let (mut agreeing, mut against, mut one_against) = (0u32, 0u32, None);
         for other in others() {
             let d2 = distance(other);
@@ -171,44 +175,54 @@ impl Credibility {
         let is_worse = |one: u16, other: u16| {
             clocks[usize::from(one)].excess_s > clocks[usize::from(other)].excess_s + CLOCK_WORSE_S
         };
-        let standing = match one_against {
-            None => Standing::Holds,
-            Some(first) => {
-                let agrees_with_first = |other: &&SensorTrack| apart(first, other, spread_m2) <= AGREES;
-                let united = others()
-                    .filter(|other| distance(other) > CONTRADICTS)
-                    .filter(agrees_with_first)
-                    .count() as u32;
-                let is_outvoted = united >= 2 || (against == 1 && is_worse(report.source, first.source));
-                if agreeing + 1 > against {
-                    Standing::Holds
-                } else if agreeing == 0 && is_outvoted {
-                    Standing::Contradicted
-                } else {
-                    Standing::Open
-                }
-            }
-        };
-        if standing == Standing::Holds {
+        if let Some(first) = one_against {
+            let agrees_with_first = |other: &&SensorTrack| apart(first, other, spread_m2) <= AGREES;
+            let united = others()
+                .filter(|other| distance(other) > CONTRADICTS)
+                .filter(agrees_with_first)
+                .count() as u32;
+            let is_outvoted = united >= 2 || (against == 1 && is_worse(report.source, first.source));
+            judgement.standing = if agreeing + 1 > against {
+                Standing::Holds
+            } else if agreeing == 0 && is_outvoted {
+                Standing::Contradicted
+            } else {
+                Standing::Open
+            };
+        }
+        if judgement.standing == Standing::Holds {
             // Those whom the majority contradicts are wrong, though their own reports may be near the track that they
             // have misled; so is one whose clock is.
             let majority = agreeing >= 1;
-            for other in others().filter(|other| distance(other) > CONTRADICTS) {
-                if majority || is_worse(other.source, report.source) {
-                    self.learn(other.source, true);
-                }
-            }
+            let wrong = others()
+                .filter(|other| distance(other) > CONTRADICTS && (majority || is_worse(other.source, report.source)));
+            judgement.wrong = wrong.fold(0, |bits, other| bits | 1 << other.source);
         }
-        // Of two sources alone, none would ever be found wrong, and the silent one no longer refute false tracks.
-        let others_can_decide = self.sources.len() > 2;
-        if standing == Standing::Open && others_can_decide && yields(spread_m2) {
-            return false;
+        judgement
+    }
+
+    /// Whether the one of two reports of which none can be found wrong, with a name alone in common, is to give way. Of
+    /// two sources alone, none would ever be found wrong, and the silent one no longer refute false tracks.
+    pub(crate) fn others_can_decide(&self) -> bool {
+        self.sources.len() > 2
+    }
+
+    /// Learns from a judgement; `false` if the report is not to be used.
+    pub(crate) fn learn_judgement(&mut self, judgement: &Judgement) -> bool {
+        let Judgement {
+            source,
+            standing,
+            wrong,
+            others,
+        } = *judgement;
+        for other in (0..self.sources.len() as u16).filter(|other| wrong & (1 << other) != 0) {
+            self.learn(other, true);
         }
         if standing != Standing::Open {
-            self.learn(report.source, standing == Standing::Contradicted);
+            self.learn(source, standing == Standing::Contradicted);
         }
-        let is_alone = || others().all(|other| self.is_set_aside(other.source));
-        standing != Standing::Contradicted && (!self.is_set_aside(report.source) || is_alone())
+        let is_alone = others & !self.set_aside == 0;
+        standing != Standing::Contradicted && (!self.is_set_aside(source) || is_alone)
     }
 
     fn learn(&mut self, source: u16, contradicted: bool) {

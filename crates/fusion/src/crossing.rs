@@ -94,7 +94,11 @@ impl Search<'_> {
             if !self.is_compatible(a, there) || !self.is_compatible(b, here) {
                 return None;
             }
-            let points_m2 = 2.0 * self.sources.spread_m2(&self.settings.association, Some(a.source));
+            let points_m2 = 2.0
+                * self
+                    .tracks
+                    .sources
+                    .spread_m2(&self.settings.association, Some(a.source));
             let (from, to) = (horizontal(a, now_ns), horizontal(b, now_ns));
             let inverse = (from.covariance + to.covariance + Matrix2::identity() * points_m2).try_inverse()?;
             information += inverse;

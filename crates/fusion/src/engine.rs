@@ -23,7 +23,6 @@ use messages::{Counter, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 use settings::SettingsError;
 
 use crate::association_step::Search;
-use crate::dependence::Dependence;
 use crate::engine_counters::EngineCounters;
 use crate::explanation::Sink;
 use crate::history::Histories;
@@ -31,12 +30,10 @@ use crate::host_clock::HostClock;
 use crate::inlet::{self, SoundCovariances};
 use crate::kept_measurements::KeptMeasurements;
 use crate::life::{self, Life};
-use crate::lifetimes::Lifetimes;
 use crate::measurement::{Content, Correction, Measurement, whole_report};
 use crate::order_table::{Configured, IN_FORCE_MAX, OrderTable};
 use crate::outlet::EngineOutbox;
 use crate::publishing::TrackPublisher;
-use crate::purity::Purity;
 use crate::rules;
 use crate::scan::Scans;
 use crate::schedule::Schedule;
@@ -57,7 +54,6 @@ const AHEAD_OF_CLOCKS_NS: i64 = 500_000_000;
 pub struct Engine {
     pub(crate) settings: Settings,
     pub(crate) tracks: Tracks,
-    pub(crate) sources: Sources,
     pub(crate) scans: Scans,
     pub(crate) life: Life,
     pub(crate) publisher: TrackPublisher,
@@ -95,15 +91,13 @@ impl Engine {
                     settings.association.cell_m,
                     remembers,
                 ),
-                Lifetimes::new(&settings.life, &settings.sources),
-                (Dependence::new(&settings.sources), Purity::new(sources)),
+                Sources::new(&settings),
                 KeptMeasurements::new(
                     settings.late_window_ns(),
                     capacity.kept_measurements(),
                     capacity.system_tracks(),
                 ),
             ),
-            sources: Sources::new(&settings),
             scans: Scans::new(&settings.sources, settings.association.scan_wait),
             life: Life::new(&settings.sources),
             publisher: TrackPublisher::new(rule, &settings.sources),
@@ -150,7 +144,7 @@ impl Engine {
     /// Sets the clock offset of `source` against sound clocks, in seconds, as derived from times of receipt; `None`
     /// if unknown.
     pub fn set_source_clock(&mut self, source: u16, offset_s: Option<f64>) {
-        self.sources.set_clock(&self.settings.sources, source, offset_s);
+        self.tracks.sources.set_clock(&self.settings.sources, source, offset_s);
     }
 
     /// Advances the engine's time to `now_ns`; no report measured earlier may follow. System tracks whose
@@ -192,13 +186,8 @@ impl Engine {
         self.finish_scans(i64::MAX, sink);
         while self.run_timer_before(due_ns, sink) {}
         if let Some(time_ns) = self.schedule.take_refresh() {
-            self.publisher.weigh_all(
-                &self.settings,
-                &mut self.tracks,
-                &self.sources,
-                time_ns,
-                &mut self.outbox.to(sink),
-            );
+            self.publisher
+                .weigh_all(&self.settings, &mut self.tracks, time_ns, &mut self.outbox.to(sink));
         }
     }
 
@@ -231,15 +220,15 @@ impl Engine {
             self.outbox.counts.add(report.source, counter);
             return;
         }
-        self.life.moving.note(report);
+        self.tracks.sources.moving.note(report);
         let corrected = inlet::corrected(report, &self.settings.sources, now_ns);
         let report = corrected.as_ref().unwrap_or(report);
         self.pass_time(now_ns, sink);
         // Before the first step of time the present is undefined.
         let now_ns = self.schedule.now_ns();
-        let aligned = self.sources.aligned(&self.settings, report, now_ns);
+        let aligned = self.tracks.sources.aligned(&self.settings, report, now_ns);
         let report = aligned.as_ref().unwrap_or(report);
-        self.sources.align(&self.settings, report, now_ns);
+        self.tracks.sources.align(&self.settings, report, now_ns);
         let is_far_ahead = now_ns != i64::MIN && report.time_of_measurement_ns > now_ns.saturating_add(AHEAD_MAX_NS);
         if report.has(sensor_track_bits::WILD_CLOCK) || is_far_ahead {
             self.outbox.counts.add(report.source, Counter::RejectedClock);
@@ -258,7 +247,7 @@ impl Engine {
         }
         let is_foreign = self.settings.sources[usize::from(report.source)].is_centre;
         if !is_foreign {
-            self.tracks.dependence.learn(report);
+            self.tracks.sources.dependence.learn(report);
         }
         // Early look-up: the cache miss overlaps with the checks below.
         let known = self.tracks.sensors.find(report.source, report.track_number);
@@ -297,7 +286,7 @@ impl Engine {
         sink: &mut impl Sink,
     ) -> Option<SensorSlot> {
         let sensor = known?;
-        if self.tracks.sensors.get(sensor).epoch == self.sources.alignment.epoch_of(report.source) {
+        if self.tracks.sensors.get(sensor).epoch == self.tracks.sources.alignment.epoch_of(report.source) {
             return known;
         }
         self.end_sensor_track(sensor, report.time_of_measurement_ns, sink);
@@ -328,9 +317,10 @@ impl Engine {
         let (mut content, mut correction) = (Content::none(), Correction::NONE);
         if !is_foreign {
             let goes_on = before.is_none() && self.tracks.goes_on(report.source, report.track_number);
-            self.sources
+            self.tracks
+                .sources
                 .read_content(report, (before, goes_on), repaired, &mut content);
-            correction = self.sources.correction_of(&self.settings.sources, report);
+            correction = self.tracks.sources.correction_of(&self.settings.sources, report);
         }
         let sensors = &mut self.tracks.sensors;
         let place = earlier.map(|(sensor, _)| sensor).or_else(|| sensors.insert(report));
@@ -346,7 +336,7 @@ impl Engine {
         entry.take(report, identity, &correction, &content);
         entry.repaired = repaired;
         entry.is_foreign = is_foreign;
-        entry.epoch = self.sources.alignment.epoch_of(report.source);
+        entry.epoch = self.tracks.sources.alignment.epoch_of(report.source);
         sensors.note(sensor, self.settings.sources[usize::from(report.source)].period_ns);
         if let Some(measurement) = &mut content.measurement {
             measurement.correct(&correction);
@@ -366,9 +356,13 @@ impl Engine {
             report.source,
             self.settings.sources[usize::from(report.source)].period_ns,
         );
-        self.tracks.lifetimes.restarts.take(source, time_ns, known.is_none());
+        self.tracks
+            .sources
+            .lifetimes
+            .restarts
+            .take(source, time_ns, known.is_none());
         let Some(sensor) = known else {
-            self.tracks.lifetimes.learn(report.source, time_ns, None);
+            self.tracks.sources.lifetimes.learn(report.source, time_ns, None);
             return Some(None);
         };
         let age_ns = time_ns - self.tracks.sensors.get(sensor).time_ns;
@@ -378,17 +372,20 @@ impl Engine {
             return None;
         }
         let is_over =
-            age_ns > self.tracks.lifetimes.silence_ns(report.source) && age_ns > self.tracks.silence_ns(sensor);
+            age_ns > self.tracks.sources.lifetimes.silence_ns(report.source) && age_ns > self.tracks.silence_ns(sensor);
         if is_over || self.is_reused(sensor, report, age_ns) {
             // The source has reused the number for another target.
             self.tracks.drop_sensor_track(sensor);
             return Some(None);
         }
-        self.tracks.lifetimes.learn(report.source, time_ns, Some(age_ns));
+        self.tracks
+            .sources
+            .lifetimes
+            .learn(report.source, time_ns, Some(age_ns));
         let system = self.tracks.sensors.get(sensor).system;
         // The gaps of a slow target are its own.
         if system == NO_SYSTEM || !self.tracks.systems.get(system).rhythm.is_slow() {
-            self.tracks.lifetimes.learn_gap(report.source, age_ns);
+            self.tracks.sources.lifetimes.learn_gap(report.source, age_ns);
         }
         Some(Some((sensor, age_ns as f64 / NS_PER_S)))
     }
@@ -397,7 +394,7 @@ impl Engine {
     /// fit any target.
     #[inline]
     fn is_outdated(&self, report: &SensorTrack) -> bool {
-        let lifetimes = &self.tracks.lifetimes;
+        let lifetimes = &self.tracks.sources.lifetimes;
         let longest_ns = lifetimes.silence_ns(report.source) + lifetimes.fresh_ns(report.source);
         self.schedule.now_ns().saturating_sub(report.time_of_measurement_ns) > longest_ns
     }
@@ -409,7 +406,6 @@ impl Engine {
         let search = Search {
             settings: &self.settings,
             tracks: &self.tracks,
-            sources: &self.sources,
         };
         2 * age_ns > 3 * period_ns && search.is_of_another(sensor, report)
     }
@@ -432,7 +428,7 @@ impl Engine {
         }
         if report.has(sensor_track_bits::PRESSURE_OFFSET) {
             let offset_m = f64::from(report.pressure_offset_m);
-            self.tracks.pressure.learn(report.position_m, offset_m);
+            self.tracks.sources.pressure.learn(report.position_m, offset_m);
         }
         let before = self.tracks.sensors.get(sensor).system;
         if before == NO_SYSTEM && self.orders.concerns_tracks {
@@ -495,7 +491,7 @@ impl Engine {
         let known = &target.filter.estimate.covariance;
         let [xx, xy, _, yy, ..] = measurement.covariance_m2;
         let covariance_m2 = [xx + known.get(0, 0), xy + known.get(0, 1), yy + known.get(1, 1)];
-        self.sources.learn_contradiction(
+        self.tracks.sources.learn_contradiction(
             (entry.source, entry.latest.velocity_mps),
             (residual_m, covariance_m2),
             (entry.system, [x, y]),
@@ -530,7 +526,7 @@ impl Engine {
         } else if self.is_misled(sensor) || self.is_ahead(sensor) {
             self.restart(sensor, sink);
         } else if let Some(measurement) = measurement
-            && (self.tracks.is_established(sensor) || !self.sources.points.sees_points())
+            && (self.tracks.is_established(sensor) || !self.tracks.sources.points.sees_points())
             && !self.corrects_claims(sensor, sink)
         {
             self.update_filter(sensor, measurement, sink);
@@ -539,16 +535,14 @@ impl Engine {
         self.compare(sensor, measurement);
         let out = &mut self.outbox.to(sink);
         let cause = (system, report);
-        self.life
-            .update_existence(&self.settings, &mut self.tracks, &self.sources, cause, out);
+        self.life.update_existence(&self.settings, &mut self.tracks, cause, out);
         if !was_shown && self.tracks.systems.get(system).was_shown && !self.tracks.systems.silent.is_empty() {
             self.take_former_number(sensor, report.time_of_measurement_ns, sink);
         }
         // The same state again is no news.
         if !adds_nothing || self.tracks.systems.get(system).life != life {
             let out = &mut self.outbox.to(sink);
-            self.publisher
-                .refresh(&self.settings, &mut self.tracks, &self.sources, cause, out);
+            self.publisher.refresh(&self.settings, &mut self.tracks, cause, out);
         }
     }
 
@@ -556,7 +550,7 @@ impl Engine {
     /// been corrected.
     #[inline]
     fn is_ahead(&self, sensor: SensorSlot) -> bool {
-        self.sources.corrects_clocks() && {
+        self.tracks.sources.corrects_clocks() && {
             let entry = self.tracks.sensors.get(sensor);
             let latest_ns = entry.time_ns.max(self.schedule.now_ns());
             self.tracks.systems.get(entry.system).filter.time_ns > latest_ns.saturating_add(AHEAD_OF_CLOCKS_NS)
@@ -568,13 +562,14 @@ impl Engine {
         let mut fresh_until_ns = self.tracks.fresh_until(system);
         let entry = self.tracks.systems.get_mut(system);
         if entry.life == TrackState::Confirmed {
-            self.sources.models[usize::from(report.source)].learn_detection(true);
+            self.tracks.sources.models[usize::from(report.source)].learn_detection(true);
         }
         let fresh_ns = entry.rhythm.fresh_ns();
         let interval_ns = report.time_of_measurement_ns - entry.last_report_ns;
         if entry.reports > 0 && interval_ns > 0 {
             let is_named = entry.identity.unique_number().is_some();
             self.tracks
+                .sources
                 .lifetimes
                 .learn_rhythm(&mut entry.rhythm, (report.source, is_named), interval_ns);
         }
@@ -609,7 +604,7 @@ impl Engine {
         if system != NO_SYSTEM && role == Role::Primary {
             let out = &mut self.outbox.to(sink);
             let miss = (system, report, misses);
-            life::count_miss(&self.settings, &mut self.tracks, &mut self.sources, miss, out);
+            life::count_miss(&self.settings, &mut self.tracks, miss, out);
         }
     }
 
@@ -635,18 +630,19 @@ impl Engine {
         let enabled = self.settings.registration.enabled;
         let largest_m = self.settings.target_size.unknown_m;
         let begins = due && enabled;
-        if begins || self.sources.registration.is_solving() {
-            self.sources.register(begins, largest_m, confirmed, |source| {
+        if begins || self.tracks.sources.registration.is_solving() {
+            self.tracks.sources.register(begins, largest_m, confirmed, |source| {
                 self.outbox.counts.add(source, Counter::EstimatesRestarted);
             });
         }
         if due {
-            self.sources.look_at_points(self.publisher.rule().keeps_points);
-            self.publisher.set_common_error(self.sources.common_error_m2());
-            self.sources.look_at_motion();
+            self.tracks.sources.look_at_points(self.publisher.rule().keeps_points);
+            self.publisher.set_common_error(self.tracks.sources.common_error_m2());
+            self.tracks.sources.look_at_motion();
             let now_ns = self.schedule.now_ns();
             if self
                 .tracks
+                .sources
                 .lifetimes
                 .follow(&self.settings.life, &mut self.settings.sources, now_ns)
             {

@@ -26,7 +26,6 @@ impl Engine {
         let Self {
             settings,
             tracks,
-            sources,
             scans,
             life,
             publisher,
@@ -43,7 +42,7 @@ impl Engine {
             .collect();
         let of = self.image_fingerprint();
         let parts = (
-            of, periods, tracks, sources, scans, life, publisher, schedule, host_clock, orders,
+            of, periods, tracks, scans, life, publisher, schedule, host_clock, orders,
         );
         // Into memory, where there is always room, and all of it is of a known length.
         postcard::to_stdvec(&parts).unwrap_or_default()
@@ -66,7 +65,6 @@ impl Engine {
         (
             periods,
             self.tracks,
-            self.sources,
             self.scans,
             self.life,
             self.publisher,

@@ -33,7 +33,7 @@ impl Engine {
         let late_ns = now_ns.saturating_sub(report.time_of_measurement_ns);
         // Later ones count for little, and a wrong clock is not late.
         let late_ns = late_ns.clamp(0, self.settings.late_window_ns());
-        self.tracks.lifetimes.learn_lateness(report.source, late_ns);
+        self.tracks.sources.lifetimes.learn_lateness(report.source, late_ns);
     }
 
     /// Lets the filter use the late measurement in the latest report of a sensor track in its place. A measurement that
@@ -59,7 +59,7 @@ impl Engine {
         };
         self.outbox.counts.add(kept.track.0, counter);
         self.tracks.kept.begin(system, filter);
-        let innovation = kept.use_in(filter, |filter| self.sources.motion(filter.velocity_mps()));
+        let innovation = kept.use_in(filter, |filter| self.tracks.sources.motion(filter.velocity_mps()));
         self.tracks.kept.append_kept(system, filter, &kept);
         innovation
     }
@@ -71,7 +71,7 @@ impl Engine {
         kept: &KeptMeasurement,
         successor: Option<(Place, Measurement)>,
     ) -> Option<FilterInnovation> {
-        let sources = &self.sources;
+        let sources = &self.tracks.sources;
         let filter = &mut self.tracks.systems.get_mut(system).filter;
         let late = &mut self.tracks.kept;
         if late.lateness(system, filter.time_ns, kept.time_ns) != Lateness::Kept {
@@ -122,8 +122,7 @@ impl Engine {
         self.count_overtaken(system, report.source);
         let out = &mut self.outbox.to(sink);
         let cause = (system, report);
-        self.publisher
-            .refresh(&self.settings, &mut self.tracks, &self.sources, cause, out);
+        self.publisher.refresh(&self.settings, &mut self.tracks, cause, out);
         true
     }
 
@@ -136,7 +135,7 @@ impl Engine {
         sink: &mut impl Sink,
     ) {
         let number = self.tracks.systems.get(system).number;
-        let assumed = assumed_of(system, &self.tracks, &self.sources, &self.publisher);
+        let assumed = assumed_of(system, &self.tracks, &self.publisher);
         let kept = &self.tracks.kept;
         let mut out = self.outbox.to(sink);
         if overtaken.is_used {
@@ -157,7 +156,7 @@ impl Engine {
         let entry = self.tracks.systems.get_mut(system);
         entry.reports = entry.reports.saturating_add(1);
         if entry.life == TrackState::Confirmed {
-            self.sources.models[usize::from(source)].learn_detection(true);
+            self.tracks.sources.models[usize::from(source)].learn_detection(true);
         }
         let [x, y, _] = entry.filter.estimate.position_m();
         self.tracks.systems.grid.place(system, x, y);
@@ -181,16 +180,19 @@ impl Engine {
             &before.correction.undone(before.state),
             seconds(before.time_ns, time_ns),
         );
-        let mut measurement = self.sources.measurement_between(shown, earlier, (&own, has_height))?;
-        let correction = self.sources.correction_of(&self.settings.sources, report);
+        let mut measurement = self
+            .tracks
+            .sources
+            .measurement_between(shown, earlier, (&own, has_height))?;
+        let correction = self.tracks.sources.correction_of(&self.settings.sources, report);
         measurement.correct(&correction);
-        let referred = reference_point::known(&self.sources.points, &self.tracks, sensor, &measurement);
+        let referred = reference_point::known(&self.tracks, sensor, &measurement);
         measurement.refer(referred.point_m, referred.variance_m2);
         let successor = after.and_then(|place| {
             let after = kept.at(place);
             let earlier = (&own, seconds(time_ns, after.time_ns));
             let later = (&after.correction.undone(after.state), after.has_height);
-            let mut measurement = self.sources.measurement_between(shown, earlier, later)?;
+            let mut measurement = self.tracks.sources.measurement_between(shown, earlier, later)?;
             measurement.correct(&after.correction);
             measurement.refer(after.point_m, after.point_m2);
             Some((place, measurement))

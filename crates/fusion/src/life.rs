@@ -20,25 +20,20 @@ use messages::{Counter, DecisionKind, NO_SOURCE, NS_PER_S, SensorTrack, TrackSta
 use serde::{Deserialize, Serialize};
 
 use crate::association_step::{SEARCH_CELLS_MAX, Search};
-use crate::detection_map::DetectionMap;
 use crate::existence::{SingleSourceClaim, probability};
 use crate::explanation::Sink;
-use crate::moving_sources::MovingSources;
 use crate::outlet::Outlet;
 use crate::purity::LASTING_REPORTS;
 use crate::sensor_tracks::SensorEntry;
 use crate::settings::{Settings, SourceSettings};
 use crate::silent_tracks::SUSPENDED_MAX;
-use crate::sources::Sources;
+use crate::sources::FollowedTarget;
 use crate::system_track_message::{publish_change, publish_extrapolated};
 use crate::system_tracks::SystemSlot;
 use crate::tracks::Tracks;
 
 /// Time between two looks, per system track, at which sources follow it, nanoseconds.
 const COVERAGE_EVERY_NS: i64 = 4_000_000_000;
-/// Number of cells of the learned coverage table, and their width.
-const COVERAGE_CELLS: usize = 4096;
-const COVERAGE_CELL_M: f64 = 5000.0;
 
 /// Share of the silence that does not count where a track teaches coverage: the silence rests on that coverage.
 const UNTAUGHT: f64 = 0.3;
@@ -63,10 +58,6 @@ const DETECTION_SELDOM: f64 = 0.1;
 /// Evidence and times on which the life of system tracks rests.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Life {
-    /// Where each source follows targets.
-    pub(crate) coverage: DetectionMap,
-    /// From where the sources that move see.
-    pub(crate) moving: MovingSources,
     /// No system track is left unlooked-at for longer than this, so that its deadline can be put off but never missed,
     /// nanoseconds.
     shortest_fresh_ns: i64,
@@ -111,10 +102,7 @@ impl ExistenceEvidence {
 
 impl Life {
     pub(crate) fn new(sources: &[SourceSettings]) -> Self {
-        let areas = sources.iter().map(|source| source.coverage.clone()).collect();
         Self {
-            coverage: DetectionMap::new(areas, COVERAGE_CELLS, COVERAGE_CELL_M),
-            moving: MovingSources::new(sources.len()),
             shortest_fresh_ns: sources.iter().map(|source| source.fresh_ns).min().unwrap_or(1),
         }
     }
@@ -129,7 +117,6 @@ impl Life {
         &mut self,
         settings: &Settings,
         tracks: &mut Tracks,
-        sources: &Sources,
         (system, report): (SystemSlot, &SensorTrack),
         out: &mut Outlet<'_, S>,
     ) {
@@ -154,7 +141,7 @@ impl Life {
                     );
                 }
                 tracks.systems.get_mut(system).log_odds = evidence.log_ratio;
-                if evidence.is_believed && !may_be_another(settings, tracks, sources, (system, now_ns)) {
+                if evidence.is_believed && !may_be_another(settings, tracks, (system, now_ns)) {
                     tracks.systems.set_life(system, TrackState::Confirmed);
                     let first = !std::mem::replace(&mut tracks.systems.get_mut(system).was_shown, true);
                     if first {
@@ -201,14 +188,14 @@ impl Life {
         if reports < least || !is_established || entry.recognition.is_doubted() {
             return ExistenceEvidence::NONE;
         }
-        let witnesses = tracks.dependence.witnesses_among(sources);
+        let witnesses = tracks.sources.dependence.witnesses_among(sources);
         if witnesses >= 3 {
             return ExistenceEvidence::certain(f64::from(witnesses));
         }
         let (silence, had_their_chance) = self.silence(settings, tracks, (system, now_ns), sources);
         let purity = match witnesses {
             // A single source that is no copy of another one.
-            1 => tracks.purity.log_odds(sources.trailing_zeros() as u16),
+            1 => tracks.sources.purity.log_odds(sources.trailing_zeros() as u16),
             _ => 0.0,
         };
         let claim = SingleSourceClaim {
@@ -248,7 +235,7 @@ impl Life {
     ) -> (f64, bool) {
         let entry = tracks.systems.get(system);
         let (filter, age_ns) = (&entry.filter, (now_ns - entry.first_seen_ns) as f64);
-        let groups = |bits: u64, source: u16| bits | 1 << tracks.dependence.group_of(source);
+        let groups = |bits: u64, source: u16| bits | 1 << tracks.sources.dependence.group_of(source);
         let heard = (0..settings.sources.len() as u16)
             .filter(|source| sources & (1 << source) != 0)
             .fold(0, groups);
@@ -256,17 +243,17 @@ impl Life {
         for (index, source) in settings.sources.iter().enumerate() {
             // What is higher than a source can see says nothing about it.
             let may_see = !source.is_out && (!filter.has_height || filter.estimate.mean[2] <= source.ceiling_m);
-            let is_silent =
-                groups(0, index as u16) & heard == 0 && tracks.dependence.is_witness_beside(index as u16, sources);
+            let is_silent = groups(0, index as u16) & heard == 0
+                && tracks.sources.dependence.is_witness_beside(index as u16, sources);
             if is_silent && may_see && !source.is_centre {
                 let place_m = filter.estimate.position_m();
-                let area = self.coverage.area(index);
-                let Some(place_m) = self.moving.seen_from(index as u16, place_m, now_ns, area) else {
+                let area = tracks.sources.coverage.area(index);
+                let Some(place_m) = tracks.sources.moving.seen_from(index as u16, place_m, now_ns, area) else {
                     continue;
                 };
-                let detection = self.coverage.probability(index as u16, place_m);
+                let detection = tracks.sources.coverage.probability(index as u16, place_m);
                 // The reports of the last seconds may not have come yet.
-                let looks = match tracks.lifetimes.late_ns(index as u16) {
+                let looks = match tracks.sources.lifetimes.late_ns(index as u16) {
                     0 => age_ns,
                     late_ns => (age_ns - late_ns as f64).max(0.0),
                 } / source.period_ns as f64;
@@ -296,21 +283,19 @@ impl Life {
         tracks.systems.grid.near(x, y, NEAR_M, SEARCH_CELLS_MAX, |other| {
             near |= tracks.sources_of(other, now_ns);
         });
-        let detects = |source: u16| {
-            let settings = &settings[usize::from(source)];
-            let follows = sources & (1 << source) != 0;
-            let is_asked = near & (1 << source) == 0 && age_ns >= settings.period_ns;
-            (!settings.is_out && (follows || is_asked)).then_some(follows)
+        let bits = |is_so: &dyn Fn(usize) -> bool| {
+            let of_those = (0..settings.len()).filter(|source| is_so(*source));
+            of_those.fold(0u64, |bits, source| bits | 1 << source)
         };
-        let Self { coverage, moving, .. } = self;
-        coverage.learn([x, y], existence, |source| {
-            detects(source).filter(|_| !moving.moves(source))
+        let is_asked = |source: usize| near & (1 << source) == 0 && age_ns >= settings[source].period_ns;
+        let asked = bits(&|source| !settings[source].is_out && (sources & (1 << source) != 0 || is_asked(source)));
+        tracks.sources.learn_coverage(&FollowedTarget {
+            time_ns: now_ns,
+            place_m,
+            existence,
+            follows: sources,
+            asked,
         });
-        for source in (0..settings.len() as u16).filter(|source| moving.moves(*source)) {
-            if let Some([x, y, _]) = moving.seen_from(source, place_m, now_ns, coverage.area(source.into())) {
-                coverage.learn([x, y], existence, |asked| detects(asked).filter(|_| asked == source));
-            }
-        }
     }
 
     /// Works off the earliest deadline before `time_ns`, up to which nothing else happens; `false` if there is none.
@@ -361,13 +346,13 @@ fn count_target(tracks: &mut Tracks, system: SystemSlot, now_ns: i64) {
 fn count_target_if_sure(tracks: &mut Tracks, system: SystemSlot, now_ns: i64) {
     let entry = tracks.systems.get(system);
     let sources = tracks.sources_of(system, now_ns);
-    let agree = entry.life == TrackState::Confirmed && tracks.dependence.witnesses_among(sources) >= 2;
+    let agree = entry.life == TrackState::Confirmed && tracks.sources.dependence.witnesses_among(sources) >= 2;
     if !agree && entry.reports < LASTING_REPORTS {
         return;
     }
     tracks.systems.get_mut(system).is_counted = true;
     for source in (0..u64::BITS as u16).filter(|source| sources & (1 << source) != 0) {
-        tracks.purity.learn(source, true);
+        tracks.sources.purity.learn(source, true);
     }
 }
 
@@ -377,7 +362,7 @@ fn count_false(tracks: &mut Tracks, system: SystemSlot) {
     if !entry.is_counted && entry.contributors.count_ones() == 1 {
         entry.is_counted = true;
         let source = entry.contributors.trailing_zeros() as u16;
-        tracks.purity.learn(source, false);
+        tracks.sources.purity.learn(source, false);
     }
 }
 
@@ -392,19 +377,10 @@ fn agreement_log_ratio(tracks: &Tracks) -> f64 {
 
 /// Returns whether the target of a tentative track may be a confirmed target, seen by the other sources at another
 /// point, while a later merge of the two is undecided.
-fn may_be_another(
-    settings: &Settings,
-    tracks: &Tracks,
-    sources: &Sources,
-    (system, now_ns): (SystemSlot, i64),
-) -> bool {
+fn may_be_another(settings: &Settings, tracks: &Tracks, (system, now_ns): (SystemSlot, i64)) -> bool {
     let entry = tracks.systems.get(system);
     let patience_s = PATIENCE_PERIODS * settings.longest_period_s();
-    let search = Search {
-        settings,
-        tracks,
-        sources,
-    };
+    let search = Search { settings, tracks };
     let is_patient = (now_ns - entry.first_seen_ns) as f64 <= patience_s * NS_PER_S;
     let is_nameless = entry.identity.unique_number().is_none() && !entry.is_foreign;
     let is_new = (now_ns - entry.first_seen_ns) as f64 <= RESTART_PERIODS * settings.longest_period_s() * NS_PER_S;
@@ -427,7 +403,7 @@ fn run_timer<S: Sink>(
     let entry = tracks.systems.get(slot);
     let tentative_ns = match settings.life.tentative_s {
         Some(stated) => stated.ns(),
-        None => tracks.lifetimes.tentative_ns.max(entry.rhythm.fresh_ns()),
+        None => tracks.sources.lifetimes.tentative_ns.max(entry.rhythm.fresh_ns()),
     };
     let (coast_ns, last_ns) = (entry.fresh_until_ns, entry.last_report_ns);
     let end_ns = ends_at(tracks, slot);
@@ -464,10 +440,10 @@ fn ends_at(tracks: &Tracks, slot: SystemSlot) -> i64 {
     let entry = tracks.systems.get(slot);
     // Only what is a target for certain leaves gaps; a false track is not to be shown any longer.
     let usual_ns = match entry.is_counted {
-        true => tracks.lifetimes.silence_of(entry.contributors),
-        false => tracks.lifetimes.terminate_ns,
+        true => tracks.sources.lifetimes.silence_of(entry.contributors),
+        false => tracks.sources.lifetimes.terminate_ns,
     };
-    let terminate_ns = tracks.lifetimes.silence_at(entry.rhythm, usual_ns);
+    let terminate_ns = tracks.sources.lifetimes.silence_at(entry.rhythm, usual_ns);
     entry.last_report_ns.saturating_add(terminate_ns)
 }
 
@@ -514,11 +490,10 @@ fn suspend<S: Sink>(settings: &Settings, tracks: &mut Tracks, slot: SystemSlot, 
 pub(crate) fn count_miss<S: Sink>(
     settings: &Settings,
     tracks: &mut Tracks,
-    sources: &mut Sources,
     (system, report, misses): (SystemSlot, &SensorTrack, u32),
     out: &mut Outlet<'_, S>,
 ) {
-    let model = &mut sources.models[usize::from(report.source)];
+    let model = &mut tracks.sources.models[usize::from(report.source)];
     let entry = tracks.systems.get_mut(system);
     if entry.life == TrackState::Tentative {
         return;

@@ -23,7 +23,6 @@ use crate::outlet::Outlet;
 use crate::points::DetectionPoint;
 use crate::sensor_tracks::{NO_SYSTEM, Role, SensorSlot};
 use crate::settings::Settings;
-use crate::sources::Sources;
 use crate::system_tracks::{Bond, SystemEntry, SystemSlot};
 use crate::tracks::Tracks;
 
@@ -59,7 +58,6 @@ const SLOW_NS: i64 = 2_500_000_000;
 pub(crate) struct Linking<'a> {
     pub(crate) settings: &'a Settings,
     pub(crate) tracks: &'a mut Tracks,
-    pub(crate) sources: &'a Sources,
 }
 
 impl Linking<'_> {
@@ -81,7 +79,6 @@ impl Linking<'_> {
         Search {
             settings: self.settings,
             tracks: self.tracks,
-            sources: self.sources,
         }
     }
 
@@ -276,7 +273,7 @@ impl Linking<'_> {
         let filter = &self.tracks.systems.get(entry.system).filter;
         let estimate = filter.at(
             entry.latest.time_of_measurement_ns,
-            self.sources.motion(filter.velocity_mps()),
+            self.tracks.sources.motion(filter.velocity_mps()),
         );
         let apart = |axis: usize| entry.latest.position_m[axis] - estimate.mean[axis];
         let now_ns = entry.latest.time_of_measurement_ns;

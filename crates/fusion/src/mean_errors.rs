@@ -41,12 +41,12 @@ impl SensorEntry {
 
 impl Engine {
     /// Adds the innovation of a measurement to its sensor track's mean, and lets the models of the sources learn from
-    /// it, unless a step of a source's errors has misled filters (`is_misled`). `moves_mps` is the target's velocity
+    /// it, which has the normalised square `nis`, unless a step of a source's errors has misled filters (`is_misled`). `moves_mps` is the target's velocity
     /// where the innovation shows how targets move.
     pub(crate) fn learn_of_innovation(
         &mut self,
         sensor: SensorSlot,
-        (innovation, measurement): (&FilterInnovation, &Measurement),
+        (innovation, nis, measurement): (&FilterInnovation, f64, &Measurement),
         moves_mps: Option<[f64; 3]>,
         is_misled: bool,
     ) {
@@ -59,7 +59,7 @@ impl Engine {
         let is_led_or_leapt = entry.is_led_off || entry.point.has_leapt;
         let registered = |source: u16| self.settings.sources[usize::from(source)].is_registered;
         let is_compared = registered(entry.source) && target.life == TrackState::Confirmed;
-        let model = &self.sources.models[usize::from(entry.source)];
+        let model = &self.tracks.sources.models[usize::from(entry.source)];
         let looks = about_mean_m.is_some()
             && is_compared
             && !is_led_or_leapt
@@ -67,7 +67,6 @@ impl Engine {
         let search = Search {
             settings: &self.settings,
             tracks: &self.tracks,
-            sources: &self.sources,
         };
         let apart = looks.then(|| search.offset(sensor, registered)).flatten();
         let shown = Innovation {
@@ -75,6 +74,7 @@ impl Engine {
             report: &entry.latest,
             target: entry.system,
             innovation,
+            nis,
             moves_mps,
             about_mean_m,
             shows_errors: is_compared && !entry.point.has_leapt,
@@ -87,7 +87,7 @@ impl Engine {
                 size_m: self.settings.target_size.of(&entry.latest.target_type),
             }),
         };
-        self.sources.learn_innovation(&self.settings, &shown);
+        self.tracks.sources.learn_innovation(&self.settings, &shown);
     }
 }
 
@@ -96,6 +96,7 @@ impl Search<'_> {
     /// all targets, and about its detection point if that has leapt.
     pub(crate) fn mean_about_point(&self, entry: &SensorEntry) -> [f64; 2] {
         let shift_m = self
+            .tracks
             .sources
             .registration
             .suspected_shift(entry.source, entry.latest.velocity_mps);
@@ -143,7 +144,7 @@ impl Search<'_> {
             return Some(0.0);
         }
         let (offset, noise_m2) = self.offset(sensor, |_| true)?;
-        let spread_m2 = self.sources.spread_m2(settings, None);
+        let spread_m2 = self.tracks.sources.spread_m2(settings, None);
         Some((offset[0] * offset[0] + offset[1] * offset[1]) / (noise_m2 + 2.0 * spread_m2))
     }
 }

@@ -154,7 +154,7 @@ impl Search<'_> {
         let theirs = gaussian_of(other).moved(seconds, Default::default());
         let unforeseen_m = 0.5 * ACCELERATION_MPS2 * seconds * seconds;
         let heights = own.has(sensor_track_bits::HEIGHT) && other.has(sensor_track_bits::HEIGHT);
-        let reach_m = self.sources.bias_reach_m(self.settings, own, other);
+        let reach_m = self.tracks.sources.bias_reach_m(self.settings, own, other);
         let spread_m2 = reach_m * reach_m / self.settings.association.join_gate() + unforeseen_m * unforeseen_m;
         self.compare(&gaussian_of(own), &theirs, heights, spread_m2)
     }

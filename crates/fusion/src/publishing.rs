@@ -15,7 +15,6 @@ use crate::outlet::Outlet;
 use crate::rules::{self, Candidate, RuleEntry, RuleFunction, RuleMethod};
 use crate::sensor_tracks::SensorSlot;
 use crate::settings::{AccuracyBase, BorderSettings, Settings, SourceSettings};
-use crate::sources::Sources;
 use crate::system_track_message::{list_silent_centres, weight, write};
 use crate::system_tracks::SystemSlot;
 use crate::tracks::Tracks;
@@ -72,14 +71,13 @@ impl TrackPublisher {
         &mut self,
         settings: &Settings,
         tracks: &mut Tracks,
-        sources: &Sources,
         (system, report): (SystemSlot, &SensorTrack),
         out: &mut Outlet<'_, S>,
     ) {
         let time_ns = tracks.systems.get(system).state.time_ns;
         let reference_ns = time_ns.max(report.time_of_measurement_ns);
         if settings.refresh_s.is_none() {
-            self.weigh(settings, tracks, sources, (system, reference_ns, Some(report)), out);
+            self.weigh(settings, tracks, (system, reference_ns, Some(report)), out);
         } else if learns(&settings.sources, report.source) {
             // A report teaches once, however often its system track is weighed.
             self.gather(settings, tracks, system, reference_ns);
@@ -92,7 +90,6 @@ impl TrackPublisher {
         &mut self,
         settings: &Settings,
         tracks: &mut Tracks,
-        sources: &Sources,
         time_ns: i64,
         out: &mut Outlet<'_, S>,
     ) {
@@ -100,7 +97,7 @@ impl TrackPublisher {
             let entry = tracks.systems.get(system);
             let lives = !matches!(entry.life, TrackState::Suspended | TrackState::Terminated);
             if lives && entry.state.time_ns <= time_ns {
-                self.weigh(settings, tracks, sources, (system, time_ns, None), out);
+                self.weigh(settings, tracks, (system, time_ns, None), out);
             }
         }
     }
@@ -129,7 +126,6 @@ impl TrackPublisher {
         &mut self,
         settings: &Settings,
         tracks: &mut Tracks,
-        sources: &Sources,
         (system, reference_ns, cause): (SystemSlot, i64, Option<&SensorTrack>),
         out: &mut Outlet<'_, S>,
     ) {
@@ -143,7 +139,7 @@ impl TrackPublisher {
             RuleMethod::Filter => {
                 let is_usable = self.weighed.share_out();
                 if is_usable {
-                    self.take_over_filter(tracks, sources, system, reference_ns);
+                    self.take_over_filter(tracks, system, reference_ns);
                 }
                 is_usable
             }
@@ -157,8 +153,7 @@ impl TrackPublisher {
             });
         }
         let has_centres = self.weighed.has_centres();
-        let is_usable =
-            has_centres && self.join_centres(tracks, sources, (system, reference_ns), is_usable) || is_usable;
+        let is_usable = has_centres && self.join_centres(tracks, (system, reference_ns), is_usable) || is_usable;
         if !settings.border.regions.is_empty() {
             self.find_owner(&settings.border, tracks, system);
         }
@@ -225,9 +220,9 @@ impl TrackPublisher {
     }
 
     /// Sets the state to the estimate of the target's filter, with the additional variance.
-    fn take_over_filter(&self, tracks: &mut Tracks, sources: &Sources, system: SystemSlot, reference_ns: i64) {
+    fn take_over_filter(&self, tracks: &mut Tracks, system: SystemSlot, reference_ns: i64) {
         let entry = tracks.systems.get_mut(system);
-        let motion = sources.motion(entry.filter.velocity_mps());
+        let motion = tracks.sources.motion(entry.filter.velocity_mps());
         entry.filter.write_state_at(reference_ns, motion, &mut entry.state);
         for axis in 0..2 {
             let velocity = axis + AXES;
@@ -276,7 +271,6 @@ impl TrackPublisher {
     fn join_centres(
         &mut self,
         tracks: &mut Tracks,
-        sources: &Sources,
         (system, reference_ns): (SystemSlot, i64),
         is_usable: bool,
     ) -> bool {
@@ -295,7 +289,7 @@ impl TrackPublisher {
             let latest = TargetFilter::of_report(&centre.latest);
             let candidate = Candidate {
                 source: centre.source,
-                state: latest.state_at(reference_ns, sources.motion(latest.velocity_mps())),
+                state: latest.state_at(reference_ns, tracks.sources.motion(latest.velocity_mps())),
                 ..Candidate::default()
             };
             let knows = centre.latest.has(sensor_track_bits::CONTRIBUTORS);

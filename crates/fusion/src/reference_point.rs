@@ -19,7 +19,7 @@ use crate::innovation::FilterInnovation;
 use crate::kept_measurement::UsedMeasurement;
 use crate::measurement::Measurement;
 use crate::outlet::Outlet;
-use crate::points::{DetectionPoint, Points, Referred};
+use crate::points::{DetectionPoint, Referred};
 use crate::sensor_tracks::{SensorEntry, SensorSlot};
 use crate::settings::Settings;
 use crate::system_tracks::SystemSlot;
@@ -47,7 +47,6 @@ impl Referred {
 pub(crate) struct ReferencePoints<'a> {
     pub(crate) settings: &'a Settings,
     pub(crate) tracks: &'a mut Tracks,
-    pub(crate) points: &'a mut Points,
 }
 
 impl ReferencePoints<'_> {
@@ -57,12 +56,8 @@ impl ReferencePoints<'_> {
         (sensor, measurement): (SensorSlot, &Measurement),
         out: &mut Outlet<'_, S>,
     ) -> Referred {
-        let Self {
-            settings,
-            tracks,
-            points,
-        } = self;
-        let entry = tracks.sensors.get_mut(sensor);
+        let Self { settings, tracks } = self;
+        let (points, entry) = (&tracks.sources.points, tracks.sensors.get_mut(sensor));
         if !points.keeps_points() && !entry.point.has_leapt {
             return Referred::ITSELF;
         }
@@ -71,18 +66,19 @@ impl ReferencePoints<'_> {
             entry.point = points.unknown();
         }
         if !points.keeps_points() {
-            return known(points, tracks, sensor, measurement);
+            return known(tracks, sensor, measurement);
         }
         let (system, now_ns) = (entry.system, entry.time_ns);
-        if !is_anchored(points, tracks, system, now_ns)
+        if !is_anchored(tracks, system, now_ns)
             && let Some(foremost) = foremost(settings, tracks, system, now_ns)
         {
             tracks.sensors.get_mut(foremost).point = DetectionPoint {
                 is_reference: true,
-                ..points.unknown()
+                ..tracks.sources.points.unknown()
             };
             // What the filter was before is a mixture of points.
             let entry = tracks.sensors.get(foremost);
+            let points = &tracks.sources.points;
             if points.is_uncertain(variance_at(&entry.latest, now_ns)) {
                 tracks.systems.get_mut(system).filter.blur(points.apart_m2());
                 tracks.kept.forget(system);
@@ -103,13 +99,13 @@ impl ReferencePoints<'_> {
             out.decision(&tracks.decision(sensor, DecisionKind::ReferencePoint, f64::NAN, f64::NAN));
             return Referred::ITSELF;
         }
-        known(points, tracks, sensor, measurement)
+        known(tracks, sensor, measurement)
     }
 
     /// Learns where a sensor track's detection point lies on the target.
     pub(crate) fn learn(&mut self, sensor: SensorSlot, innovation: &FilterInnovation) {
         let entry = self.tracks.sensors.get_mut(sensor);
-        if self.points.follows(&entry.point) && !entry.point.is_reference {
+        if self.tracks.sources.points.follows(&entry.point) && !entry.point.is_reference {
             let course = self.tracks.systems.get(entry.system).course;
             entry.point.add(innovation.residual_m, course);
         }
@@ -117,18 +113,18 @@ impl ReferencePoints<'_> {
 }
 
 /// Where the detection point of a sensor track lies, as far as it is known; chooses nothing.
-pub(crate) fn known(points: &Points, tracks: &Tracks, sensor: SensorSlot, measurement: &Measurement) -> Referred {
+pub(crate) fn known(tracks: &Tracks, sensor: SensorSlot, measurement: &Measurement) -> Referred {
     let entry = tracks.sensors.get(sensor);
     let target = tracks.systems.get(entry.system);
     let variances_m2 = (measurement.variance_m2(), target.filter.variance_m2());
-    points.known(&entry.point, target.course, variances_m2)
+    tracks.sources.points.known(&entry.point, target.course, variances_m2)
 }
 
 /// Whether some contributing sensor track carries the target's reference point.
-fn is_anchored(points: &Points, tracks: &Tracks, system: SystemSlot, now_ns: i64) -> bool {
+fn is_anchored(tracks: &Tracks, system: SystemSlot, now_ns: i64) -> bool {
     tracks
         .contributing_entries(system, now_ns)
-        .any(|(_, entry)| points.is_known(&entry.point))
+        .any(|(_, entry)| tracks.sources.points.is_known(&entry.point))
 }
 
 /// The contributing sensor track of the source that comes first.

@@ -61,7 +61,7 @@ kept! {
 impl Engine {
     /// How a checkpoint of this engine is laid out.
     pub fn checkpoint_layout(&self) -> CheckpointLayout {
-        let coverage = &self.life.coverage;
+        let coverage = &self.tracks.sources.coverage;
         let sizes = Sizes {
             suspects: Suspects::WORDS,
             systems: KeptTrack::WORDS,
@@ -157,24 +157,24 @@ impl Engine {
 
     fn resume_learned(&mut self, snapshot: &Snapshot) {
         for (source, learned) in snapshot.all::<SourceEstimates>(RecordKind::Sources) {
-            self.sources.models[source] = learned.model;
-            self.sources.registration.resume(source, &learned.errors);
-            *self.life.coverage.general_mut(source) = learned.detection;
-            *self.life.moving.pose_mut(source) = learned.pose;
-            *self.tracks.purity.tally_mut(source) = learned.purity;
+            self.tracks.sources.models[source] = learned.model;
+            self.tracks.sources.registration.resume(source, &learned.errors);
+            *self.tracks.sources.coverage.general_mut(source) = learned.detection;
+            *self.tracks.sources.moving.pose_mut(source) = learned.pose;
+            *self.tracks.sources.purity.tally_mut(source) = learned.purity;
             *self.publisher.accuracies.mean_square_mut(source) = learned.mean_square;
-            self.sources.alignment.resume(source, learned.gross);
+            self.tracks.sources.alignment.resume(source, learned.gross);
         }
         for (place, pair) in snapshot.all::<PairEstimates>(RecordKind::Pairs) {
-            self.sources.registration.resume_pair(place, pair.sums);
-            *self.sources.alignment.pair_mut(place) = pair.gross;
-            self.tracks.dependence.resume(place, pair.dependence);
+            self.tracks.sources.registration.resume_pair(place, pair.sums);
+            *self.tracks.sources.alignment.pair_mut(place) = pair.gross;
+            self.tracks.sources.dependence.resume(place, pair.dependence);
         }
         for (place, class) in snapshot.all::<Class>(RecordKind::Classes) {
-            self.sources.manoeuvres.classes_mut()[place] = class;
+            self.tracks.sources.manoeuvres.classes_mut()[place] = class;
         }
         for (place, words) in snapshot.of_kind(RecordKind::Cells) {
-            self.life.coverage.resume_cell(place, &mut Get(words));
+            self.tracks.sources.coverage.resume_cell(place, &mut Get(words));
         }
     }
 
@@ -231,27 +231,27 @@ impl Engine {
         match kind {
             RecordKind::Sources => {
                 let learned = SourceEstimates {
-                    model: self.sources.models[place],
-                    errors: self.sources.registration.kept(place),
-                    detection: *self.life.coverage.general_mut(place),
-                    pose: *self.life.moving.pose_mut(place),
-                    purity: *self.tracks.purity.tally_mut(place),
+                    model: self.tracks.sources.models[place],
+                    errors: self.tracks.sources.registration.kept(place),
+                    detection: *self.tracks.sources.coverage.general_mut(place),
+                    pose: *self.tracks.sources.moving.pose_mut(place),
+                    purity: *self.tracks.sources.purity.tally_mut(place),
                     mean_square: *self.publisher.accuracies.mean_square_mut(place),
-                    gross: self.sources.alignment.bias_of(place),
+                    gross: self.tracks.sources.alignment.bias_of(place),
                 };
                 checkpoint.write(kind, place, &learned);
             }
             RecordKind::Pairs => {
                 let learned = PairEstimates {
-                    sums: self.sources.registration.pairs()[place],
-                    gross: *self.sources.alignment.pair_mut(place),
-                    dependence: self.tracks.dependence.kept(place),
+                    sums: self.tracks.sources.registration.pairs()[place],
+                    gross: *self.tracks.sources.alignment.pair_mut(place),
+                    dependence: self.tracks.sources.dependence.kept(place),
                 };
                 checkpoint.write(kind, place, &learned);
             }
-            RecordKind::Classes => checkpoint.write(kind, place, &self.sources.manoeuvres.classes_mut()[place]),
+            RecordKind::Classes => checkpoint.write(kind, place, &self.tracks.sources.manoeuvres.classes_mut()[place]),
             _ => {
-                if let Some(cell) = self.life.coverage.cell_at(place) {
+                if let Some(cell) = self.tracks.sources.coverage.cell_at(place) {
                     checkpoint.write_with(kind, place, cell);
                 }
             }

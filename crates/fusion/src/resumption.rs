@@ -114,7 +114,7 @@ impl Search<'_> {
     fn newcomer<'b>(&self, entry: &'b SystemEntry, now_ns: i64) -> Newcomer<'b> {
         let state = entry
             .filter
-            .at(now_ns, self.sources.motion(entry.filter.velocity_mps()));
+            .at(now_ns, self.tracks.sources.motion(entry.filter.velocity_mps()));
         Newcomer {
             time_ns: now_ns,
             height_m: entry.filter.has_height.then_some(state.mean[2]),
@@ -144,9 +144,10 @@ impl Search<'_> {
         if uses_identity && identity::contradict(newcomer.identity, &entry.identity, exponents) {
             return None;
         }
-        let state = entry
-            .filter
-            .at(newcomer.time_ns, self.sources.motion(entry.filter.velocity_mps()));
+        let state = entry.filter.at(
+            newcomer.time_ns,
+            self.tracks.sources.motion(entry.filter.velocity_mps()),
+        );
         if let Some(height_m) = newcomer.height_m
             && entry.filter.has_height
             && (height_m - entry.filter.estimate.mean[2]).abs()
@@ -159,7 +160,7 @@ impl Search<'_> {
         } else {
             0.0
         };
-        let spread_m2 = self.sources.spread_m2(&self.settings.association, None);
+        let spread_m2 = self.tracks.sources.spread_m2(&self.settings.association, None);
         let straight = log_density(&newcomer.state, &state, [spread_m2, VELOCITY_FLOOR_M2PS2]);
         let change_mps = MANOEUVRE_MPS2 * silence_s;
         let turned_m2 = (0.5 * change_mps * silence_s).powi(2);
@@ -224,7 +225,7 @@ impl Engine {
         let silence_ns = report.time_of_measurement_ns - entry.last_report_ns;
         let (was_shown, reports, first_seen_ns) = (entry.was_shown, entry.reports, entry.first_seen_ns);
         if was_shown && !entry.rhythm.is_slow() {
-            self.tracks.lifetimes.learn_gap(report.source, silence_ns);
+            self.tracks.sources.lifetimes.learn_gap(report.source, silence_ns);
         }
         if !was_shown {
             self.recognise(sensor, system);
@@ -268,7 +269,6 @@ impl Engine {
         let search = Search {
             settings: &self.settings,
             tracks: &self.tracks,
-            sources: &self.sources,
         };
         let Some((former, ratio)) = search.former(own, now_ns) else {
             return;

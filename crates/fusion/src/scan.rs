@@ -12,7 +12,6 @@ use serde::{Deserialize, Serialize};
 use crate::association_step::Search;
 use crate::sensor_tracks::SensorSlot;
 use crate::settings::{Settings, SourceSettings};
-use crate::sources::Sources;
 use crate::system_tracks::SystemSlot;
 use crate::tracks::Tracks;
 
@@ -128,7 +127,7 @@ impl Scans {
     /// Assigns the scan of `source`, which is thereby over; as many sensor tracks as are given back can be asked for
     /// with
     /// [`Self::assigned`].
-    pub(crate) fn assign(&mut self, source: u16, settings: &Settings, tracks: &mut Tracks, sources: &Sources) -> usize {
+    pub(crate) fn assign(&mut self, source: u16, settings: &Settings, tracks: &mut Tracks) -> usize {
         let scan = &mut self.scans[usize::from(source)];
         scan.first_ns = i64::MAX;
         self.assigned.clear();
@@ -138,11 +137,7 @@ impl Scans {
         };
         self.assigned.extend(scan.waiting.iter().map(unassigned));
         scan.waiting.clear();
-        self.find_pairs(&Search {
-            settings,
-            tracks,
-            sources,
-        });
+        self.find_pairs(&Search { settings, tracks });
         self.number_columns(tracks);
         let (assigned, columns) = (&mut self.assigned, &self.columns);
         self.assignment

@@ -10,15 +10,21 @@ use messages::{NS_PER_S, SensorTrack, sensor_track_bits};
 use serde::{Deserialize, Serialize};
 
 use crate::alignment::Alignment;
-use crate::credibility::Credibility;
+use crate::credibility::{Credibility, Judgement};
+use crate::dependence::Dependence;
+use crate::detection_map::DetectionMap;
 use crate::error_shape::Stretch;
+use crate::lifetimes::Lifetimes;
 use crate::manoeuvres::Manoeuvres;
 use crate::measurement::{
     CLAIM_MAX, Content, Correction, CovarianceBasis, Measurement, UnfilteredContent, as_reported, gaussian_of,
     recovered_measurement, shows_filter, whole_report,
 };
 use crate::motion::Motion;
+use crate::moving_sources::MovingSources;
 use crate::points::Points;
+use crate::pressure::PressureOffsets;
+use crate::purity::Purity;
 use crate::registration::{ClockError, Registration, TARGETS_MIN};
 use crate::schedule::TICK_NS;
 use crate::settings::{AccuracyBase, AssociationSettings, SOURCES_MAX, Settings, SourceSettings};
@@ -26,7 +32,7 @@ use crate::source_model::{MEAN_VARIANCE, SourceModel};
 use crate::step_memory::StepMemory;
 use crate::tracker_gain::{self, Change, GainEvidence};
 
-pub(crate) use facts::{ComparedStates, EarlierReport, Innovation, MeanApart, StatedState};
+pub(crate) use facts::{ComparedStates, EarlierReport, FollowedTarget, Innovation, MeanApart, StatedState};
 
 /// Offset of a clock, seconds, that is no error beside the others.
 const CLOCK_SOUND_S: f64 = 0.5;
@@ -44,6 +50,17 @@ pub(crate) struct Sources {
     pub(crate) credibility: Credibility,
     /// The points of targets that the sources see.
     pub(crate) points: Points,
+    /// How long reports and tracks of the sources live.
+    pub(crate) lifetimes: Lifetimes,
+    pub(crate) dependence: Dependence,
+    /// How many new tracks of each source turned out to be targets.
+    pub(crate) purity: Purity,
+    /// Where each source follows targets.
+    pub(crate) coverage: DetectionMap,
+    /// From where the sources that move see.
+    pub(crate) moving: MovingSources,
+    /// Pressure altitude and height, by region.
+    pub(crate) pressure: PressureOffsets,
     /// Share of each self-reporting source's reports that measuring sensors contradict.
     contradicted: Vec<f64>,
     /// Error of each source's clock.
@@ -56,6 +73,10 @@ pub(crate) struct Sources {
     was_set_aside: u64,
     before_step: StepMemory,
 }
+
+/// Number of cells of the learned coverage table, and their width.
+const COVERAGE_CELLS: usize = 4096;
+const COVERAGE_CELL_M: f64 = 5000.0;
 
 /// Reports after which the gains of a tracker change no more.
 const OLD_REPORTS: u32 = 32;
@@ -77,6 +98,16 @@ impl Sources {
             manoeuvres: Manoeuvres::new(settings.process_noise_m2ps3),
             credibility: Credibility::new(count),
             points: Points::new(count),
+            lifetimes: Lifetimes::new(&settings.life, &settings.sources),
+            dependence: Dependence::new(&settings.sources),
+            purity: Purity::new(count),
+            coverage: DetectionMap::new(
+                settings.sources.iter().map(|source| source.coverage.clone()).collect(),
+                COVERAGE_CELLS,
+                COVERAGE_CELL_M,
+            ),
+            moving: MovingSources::new(count),
+            pressure: PressureOffsets::new(),
             contradicted: vec![0.0; count],
             clocks: vec![ClockError::default(); count],
             corrects_clocks: false,
@@ -135,24 +166,39 @@ impl Sources {
         self.corrects_clocks
     }
 
-    /// Whether a `report` may be used: see [`Credibility::admits`].
+    /// Whether a report of a target, expected at some place, can be used without a comparison with the others; learns
+    /// that from it. With the variance per axis of where sources see a target, m², if not.
     #[inline]
-    pub(crate) fn admits<'a, O: Iterator<Item = &'a SensorTrack>>(
+    pub(crate) fn needs_comparison(
         &mut self,
         settings: &AssociationSettings,
-        (report, place_m): (&'a SensorTrack, [f64; 2]),
+        placed: (&SensorTrack, [f64; 2]),
+    ) -> Option<f64> {
+        let (source, least_m2) = (placed.0.source, settings.extent_sigma_m * settings.extent_sigma_m);
+        if self.credibility.is_exempt(source) {
+            return None;
+        }
+        // A larger spread only brings the report nearer.
+        if self.credibility.is_near(placed, least_m2) {
+            self.credibility.learn_nearness(source);
+            return None;
+        }
+        let spread_m2 = learned_spread_m2(&self.models, least_m2);
+        if self.credibility.is_near(placed, spread_m2) {
+            self.credibility.learn_nearness(source);
+            return None;
+        }
+        Some(spread_m2)
+    }
+
+    /// Judges a report by the `others` of its target.
+    pub(crate) fn judge<'a, O: Iterator<Item = &'a SensorTrack>>(
+        &self,
+        report: &'a SensorTrack,
+        spread_m2: f64,
         others: impl Fn() -> O,
-        yields: impl Fn(f64) -> bool,
-    ) -> bool {
-        let least_m2 = settings.extent_sigma_m * settings.extent_sigma_m;
-        let Self {
-            credibility,
-            models,
-            clocks,
-            ..
-        } = self;
-        let spread_m2 = || learned_spread_m2(models, least_m2);
-        credibility.admits((report, place_m), (least_m2, spread_m2), clocks, others, yields)
+    ) -> Judgement {
+        self.credibility.judge(report, spread_m2, &self.clocks, others)
     }
 
     /// How targets with this velocity, m/s, move.
@@ -252,6 +298,30 @@ impl Sources {
             (Some(a), Some(b)) => (a.0 + b.0 + SIGMAS * (a.1 + b.1).sqrt()).min(most_m),
             _ => most_m,
         }
+    }
+
+    /// Learns which sources follow a target.
+    pub(crate) fn learn_coverage(&mut self, target: &FollowedTarget) {
+        let Self { coverage, moving, .. } = self;
+        let [x, y, _] = target.place_m;
+        let detects = |source: u16| (target.asked & (1 << source) != 0).then_some(target.follows & (1 << source) != 0);
+        coverage.learn([x, y], target.existence, |source| {
+            detects(source).filter(|_| !moving.moves(source))
+        });
+        for source in (0..self.models.len() as u16).filter(|source| moving.moves(*source)) {
+            let area = coverage.area(source.into());
+            if let Some([x, y, _]) = moving.seen_from(source, target.place_m, target.time_ns, area) {
+                coverage.learn([x, y], target.existence, |asked| {
+                    detects(asked).filter(|_| asked == source)
+                });
+            }
+        }
+    }
+
+    /// Whether the next report of a sensor track with so many before is compared for dependence.
+    #[inline]
+    pub(crate) fn compares(reports: u32, period_ns: i64) -> bool {
+        Dependence::compares(reports, period_ns)
     }
 
     /// Share of the reports of a self-reporting source that measuring sensors contradict.
@@ -418,6 +488,7 @@ impl Sources {
     pub(crate) fn learn_innovation(&mut self, settings: &Settings, shown: &Innovation<'_>) {
         let Innovation { source, innovation, .. } = *shown;
         let index = usize::from(source);
+        self.dependence.learn_innovation(source, 0.5 * shown.nis);
         if let Some(velocity_mps) = shown.moves_mps {
             self.manoeuvres.learn(velocity_mps, innovation);
         }

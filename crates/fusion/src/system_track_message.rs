@@ -115,7 +115,9 @@ pub(crate) fn write(
         .climb_rate()
         .map_or([0.0; 2], |rate| rate.map(|value| value as f32));
     let has_height = entry.state.has_height;
-    let offset = has_height.then(|| tracks.pressure.at(entry.state.position_m)).flatten();
+    let offset = has_height
+        .then(|| tracks.sources.pressure.at(entry.state.position_m))
+        .flatten();
     [message.pressure_offset_m, message.pressure_offset_sigma_m] =
         offset.map_or([0.0; 2], |offset| offset.map(|value| value as f32));
     message.existence = entry.existence();

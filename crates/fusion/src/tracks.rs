@@ -6,30 +6,23 @@ use serde::{Deserialize, Serialize};
 use messages::{Decision, DecisionKind, TrackState};
 
 use crate::checkpoint::{CheckpointWriter, RecordKind};
-use crate::dependence::Dependence;
 use crate::filter::TargetFilter;
 use crate::former_members::FormerMembers;
 use crate::kept_measurements::KeptMeasurements;
-use crate::lifetimes::Lifetimes;
 use crate::measurement::{FilterInput, Measurement};
 use crate::numbering;
-use crate::pressure::PressureOffsets;
-use crate::purity::Purity;
 use crate::rhythm::Rhythm;
 use crate::sensor_tracks::{MemberEntries, MemberLink, NO_SYSTEM, Role, SensorEntry, SensorSlot, SensorTracks};
+use crate::sources::Sources;
 use crate::system_tracks::{SystemEntry, SystemSlot, SystemTracks};
 
-/// Both tables, linked with each other.
+/// Both tables, linked with each other, and what is known of the sources.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Tracks {
     pub(crate) sensors: SensorTracks,
     pub(crate) systems: SystemTracks,
-    pub(crate) lifetimes: Lifetimes,
-    pub(crate) dependence: Dependence,
-    /// How many new tracks of each source turned out to be targets.
-    pub(crate) purity: Purity,
-    /// Pressure altitude and height, by region.
-    pub(crate) pressure: PressureOffsets,
+    /// What is known of the sources.
+    pub(crate) sources: Sources,
     /// Measurements of the last seconds, for late reports.
     pub(crate) kept: KeptMeasurements,
     /// Where what must outlive the process is written.
@@ -55,21 +48,12 @@ kept! {
 }
 
 impl Tracks {
-    pub(crate) fn new(
-        sensors: SensorTracks,
-        systems: SystemTracks,
-        lifetimes: Lifetimes,
-        (dependence, purity): (Dependence, Purity),
-        kept: KeptMeasurements,
-    ) -> Self {
+    pub(crate) fn new(sensors: SensorTracks, systems: SystemTracks, sources: Sources, kept: KeptMeasurements) -> Self {
         Self {
             remembered: FormerMembers::new(sensors.capacity()),
             sensors,
             systems,
-            lifetimes,
-            dependence,
-            purity,
-            pressure: PressureOffsets::new(),
+            sources,
             kept,
             checkpoint: None,
         }
@@ -289,12 +273,13 @@ impl Tracks {
     /// The same by its source's period alone: another sensor track of the source may speak for the target after that.
     #[inline]
     fn is_fresh_by_period(&self, entry: &SensorEntry, now_ns: i64) -> bool {
-        now_ns - entry.time_ns <= self.lifetimes.fresh_ns(entry.source)
+        now_ns - entry.time_ns <= self.sources.lifetimes.fresh_ns(entry.source)
     }
 
     /// Whether a sensor track speaks for its source beside another one: not one of before the source's restart.
     fn still_speaks(&self, entry: &SensorEntry, now_ns: i64) -> bool {
-        self.is_fresh_by_period(entry, now_ns) && !self.lifetimes.restarts.is_before(entry.source, entry.time_ns)
+        self.is_fresh_by_period(entry, now_ns)
+            && !self.sources.lifetimes.restarts.is_before(entry.source, entry.time_ns)
     }
 
     fn is_fresh_by_rhythm(&self, entry: &SensorEntry, now_ns: i64) -> bool {
@@ -328,7 +313,7 @@ impl Tracks {
     pub(crate) fn sources_of(&self, system: SystemSlot, now_ns: i64) -> u64 {
         let mut bits = 0;
         for (_, entry) in self.contributing_entries(system, now_ns) {
-            let is_before = self.lifetimes.restarts.is_before(entry.source, entry.time_ns);
+            let is_before = self.sources.lifetimes.restarts.is_before(entry.source, entry.time_ns);
             bits |= u64::from(!is_before) << entry.source;
         }
         bits
@@ -366,7 +351,7 @@ impl Tracks {
         let own_ns = self.systems.get(system).rhythm.fresh_ns();
         let mut until_ns = i64::MIN;
         for (_, entry) in self.member_entries(system) {
-            until_ns = until_ns.max(entry.time_ns + self.lifetimes.fresh_ns(entry.source).max(own_ns));
+            until_ns = until_ns.max(entry.time_ns + self.sources.lifetimes.fresh_ns(entry.source).max(own_ns));
         }
         until_ns
     }
@@ -413,7 +398,7 @@ impl Tracks {
     #[inline]
     pub(crate) fn learn_dependence(&mut self, sensor: SensorSlot, period_ns: i64) {
         let entry = self.sensors.get(sensor);
-        if !entry.repaired && Dependence::compares(entry.reports, period_ns) {
+        if !entry.repaired && Sources::compares(entry.reports, period_ns) {
             self.compare_with_members(sensor);
         }
     }
@@ -423,13 +408,13 @@ impl Tracks {
         let Self {
             sensors,
             systems,
-            dependence,
+            sources,
             ..
         } = self;
         let entry = sensors.get(sensor);
         for (_, other) in sensors.members_from(systems.get(entry.system).members) {
             if !other.repaired {
-                dependence.compare(&entry.latest, &other.latest);
+                sources.dependence.compare(&entry.latest, &other.latest);
             }
         }
     }
@@ -440,7 +425,7 @@ impl Tracks {
     pub(crate) fn assign_role(&mut self, sensor: SensorSlot) {
         let entry = self.sensors.get(sensor);
         // No other source of the group comes before the first one.
-        if entry.role != Role::Primary || self.dependence.group_of(entry.source) != entry.source {
+        if entry.role != Role::Primary || self.sources.dependence.group_of(entry.source) != entry.source {
             self.assign_role_in_group(sensor);
         }
     }
@@ -449,12 +434,12 @@ impl Tracks {
     fn assign_role_in_group(&mut self, sensor: SensorSlot) {
         let entry = self.sensors.get(sensor);
         let (system, source, now_ns) = (entry.system, entry.source, entry.time_ns);
-        let group = self.dependence.group_of(source);
+        let group = self.sources.dependence.group_of(source);
         let other = self
             .member_entries(system)
             .find(|(member, entry)| {
                 *member != sensor
-                    && self.dependence.group_of(entry.source) == group
+                    && self.sources.dependence.group_of(entry.source) == group
                     && entry.role == Role::Primary
                     && self.still_speaks(entry, now_ns)
             })
@@ -506,7 +491,7 @@ impl Tracks {
     /// Frees sensor tracks that have been silent for the life time of their source's tracks at `now_ns`, a few places
     /// of the table at a time.
     pub(crate) fn drop_silent(&mut self, now_ns: i64) {
-        let since_ns = now_ns.saturating_sub(self.lifetimes.terminate_ns);
+        let since_ns = now_ns.saturating_sub(self.sources.lifetimes.terminate_ns);
         for sensor in self.sensors.next_places() {
             if !self.sensors.is_silent(sensor, since_ns) {
                 continue;
@@ -525,8 +510,9 @@ impl Tracks {
             NO_SYSTEM => Rhythm::default(),
             system => self.systems.get(system).rhythm,
         };
-        self.lifetimes
-            .silence_at(rhythm, self.lifetimes.silence_ns(entry.source))
+        self.sources
+            .lifetimes
+            .silence_at(rhythm, self.sources.lifetimes.silence_ns(entry.source))
     }
 
     /// A decision about a sensor track, at the time of its latest report.

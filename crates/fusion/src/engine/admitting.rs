@@ -1,7 +1,7 @@
 //! Which reports may move a track: those that the others of the target do not contradict (module `credibility`).
 
 use super::Engine;
-use crate::credibility::{AGREES, CONTRADICTS, apart, distance_from};
+use crate::credibility::{AGREES, CONTRADICTS, Standing, apart, distance_from};
 use crate::sensor_tracks::{Role, SensorEntry, SensorSlot};
 use crate::tracks::Tracks;
 
@@ -14,6 +14,23 @@ impl Engine {
     /// Whether the latest report of a sensor track may be used.
     #[inline]
     pub(super) fn admits(&mut self, sensor: SensorSlot) -> bool {
+        let Tracks {
+            sensors,
+            systems,
+            sources,
+            ..
+        } = &mut self.tracks;
+        let entry = sensors.get(sensor);
+        let [x, y, _] = systems.get(entry.system).filter.place_at(entry.time_ns);
+        match sources.needs_comparison(&self.settings.association, (&entry.latest, [x, y])) {
+            None => true,
+            Some(spread_m2) => self.admits_beside_others(sensor, spread_m2),
+        }
+    }
+
+    /// The same by comparison with the other sources of its target.
+    #[cold]
+    fn admits_beside_others(&mut self, sensor: SensorSlot, spread_m2: f64) -> bool {
         let (tracks, entry) = (&self.tracks, self.tracks.sensors.get(sensor));
         let others = || {
             let others = tracks.contributing_entries(entry.system, entry.time_ns);
@@ -23,19 +40,20 @@ impl Engine {
                 .filter(of_others)
                 .map(|other| &other.latest)
         };
-        self.sources.admits(
-            &self.settings.association,
-            (&entry.latest, expected_m(tracks, entry)),
-            others,
-            |spread_m2| yields(tracks, sensor, spread_m2),
-        )
+        let judgement = tracks.sources.judge(&entry.latest, spread_m2, others);
+        let credibility = &tracks.sources.credibility;
+        if judgement.standing == Standing::Open && credibility.others_can_decide() && yields(tracks, sensor, spread_m2)
+        {
+            return false;
+        }
+        self.tracks.sources.credibility.learn_judgement(&judgement)
     }
 
     /// Whether a filter has been misled by a source that is set aside, or leads the target off: it is to begin anew.
     /// One that the report fits has its share of the source from the time before the source was wrong.
     #[inline]
     pub(super) fn is_misled(&self, sensor: SensorSlot) -> bool {
-        let (tracks, credibility) = (&self.tracks, &self.sources.credibility);
+        let (tracks, credibility) = (&self.tracks, &self.tracks.sources.credibility);
         let entry = tracks.sensors.get(sensor);
         (credibility.sets_aside() || tracks.systems.get(entry.system).has_led_off) && {
             let is_off = |entry: &SensorEntry| credibility.is_set_aside(entry.source) || entry.is_led_off;

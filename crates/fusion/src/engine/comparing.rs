@@ -6,6 +6,7 @@ use super::Engine;
 use crate::measurement::Measurement;
 use crate::sensor_tracks::{SensorEntry, SensorSlot};
 use crate::sources::ComparedStates;
+use crate::tracks::Tracks;
 
 /// Samples of a source's systematic errors after which only every few reports one is taken, and how many are few.
 const REGISTRATION_SETTLED: [(f64, u32); 2] = [(1000.0, 16), (500.0, 8)];
@@ -14,7 +15,7 @@ impl Engine {
     /// Compares the report of a sensor track with the latest one of another source: systematic errors show in the
     /// difference.
     pub(super) fn compare(&mut self, sensor: SensorSlot, measurement: Option<&Measurement>) {
-        let (settings, tracks, registration) = (&self.settings, &self.tracks, &self.sources.registration);
+        let (settings, tracks, registration) = (&self.settings, &self.tracks, &self.tracks.sources.registration);
         let entry = tracks.sensors.get(sensor);
         let (report, system) = (&entry.latest, entry.system);
         let source = report.source;
@@ -33,7 +34,7 @@ impl Engine {
             return;
         }
         let now_ns = report.time_of_measurement_ns;
-        let mut latest: Option<(_, &SensorEntry)> = None;
+        let mut latest = None;
         for (member, other) in tracks.contributing_entries(system, now_ns) {
             let is_comparable =
                 other.latest.state == TrackState::Confirmed as u8 && !other.is_foreign && is_registered(other.source);
@@ -42,19 +43,25 @@ impl Engine {
             }
             let key = (!registration.is_young(other.source), other.time_ns, other.source);
             if latest.is_none_or(|(greatest, _)| key >= greatest) {
-                latest = Some((key, other));
+                latest = Some((key, member));
             }
         }
         let Some((_, other)) = latest else {
             return;
         };
-        let target = tracks.systems.get(system);
-        self.sources.learn_pair(
+        let Tracks {
+            sensors,
+            systems,
+            sources,
+            ..
+        } = &mut self.tracks;
+        let target = systems.get(system);
+        sources.learn_pair(
             &self.settings,
             &ComparedStates {
-                own: entry.stated(),
+                own: sensors.get(sensor).stated(),
                 measurement,
-                other: other.stated(),
+                other: sensors.get(other).stated(),
                 reports: target.reports,
                 age_s: (now_ns - target.first_seen_ns) as f64 / NS_PER_S,
             },

@@ -72,7 +72,6 @@ impl Engine {
         let mut points = ReferencePoints {
             settings: &self.settings,
             tracks: &mut self.tracks,
-            points: &mut self.sources.points,
         };
         let mut referred = points.refer((sensor, measurement), out);
         let point_motion = points.look_for_leap((sensor, measurement), &referred);
@@ -82,7 +81,7 @@ impl Engine {
             if point_motion == PointMotion::Suspected {
                 return;
             }
-            referred = reference_point::known(&self.sources.points, &self.tracks, sensor, measurement);
+            referred = reference_point::known(&self.tracks, sensor, measurement);
         }
         // Others go on where they are: a source that is off to one side would show a motion that nobody states.
         referred.is_usable &= !(is_displaced || is_led_off);
@@ -90,13 +89,13 @@ impl Engine {
         let (system, time_ns, source) = (entry.system, entry.time_ns, entry.source);
         referred.is_usable &= self.settings.sources[usize::from(source)].is_registered
             || !self.is_known_better(system, source, measurement.variance_m2());
-        let doubt_m2 = self.sources.registration.doubt_m2(source);
+        let doubt_m2 = self.tracks.sources.registration.doubt_m2(source);
         if doubt_m2 > 0.0 && self.tracks.systems.get(system).contributors & !(1 << source) != 0 {
             referred.variance_m2 += doubt_m2;
         }
         let mut relative = *measurement;
         relative.refer(referred.point_m, referred.variance_m2);
-        let Self { tracks, sources, .. } = self;
+        let tracks = &mut self.tracks;
         let filter = &mut tracks.systems.get_mut(system).filter;
         let keeps = tracks.kept.is_on();
         let taken = if keeps && time_ns < filter.time_ns && !relative.has_waited {
@@ -108,7 +107,7 @@ impl Engine {
             let innovation = filter.take(
                 &relative,
                 time_ns,
-                sources.motion(filter.velocity_mps()),
+                tracks.sources.motion(filter.velocity_mps()),
                 referred.is_usable,
             );
             if keeps {
@@ -134,7 +133,6 @@ impl Engine {
             self.tracks.sensors.get_mut(sensor).is_displaced = false;
         }
         let nis = innovation.squared.min(f64::from(f32::MAX));
-        self.tracks.dependence.learn_innovation(source, 0.5 * nis);
         let target = self.tracks.systems.get_mut(system);
         target.nis = nis as f32;
         target.contributors |= 1 << source;
@@ -153,14 +151,14 @@ impl Engine {
             self.outbox.to(sink).input(|| FilterInput {
                 point_m: referred.point_m,
                 point_m2: referred.variance_m2,
-                assumed: Some(assumed_of(system, &self.tracks, &self.sources, &self.publisher)),
+                assumed: Some(assumed_of(system, &self.tracks, &self.publisher)),
                 ..self.tracks.input(sensor, Some(measurement))
             });
         }
         for (residual, point) in innovation.residual_m.iter_mut().zip(referred.point_m) {
             *residual += point;
         }
-        let is_misled = self.sources.registration.has_misled_filters();
+        let is_misled = self.tracks.sources.registration.has_misled_filters();
         let moves_mps = (is_confirmed && !is_misled).then_some([velocity[0], velocity[1], 0.0]);
         // The shares of all sources in the estimate decay with this contribution.
         self.tracks
@@ -169,10 +167,9 @@ impl Engine {
         let mut points = ReferencePoints {
             settings: &self.settings,
             tracks: &mut self.tracks,
-            points: &mut self.sources.points,
         };
         points.learn(sensor, &innovation);
-        self.learn_of_innovation(sensor, (&innovation, measurement), moves_mps, is_misled);
+        self.learn_of_innovation(sensor, (&innovation, nis, measurement), moves_mps, is_misled);
         if is_contradicted {
             self.begin_anew(sensor, sink);
         }
@@ -222,7 +219,7 @@ impl Engine {
     /// Returns whether a filter that cannot be undone made the latest report.
     fn only_repeats(&self, sensor: SensorSlot) -> bool {
         let entry = self.tracks.sensors.get(sensor);
-        let model = &self.sources.models[usize::from(entry.source)];
+        let model = &self.tracks.sources.models[usize::from(entry.source)];
         let is_filtered = entry.basis == CovarianceBasis::Stated && shows_filter(&entry.latest.covariance);
         is_filtered && model.cannot_be_undone()
     }

@@ -19,7 +19,6 @@ impl Engine {
         let mut linking = Linking {
             settings: &self.settings,
             tracks: &mut self.tracks,
-            sources: &self.sources,
         };
         let next = linking.associate(sensor, report, out);
         self.follow_up(sensor, next, sink);
@@ -43,7 +42,7 @@ impl Engine {
     pub(super) fn wait_for_scan(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
         let entry = self.tracks.sensors.get_mut(sensor);
         // A clock that is ahead must not delay the scan; the reports of a late scan come late as well.
-        let late_ns = self.tracks.lifetimes.late_ns(entry.source);
+        let late_ns = self.tracks.sources.lifetimes.late_ns(entry.source);
         let time_ns = entry.time_ns.saturating_add(late_ns).min(self.schedule.now_ns());
         let source = entry.source;
         if std::mem::replace(&mut entry.waits, true) {
@@ -63,9 +62,7 @@ impl Engine {
     }
 
     pub(super) fn assign_scan(&mut self, source: u16, sink: &mut impl Sink) {
-        let rows = self
-            .scans
-            .assign(source, &self.settings, &mut self.tracks, &self.sources);
+        let rows = self.scans.assign(source, &self.settings, &mut self.tracks);
         for row in 0..rows {
             let assigned = self.scans.assigned(row);
             // The sensor track may have ended since it was queued.
@@ -107,7 +104,6 @@ impl Engine {
         let mut linking = Linking {
             settings: &self.settings,
             tracks: &mut self.tracks,
-            sources: &self.sources,
         };
         if let Some(next) = linking.vote_to_merge(sensor, system, d2, out) {
             self.follow_up(sensor, next, sink);
@@ -120,7 +116,6 @@ impl Engine {
         let mut linking = Linking {
             settings: &self.settings,
             tracks: &mut self.tracks,
-            sources: &self.sources,
         };
         let (system, _) = linking.recall(sensor, true)?;
         (self.tracks.systems.get(system).life == TrackState::Suspended).then_some(system)
@@ -132,7 +127,6 @@ impl Engine {
         let search = Search {
             settings: &self.settings,
             tracks: &self.tracks,
-            sources: &self.sources,
         };
         if let Some((system, metres)) = search.other_part(sensor) {
             self.tracks.join(sensor, system);
@@ -159,7 +153,6 @@ impl Engine {
         let mut linking = Linking {
             settings: &self.settings,
             tracks: &mut self.tracks,
-            sources: &self.sources,
         };
         let deadline_ns = self.life.first_deadline_ns(report.time_of_measurement_ns);
         if linking.start(sensor, deadline_ns, out) {

@@ -33,10 +33,10 @@ impl Engine {
 
     #[cold]
     fn compare_means(&mut self, sensor: SensorSlot) {
-        let (sources, tracks) = (&self.sources, &mut self.tracks);
+        let tracks = &mut self.tracks;
         let entry = tracks.sensors.get(sensor);
         let (system, now_ns) = (entry.system, entry.time_ns);
-        if entry.is_led_off && !sources.registration.is_settled(entry.source) {
+        if entry.is_led_off && !tracks.sources.registration.is_settled(entry.source) {
             // What the source errs on all targets is unknown again, and with it what it errs on this one.
             tracks.sensors.get_mut(sensor).is_led_off = false;
             return;
@@ -44,14 +44,14 @@ impl Engine {
         let (mut means, mut count) = ([MeanInnovation::default(); SOURCES_MAX], 0);
         let mut members = [0; SOURCES_MAX];
         let extent_m = self.settings.association.extent_sigma_m;
-        let points_m2 = sources.possible_points_m2(extent_m * extent_m);
+        let points_m2 = tracks.sources.possible_points_m2(extent_m * extent_m);
+        let tracks = &self.tracks;
         let search = Search {
             settings: &self.settings,
             tracks,
-            sources,
         };
         for (member, other) in tracks.contributing_entries(system, now_ns) {
-            let is_known = other.residuals >= MEAN_REPORTS_MIN && sources.registration.is_settled(other.source);
+            let is_known = other.residuals >= MEAN_REPORTS_MIN && tracks.sources.registration.is_settled(other.source);
             if !is_known || count == SOURCES_MAX {
                 continue;
             }
@@ -64,6 +64,7 @@ impl Engine {
             members[count] = member;
             count += 1;
         }
+        let tracks = &mut self.tracks;
         let (odd, mut has_led_off) = (odd_one(&mut means[..count]), false);
         for (place, member) in members[..count].iter().enumerate() {
             let length = odd

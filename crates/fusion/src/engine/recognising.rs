@@ -31,7 +31,6 @@ impl Engine {
         let search = Search {
             settings: &self.settings,
             tracks: &self.tracks,
-            sources: &self.sources,
         };
         let agrees = entry.reports > 0 && search.is_within_reach(report, system);
         let beside = search.beside(report, system, address);
@@ -69,7 +68,7 @@ impl Search<'_> {
             }
             let expected = other
                 .filter
-                .at(now_ns, self.sources.motion(other.filter.velocity_mps()));
+                .at(now_ns, self.tracks.sources.motion(other.filter.velocity_mps()));
             let d2 = statistical_distance(&state, &expected, ComparedComponents::HorizontalPosition);
             if d2 > self.settings.association.keep_gate {
                 return;

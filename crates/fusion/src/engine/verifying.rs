@@ -44,7 +44,7 @@ impl Engine {
             return before;
         }
         let is_contradicted = comparison != Comparison::Agrees;
-        let share = self.sources.contradicted_share(source);
+        let share = self.tracks.sources.contradicted_share(source);
         *share += SHARE_GAIN * (f64::from(u8::from(is_contradicted)) - *share);
         let may_isolate = *share <= SHARE_MAX;
         let verification = &mut self.tracks.sensors.get_mut(sensor).verification;
@@ -91,7 +91,7 @@ impl Engine {
         };
         let sigma_m = (variance_m2(own, 0.0) + variance_m2(other, seconds)).sqrt();
         let identity = &self.settings.identity;
-        let bias_m = self.sources.bias_reach_m(&self.settings, own, other);
+        let bias_m = self.tracks.sources.bias_reach_m(&self.settings, own, other);
         let unforeseen_m = 0.5 * ACCELERATION_MPS2 * seconds * seconds;
         let most_m = (bias_m + unforeseen_m + SIGMAS * sigma_m).max(identity.false_m);
         (apart(0).hypot(apart(1)), most_m)

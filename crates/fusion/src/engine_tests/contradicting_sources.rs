@@ -163,7 +163,10 @@ fn a_source_that_is_not_registered_is_compared_with_no_other() {
         let (engine, _) = run(settings, &[SOUND, SOUND]);
         [0, 1].map(|source: u16| {
             let samples = engine.source_errors(source).unwrap().samples;
-            (samples, engine.sources.models[usize::from(source)].knows_spread())
+            (
+                samples,
+                engine.tracks.sources.models[usize::from(source)].knows_spread(),
+            )
         })
     };
     assert!(learned(None).iter().all(|(samples, points)| *samples > 20.0 && *points));

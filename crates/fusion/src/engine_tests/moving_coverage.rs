@@ -112,7 +112,8 @@ fn a_successor_knows_where_the_ship_is() {
     let seen_from = |harness: &Harness| {
         let place = harness
             .engine
-            .life
+            .tracks
+            .sources
             .moving
             .seen_from(1, [20e3, 0.0, 0.0], i64::from(ARRIVES_S) * S, None);
         place.map(|place| place.map(f64::to_bits))
@@ -120,5 +121,5 @@ fn a_successor_knows_where_the_ship_is() {
     let before = seen_from(&engine);
     let (next, _) = successor(engine, &memory, false);
     assert_eq!(seen_from(&next), before);
-    assert!(next.engine.life.moving.moves(1) && !next.engine.life.moving.moves(0));
+    assert!(next.engine.tracks.sources.moving.moves(1) && !next.engine.tracks.sources.moving.moves(0));
 }

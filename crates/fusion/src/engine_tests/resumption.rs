@@ -321,25 +321,31 @@ fn how_targets_turn_which_sources_copy_and_gross_errors_are_still_known() {
     let fast_mps = [100.0, 0.0, 0.0];
     for _ in 0..100 {
         engine
+            .tracks
             .sources
             .manoeuvres
             .learn(fast_mps, &innovation(Fit::Turning(50.0)));
     }
     engine
+        .tracks
         .sources
         .alignment
         .resume(2, (Some(error), Some((error.kind, error.value))));
     for step in 0..100 {
         let report = traffic(step, 0, 1);
-        engine.tracks.dependence.learn(&report);
-        engine.tracks.dependence.learn(&SensorTrack { source: 1, ..report });
+        engine.tracks.sources.dependence.learn(&report);
+        engine
+            .tracks
+            .sources
+            .dependence
+            .learn(&SensorTrack { source: 1, ..report });
     }
     let known = |harness: &Harness| {
-        let (sources, tracks) = (&harness.engine.sources, &harness.engine.tracks);
+        let (sources, tracks) = (&harness.engine.tracks.sources, &harness.engine.tracks);
         (
             sources.manoeuvres.motion(fast_mps).turns.density_m2ps3,
             sources.alignment.bias_of(2),
-            [0, 1, 2].map(|source| tracks.dependence.group_of(source)),
+            [0, 1, 2].map(|source| tracks.sources.dependence.group_of(source)),
         )
     };
     let learned = known(&harness);
@@ -353,6 +359,6 @@ fn how_targets_turn_which_sources_copy_and_gross_errors_are_still_known() {
     let mut other = Harness::new(settings);
     let snapshot = Snapshot::read(memory.words(), &next.engine.checkpoint_layout()).unwrap();
     other.engine.resume(&snapshot, false, &mut |_: &SystemTrack| {});
-    let (believed, removed) = other.engine.sources.alignment.bias_of(2);
+    let (believed, removed) = other.engine.tracks.sources.alignment.bias_of(2);
     assert!(removed.is_none() && believed.is_some_and(|error| !error.is_removed));
 }

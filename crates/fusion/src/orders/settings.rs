@@ -154,13 +154,13 @@ impl Engine {
     /// Forgets everything learned of a source.
     pub(super) fn reset_source(&mut self, source: u16) {
         let index = usize::from(source);
-        self.sources.models[index] = SourceModel::default();
-        self.sources.registration.forget(index);
-        self.sources.alignment.reset(source);
-        self.sources.credibility.reset(source);
+        self.tracks.sources.models[index] = SourceModel::default();
+        self.tracks.sources.registration.forget(index);
+        self.tracks.sources.alignment.reset(source);
+        self.tracks.sources.credibility.reset(source);
         *self.publisher.accuracies.mean_square_mut(index) = None;
-        self.life.coverage.forget(index);
-        *self.tracks.purity.tally_mut(index) = Default::default();
-        self.tracks.dependence.forget(source);
+        self.tracks.sources.coverage.forget(index);
+        *self.tracks.sources.purity.tally_mut(index) = Default::default();
+        self.tracks.sources.dependence.forget(source);
     }
 }

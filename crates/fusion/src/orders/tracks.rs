@@ -51,7 +51,6 @@ impl Engine {
             let search = Search {
                 settings: &self.settings,
                 tracks: &self.tracks,
-                sources: &self.sources,
             };
             if search.are_two_targets(system, other_system) {
                 return Err(Refusal::TwoAddresses);
@@ -118,7 +117,6 @@ impl Engine {
         let mut linking = Linking {
             settings: &self.settings,
             tracks: &mut self.tracks,
-            sources: &self.sources,
         };
         if let Next::End(merged) = linking.merge(one, other, now_ns, f64::NAN, out) {
             life::end(&self.settings, &mut self.tracks, merged.ended, now_ns, merged.into, out);
@@ -143,7 +141,6 @@ impl Engine {
         let mut linking = Linking {
             settings: &self.settings,
             tracks: &mut self.tracks,
-            sources: &self.sources,
         };
         if !linking.start(sensor, deadline_ns, out) {
             return;
@@ -221,7 +218,7 @@ impl Engine {
 
     /// Returns whether an order keeps a sensor track that reports at `time_ns` from starting a system track.
     fn is_blocked(&mut self, source: u16, number: u32, time_ns: i64) -> bool {
-        let terminate_ns = self.tracks.lifetimes.terminate_ns;
+        let terminate_ns = self.tracks.sources.lifetimes.terminate_ns;
         let mut is_blocked = false;
         for record in self.orders.records.iter_mut().filter(|record| record.is_in_force()) {
             let listed = record.blocked().contains(&(source, number));
@@ -260,7 +257,7 @@ impl Engine {
                 }
                 OrderKind::Drop => {
                     let silent_ns = now_ns.saturating_sub(record.blocked_ns);
-                    (silent_ns <= self.tracks.lifetimes.terminate_ns).then_some(0.0)
+                    (silent_ns <= self.tracks.sources.lifetimes.terminate_ns).then_some(0.0)
                 }
                 _ => continue,
             };
@@ -299,7 +296,7 @@ impl Engine {
         let now_ns = self.schedule.now_ns();
         let state = |member: SensorSlot| -> Gaussian {
             let filter = TargetFilter::of_report(&self.tracks.sensors.get(member).latest);
-            filter.at(now_ns, self.sources.motion(filter.velocity_mps()))
+            filter.at(now_ns, self.tracks.sources.motion(filter.velocity_mps()))
         };
         let fresh = || {
             self.tracks
@@ -322,7 +319,7 @@ impl Engine {
         let now_ns = self.schedule.now_ns();
         let [own, theirs] = [one, other].map(|system| {
             let filter = &self.tracks.systems.get(system).filter;
-            filter.at(now_ns, self.sources.motion(filter.velocity_mps()))
+            filter.at(now_ns, self.tracks.sources.motion(filter.velocity_mps()))
         });
         statistical_distance(&own, &theirs, ComparedComponents::HorizontalPosition)
     }

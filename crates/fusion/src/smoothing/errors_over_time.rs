@@ -53,7 +53,7 @@ impl ErrorsOverTime {
         let sources = engine.settings.sources.len();
         self.of_sources.resize(sources, Vec::new());
         for (source, estimates) in (0..).zip(&mut self.of_sources) {
-            let errors = *engine.sources.registration.of(source);
+            let errors = *engine.tracks.sources.registration.of(source);
             if estimates.last().is_none_or(|last| is_news(&last.errors, &errors)) {
                 estimates.push(Estimate {
                     time_ns: now_ns,

@@ -52,7 +52,7 @@ impl Knowledge for Afterwards<'_> {
     }
 
     fn motion(&self, [vx, vy]: [f64; 2]) -> &Motion {
-        self.engine.sources.manoeuvres.motion([vx, vy, 0.0])
+        self.engine.tracks.sources.manoeuvres.motion([vx, vy, 0.0])
     }
 
     fn correction(&self, input: &FilterInput) -> Correction {
@@ -63,7 +63,7 @@ impl Knowledge for Afterwards<'_> {
             ..SensorTrack::default()
         };
         let engine = self.engine;
-        let mut correction = engine.sources.correction_of(&engine.settings.sources, &report);
+        let mut correction = engine.tracks.sources.correction_of(&engine.settings.sources, &report);
         if let Some(shift_m) = self.errors.shift_m(engine, input) {
             correction.shift_m = shift_m;
         }

@@ -45,6 +45,8 @@ pub(crate) struct Innovation<'a> {
     /// Place of its target in the table of system tracks.
     pub(crate) target: u32,
     pub(crate) innovation: &'a FilterInnovation,
+    /// Normalised innovation squared in the plane, finite.
+    pub(crate) nis: f64,
     /// The target's velocity, m/s, where the innovation shows how targets move.
     pub(crate) moves_mps: Option<[f64; AXES]>,
     /// The innovation about the mean of its sensor track's, metres; `None` while that is not known.
@@ -81,4 +83,16 @@ pub(crate) struct ComparedStates<'a> {
     /// Reports of the target so far, and its age, seconds.
     pub(crate) reports: u32,
     pub(crate) age_s: f64,
+}
+
+/// A target that is looked at for who follows it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FollowedTarget {
+    pub(crate) time_ns: i64,
+    pub(crate) place_m: [f64; AXES],
+    /// Probability that there is a target.
+    pub(crate) existence: f64,
+    /// Sources that follow it, and those of which it is known whether they do, as bits.
+    pub(crate) follows: u64,
+    pub(crate) asked: u64,
 }
