@@ -33,6 +33,7 @@ const ORDER: &[&str] = &[
     "scoring",
     "fusion_settings",
     "fusion_rules",
+    "source_models",
     "fusion",
     "tracking",
     "locating",

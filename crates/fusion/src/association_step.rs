@@ -17,10 +17,9 @@
 
 use estimation::{ComparedComponents, Gaussian, statistical_distance};
 use messages::{Covariance, Identity, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
+use source_models::{SILENT, gaussian_of};
 
 use crate::identity;
-use crate::measurement::gaussian_of;
-use crate::restarts;
 use crate::sensor_tracks::{NO_SYSTEM, SensorEntry, SensorSlot};
 use crate::settings::Settings;
 use crate::system_tracks::{Bond, SystemSlot};
@@ -106,7 +105,7 @@ impl Search<'_> {
         let state = gaussian_of(report);
         let is_silent = |primary: SensorSlot| {
             let silence_ns = time_ns.saturating_sub(self.tracks.sensors.get(primary).time_ns);
-            silence_ns as f64 >= restarts::SILENT * period_ns as f64
+            silence_ns as f64 >= SILENT * period_ns as f64
         };
         let mut may_be = false;
         self.near(report, &state, |system| {
@@ -193,7 +192,7 @@ impl Search<'_> {
     /// velocity, while the error of the sources is not corrected.
     pub(crate) fn is_shown_elsewhere(&self, own: SystemSlot, now_ns: i64) -> bool {
         let sources = self.tracks.sources_of(own, now_ns);
-        let is_doubtful = |source: u16| self.tracks.sources.alignment.is_doubtful(source);
+        let is_doubtful = |source: u16| self.tracks.sources.is_doubtful(source);
         if !(0..u64::BITS as u16)
             .filter(|source| sources & (1 << source) != 0)
             .all(is_doubtful)
@@ -225,7 +224,7 @@ impl Search<'_> {
         let sources = self.tracks.sources_of(own, now_ns);
         let of_own = |source: &u16| sources & (1 << source) != 0;
         let mut own_sources = (0..self.settings.sources.len() as u16).filter(of_own);
-        let is_acquainted = |source| self.tracks.sources.registration.is_acquainted(source);
+        let is_acquainted = |source| self.tracks.sources.is_acquainted(source);
         let is_comparable = own_sources
             .clone()
             .any(|source| self.settings.sources[usize::from(source)].is_registered);
@@ -260,10 +259,10 @@ impl Search<'_> {
     /// anew: a track near by that they followed before and follow no more. In its first reports, a track of a sensor
     /// is late in turns, beyond what it states.
     pub(crate) fn was_followed(&self, own: SystemSlot, now_ns: i64) -> bool {
-        let restarts = &self.tracks.sources.lifetimes.restarts;
+        let known = &self.tracks.sources;
         let sources = self.tracks.sources_of(own, now_ns);
         let began_ns = self.tracks.systems.get(own).first_seen_ns;
-        let has_restarted = |source: u16| restarts.is_shortly_before(source, began_ns);
+        let has_restarted = |source: u16| known.has_restarted_before(source, began_ns);
         if !(0..u64::BITS as u16)
             .filter(|source| sources & (1 << source) != 0)
             .all(has_restarted)
@@ -277,7 +276,7 @@ impl Search<'_> {
             let mut members = self.tracks.member_entries(system);
             is_shown |= matches!(life, TrackState::Confirmed | TrackState::Coasted)
                 && members.any(|(_, member)| {
-                    sources & (1 << member.source) != 0 && restarts.is_before(member.source, member.time_ns)
+                    sources & (1 << member.source) != 0 && known.is_before_restart(member.source, member.time_ns)
                 });
         });
         is_shown

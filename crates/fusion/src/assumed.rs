@@ -1,6 +1,6 @@
 //! What fusion assumes beside the measurements, for readers of the inputs of filters.
 
-use crate::measurement::Assumed;
+use crate::filter_input::Assumed;
 use crate::publishing::TrackPublisher;
 use crate::system_tracks::SystemSlot;
 use crate::tracks::Tracks;

@@ -38,7 +38,7 @@ pub use kept::{Memory, MemoryRefusal};
 use crate::settings::{Capacity, SourceSettings};
 
 /// Version of the records; increase with each change of their contents.
-const FORMAT: u64 = 11;
+const FORMAT: u64 = 12;
 /// Word that names the report in work, as [`report_key`](crate::suspects::report_key) does; 0 before the first report.
 pub const IN_WORK: usize = HEAD;
 /// Most words of a record's contents.

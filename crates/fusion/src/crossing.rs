@@ -12,9 +12,9 @@
 use estimation::Estimate;
 use messages::{NS_PER_S, SensorTrack};
 use nalgebra::{Matrix2, Vector2};
+use source_models::gaussian_of;
 
 use crate::association_step::Search;
-use crate::measurement::gaussian_of;
 use crate::sensor_tracks::{Role, SensorEntry, SensorSlot};
 use crate::system_tracks::SystemSlot;
 

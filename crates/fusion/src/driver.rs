@@ -12,7 +12,7 @@ use crate::checkpoint::{MemoryRefusal, Snapshot, SourcePosition};
 use crate::engine::Engine;
 use crate::event_log::{Event, EventLog, EventWriter};
 use crate::explanation::Sink;
-use crate::measurement::FilterInput;
+use crate::filter_input::FilterInput;
 
 /// Engine with its event log.
 #[derive(Debug)]

@@ -1,15 +1,20 @@
 //! The engine: processes one report at a time and hands out the states of the system tracks that change.
 //!
-//! A report passes these steps in this order:
+//! A report passes six steps:
 //!
-//! 1. [`inlet`] validates and completes the report.
-//! 2. [`Sources`] removes the known errors of the source and recovers the measurement behind the report.
-//! 3. [`Linking`] and [`Scans`] associate the sensor track with a system track (module `association_step` holds the
-//!    gate). The engine then updates the filter of the system track.
-//! 4. [`Life`] confirms, coasts and terminates system tracks.
-//! 5. [`TrackPublisher`] weighs the contributions and publishes the state.
+//! 1. *Admit*: the report is checked and completed ([`inlet`]). Time passes up to it, and the known errors of its
+//!    source's clock and frame are taken off. A late report takes its own way from here (`late`).
+//! 2. *Measure*: the measurement behind the report is found, freed of its source's biases, and stored with its sensor
+//!    track ([`Sources`] knows how).
+//! 3. *Associate*: [`Linking`] and [`Scans`] find the system track that the sensor track belongs to
+//!    (`association_step` holds the gates); a report that the others contradict goes no further (`admitting`).
+//! 4. *Update*: the filter of the system track takes the measurement (`filtering`), about the point of the target that
+//!    its source sees ([`reference_point`]).
+//! 5. *Judge*: [`Life`] confirms, coasts, suspends and ends system tracks.
+//! 6. *Publish*: [`TrackPublisher`] weighs the contributions and hands out the state.
 //!
-//! Each part owns its learned state; [`Tracks`] is shared by all.
+//! The engine learns nothing of the sources. What a report shows of its source is a [`Fact`], handed to
+//! [`Sources::learn`] where it arises. Evidence of one target stays in the tables of [`Tracks`].
 
 mod admitting;
 mod comparing;
@@ -21,6 +26,7 @@ mod verifying;
 
 use messages::{Counter, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 use settings::SettingsError;
+use source_models::{Content, Correction, Fact, InnovationFact, Measurement, ReportFact, Sources, whole_report};
 
 use crate::association_step::Search;
 use crate::engine_counters::EngineCounters;
@@ -30,7 +36,6 @@ use crate::host_clock::HostClock;
 use crate::inlet::{self, SoundCovariances};
 use crate::kept_measurements::KeptMeasurements;
 use crate::life::{self, Life};
-use crate::measurement::{Content, Correction, Measurement, whole_report};
 use crate::order_table::{Configured, IN_FORCE_MAX, OrderTable};
 use crate::outlet::EngineOutbox;
 use crate::publishing::TrackPublisher;
@@ -39,7 +44,6 @@ use crate::scan::Scans;
 use crate::schedule::Schedule;
 use crate::sensor_tracks::{NO_SYSTEM, Role, SensorSlot, SensorTracks};
 use crate::settings::Settings;
-use crate::sources::Sources;
 use crate::system_tracks::{SystemSlot, SystemTracks};
 use crate::tracks::Tracks;
 
@@ -128,6 +132,11 @@ impl Engine {
     /// Returns the engine's time, up to which time has passed, nanoseconds; `i64::MIN` at the start.
     pub fn now_ns(&self) -> i64 {
         self.schedule.now_ns()
+    }
+
+    /// Returns what is known of the sources.
+    pub fn sources(&self) -> &Sources {
+        &self.tracks.sources
     }
 
     /// Returns the settings in force.
@@ -220,7 +229,6 @@ impl Engine {
             self.outbox.counts.add(report.source, counter);
             return;
         }
-        self.tracks.sources.moving.note(report);
         let corrected = inlet::corrected(report, &self.settings.sources, now_ns);
         let report = corrected.as_ref().unwrap_or(report);
         self.pass_time(now_ns, sink);
@@ -228,7 +236,9 @@ impl Engine {
         let now_ns = self.schedule.now_ns();
         let aligned = self.tracks.sources.aligned(&self.settings, report, now_ns);
         let report = aligned.as_ref().unwrap_or(report);
-        self.tracks.sources.align(&self.settings, report, now_ns);
+        self.tracks
+            .sources
+            .learn(&self.settings, Fact::Report(ReportFact::Came { report, now_ns }));
         let is_far_ahead = now_ns != i64::MIN && report.time_of_measurement_ns > now_ns.saturating_add(AHEAD_MAX_NS);
         if report.has(sensor_track_bits::WILD_CLOCK) || is_far_ahead {
             self.outbox.counts.add(report.source, Counter::RejectedClock);
@@ -247,7 +257,9 @@ impl Engine {
         }
         let is_foreign = self.settings.sources[usize::from(report.source)].is_centre;
         if !is_foreign {
-            self.tracks.sources.dependence.learn(report);
+            self.tracks
+                .sources
+                .learn(&self.settings, Fact::Report(ReportFact::Original(report)));
         }
         // Early look-up: the cache miss overlaps with the checks below.
         let known = self.tracks.sensors.find(report.source, report.track_number);
@@ -286,7 +298,7 @@ impl Engine {
         sink: &mut impl Sink,
     ) -> Option<SensorSlot> {
         let sensor = known?;
-        if self.tracks.sensors.get(sensor).epoch == self.tracks.sources.alignment.epoch_of(report.source) {
+        if self.tracks.sensors.get(sensor).epoch == self.tracks.sources.epoch_of(report.source) {
             return known;
         }
         self.end_sensor_track(sensor, report.time_of_measurement_ns, sink);
@@ -336,7 +348,7 @@ impl Engine {
         entry.take(report, identity, &correction, &content);
         entry.repaired = repaired;
         entry.is_foreign = is_foreign;
-        entry.epoch = self.tracks.sources.alignment.epoch_of(report.source);
+        entry.epoch = self.tracks.sources.epoch_of(report.source);
         sensors.note(sensor, self.settings.sources[usize::from(report.source)].period_ns);
         if let Some(measurement) = &mut content.measurement {
             measurement.correct(&correction);
@@ -356,13 +368,23 @@ impl Engine {
             report.source,
             self.settings.sources[usize::from(report.source)].period_ns,
         );
-        self.tracks
-            .sources
-            .lifetimes
-            .restarts
-            .take(source, time_ns, known.is_none());
+        self.tracks.sources.learn(
+            &self.settings,
+            Fact::Report(ReportFact::Timed {
+                source,
+                time_ns,
+                is_first: known.is_none(),
+            }),
+        );
         let Some(sensor) = known else {
-            self.tracks.sources.lifetimes.learn(report.source, time_ns, None);
+            self.tracks.sources.learn(
+                &self.settings,
+                Fact::Report(ReportFact::Follows {
+                    source: report.source,
+                    time_ns,
+                    since_ns: None,
+                }),
+            );
             return Some(None);
         };
         let age_ns = time_ns - self.tracks.sensors.get(sensor).time_ns;
@@ -371,21 +393,30 @@ impl Engine {
             self.outbox.counts.add(report.source, Counter::RejectedOutOfOrder);
             return None;
         }
-        let is_over =
-            age_ns > self.tracks.sources.lifetimes.silence_ns(report.source) && age_ns > self.tracks.silence_ns(sensor);
+        let is_over = age_ns > self.tracks.sources.silence_ns(report.source) && age_ns > self.tracks.silence_ns(sensor);
         if is_over || self.is_reused(sensor, report, age_ns) {
             // The source has reused the number for another target.
             self.tracks.drop_sensor_track(sensor);
             return Some(None);
         }
-        self.tracks
-            .sources
-            .lifetimes
-            .learn(report.source, time_ns, Some(age_ns));
+        self.tracks.sources.learn(
+            &self.settings,
+            Fact::Report(ReportFact::Follows {
+                source: report.source,
+                time_ns,
+                since_ns: Some(age_ns),
+            }),
+        );
         let system = self.tracks.sensors.get(sensor).system;
         // The gaps of a slow target are its own.
         if system == NO_SYSTEM || !self.tracks.systems.get(system).rhythm.is_slow() {
-            self.tracks.sources.lifetimes.learn_gap(report.source, age_ns);
+            self.tracks.sources.learn(
+                &self.settings,
+                Fact::Report(ReportFact::Gap {
+                    source: report.source,
+                    gap_ns: age_ns,
+                }),
+            );
         }
         Some(Some((sensor, age_ns as f64 / NS_PER_S)))
     }
@@ -394,8 +425,8 @@ impl Engine {
     /// fit any target.
     #[inline]
     fn is_outdated(&self, report: &SensorTrack) -> bool {
-        let lifetimes = &self.tracks.sources.lifetimes;
-        let longest_ns = lifetimes.silence_ns(report.source) + lifetimes.fresh_ns(report.source);
+        let sources = &self.tracks.sources;
+        let longest_ns = sources.silence_ns(report.source) + sources.fresh_ns(report.source);
         self.schedule.now_ns().saturating_sub(report.time_of_measurement_ns) > longest_ns
     }
 
@@ -427,8 +458,9 @@ impl Engine {
             return;
         }
         if report.has(sensor_track_bits::PRESSURE_OFFSET) {
-            let offset_m = f64::from(report.pressure_offset_m);
-            self.tracks.sources.pressure.learn(report.position_m, offset_m);
+            self.tracks
+                .sources
+                .learn(&self.settings, Fact::Report(ReportFact::Pressure(report)));
         }
         let before = self.tracks.sensors.get(sensor).system;
         if before == NO_SYSTEM && self.orders.concerns_tracks {
@@ -449,8 +481,7 @@ impl Engine {
             self.resume_number(sensor, report, sink);
             return;
         }
-        let period_ns = self.settings.sources[usize::from(report.source)].period_ns;
-        self.tracks.learn_dependence(sensor, period_ns);
+        self.tracks.learn_dependence(&self.settings, sensor);
         self.tracks.assign_role(sensor);
         let entry = self.tracks.sensors.get(sensor);
         if entry.role != Role::Primary {
@@ -491,10 +522,15 @@ impl Engine {
         let known = &target.filter.estimate.covariance;
         let [xx, xy, _, yy, ..] = measurement.covariance_m2;
         let covariance_m2 = [xx + known.get(0, 0), xy + known.get(0, 1), yy + known.get(1, 1)];
-        self.tracks.sources.learn_contradiction(
-            (entry.source, entry.latest.velocity_mps),
-            (residual_m, covariance_m2),
-            (entry.system, [x, y]),
+        self.tracks.sources.learn(
+            &self.settings,
+            Fact::Innovation(InnovationFact::Contradicted {
+                source: entry.source,
+                target: entry.system,
+                place_m: [x, y],
+                velocity_mps: entry.latest.velocity_mps,
+                residual: (residual_m, covariance_m2),
+            }),
         );
     }
 
@@ -526,7 +562,7 @@ impl Engine {
         } else if self.is_misled(sensor) || self.is_ahead(sensor) {
             self.restart(sensor, sink);
         } else if let Some(measurement) = measurement
-            && (self.tracks.is_established(sensor) || !self.tracks.sources.points.sees_points())
+            && (self.tracks.is_established(sensor) || !self.tracks.sources.points().sees_points())
             && !self.corrects_claims(sensor, sink)
         {
             self.update_filter(sensor, measurement, sink);
@@ -562,7 +598,13 @@ impl Engine {
         let mut fresh_until_ns = self.tracks.fresh_until(system);
         let entry = self.tracks.systems.get_mut(system);
         if entry.life == TrackState::Confirmed {
-            self.tracks.sources.models[usize::from(report.source)].learn_detection(true);
+            self.tracks.sources.learn(
+                &self.settings,
+                Fact::Scan {
+                    source: report.source,
+                    is_detected: true,
+                },
+            );
         }
         let fresh_ns = entry.rhythm.fresh_ns();
         let interval_ns = report.time_of_measurement_ns - entry.last_report_ns;
@@ -570,8 +612,7 @@ impl Engine {
             let is_named = entry.identity.unique_number().is_some();
             self.tracks
                 .sources
-                .lifetimes
-                .learn_rhythm(&mut entry.rhythm, (report.source, is_named), interval_ns);
+                .follow_rhythm(&mut entry.rhythm, (report.source, is_named), interval_ns);
         }
         entry.last_report_ns = entry.last_report_ns.max(report.time_of_measurement_ns);
         entry.reports = entry.reports.saturating_add(1);
@@ -630,22 +671,16 @@ impl Engine {
         let enabled = self.settings.registration.enabled;
         let largest_m = self.settings.target_size.unknown_m;
         let begins = due && enabled;
-        if begins || self.tracks.sources.registration.is_solving() {
+        if begins || self.tracks.sources.is_solving() {
             self.tracks.sources.register(begins, largest_m, confirmed, |source| {
                 self.outbox.counts.add(source, Counter::EstimatesRestarted);
             });
         }
         if due {
-            self.tracks.sources.look_at_points(self.publisher.rule().keeps_points);
+            let (now_ns, keeps_points) = (self.schedule.now_ns(), self.publisher.rule().keeps_points);
+            let has_new_period = self.tracks.sources.tick(&mut self.settings, now_ns, keeps_points);
             self.publisher.set_common_error(self.tracks.sources.common_error_m2());
-            self.tracks.sources.look_at_motion();
-            let now_ns = self.schedule.now_ns();
-            if self
-                .tracks
-                .sources
-                .lifetimes
-                .follow(&self.settings.life, &mut self.settings.sources, now_ns)
-            {
+            if has_new_period {
                 self.scans
                     .follow_periods(&self.settings.sources, self.settings.association.scan_wait);
             }

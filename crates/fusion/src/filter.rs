@@ -20,10 +20,8 @@ use messages::{
     UNKNOWN_CLIMB_SIGMA_MPS, VerticalMovement, movement_bits, sensor_track_bits,
 };
 use serde::{Deserialize, Serialize};
+use source_models::{FilterInnovation, Fit, Manoeuvre, Measurement, Motion, gaussian_of};
 
-use crate::innovation::{FilterInnovation, Fit, Manoeuvre};
-use crate::measurement::{Measurement, gaussian_of};
-use crate::motion::Motion;
 use crate::plane_filter::{AGILE, Course, PlaneFilter, STEADY};
 use crate::state::State;
 use crate::vertical_filter::VerticalFilter;

@@ -3,12 +3,11 @@
 use estimation::{Gaussian, is_usable};
 use messages::{Covariance, MotionMode};
 use proptest::prelude::*;
+use source_models::{Measurement, Motion};
 use test_support::Random;
 
 use crate::filter::TargetFilter;
-use crate::manoeuvres::Manoeuvres;
-use crate::measurement::Measurement;
-use crate::motion::Motion;
+use crate::testing::models;
 
 const NS: f64 = 1e9;
 /// Time between two measurements, s, and their standard deviations, m.
@@ -35,7 +34,7 @@ impl Flight {
         let start = Gaussian::new([0.0, 0.0, 5000.0], [150.0, 0.0, 0.0], &covariance);
         Self {
             filter: TargetFilter::new(0, start, true),
-            motion: *Manoeuvres::new(1.0).motion([150.0, 0.0, 0.0]),
+            motion: *models(1.0).motion([150.0, 0.0, 0.0]),
             random: Random::new(seed),
             time_s: 0.0,
             position_m: [0.0, 0.0, 5000.0],

@@ -8,7 +8,7 @@ use messages::{Decision, OrderState, SensorTrack, SystemTrack};
 use serde::{Deserialize, Serialize};
 
 use crate::explanation::Sink;
-use crate::measurement::FilterInput;
+use crate::filter_input::FilterInput;
 
 /// Host offset: sources' time less engine's time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -13,7 +13,7 @@ use crate::order_table::OrderTable;
 
 /// Version of the parts of an image. It rises with every change of a serialised type, the samples in it included:
 /// the fingerprint of the checkpoint covers other types.
-const FORMAT: u64 = 15;
+const FORMAT: u64 = 16;
 
 impl Engine {
     /// Returns the fingerprint of images of this build with these settings.

@@ -1,10 +1,10 @@
 //! Checks of a report before it is believed.
 
 use estimation::Gaussian;
+use fusion_rules::gross::without_biases;
 use messages::{AXES, Counter, Covariance, Identity, NS_PER_S, STATE_LEN, SensorTrack, TrackState};
 
 use crate::filter::TargetFilter;
-use crate::gross::without_biases;
 use crate::settings::{ReportLimits, SourceSettings};
 use crate::system_tracks::SystemTracks;
 

@@ -3,11 +3,10 @@
 use estimation::Gaussian;
 use messages::{AXES, COVARIANCE_LEN, Covariance, STATE_LEN, SensorTrack, sensor_track_bits};
 use serde::{Deserialize, Serialize};
+use source_models::{Correction, FilterInnovation, Measurement, Motion, gaussian_of};
 
 use crate::filter::TargetFilter;
-use crate::innovation::FilterInnovation;
-use crate::measurement::{Assumed, Correction, FilterInput, Measurement, gaussian_of};
-use crate::motion::Motion;
+use crate::filter_input::{Assumed, FilterInput};
 
 /// A measurement as the filter used it.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]

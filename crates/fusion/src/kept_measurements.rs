@@ -19,12 +19,10 @@
 //! method for any filter; its own shorter ways hold for a single linear model only.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use source_models::{FilterInnovation, Measurement, Motion};
 
 use crate::filter::TargetFilter;
-use crate::innovation::FilterInnovation;
 use crate::kept_measurement::{KeptMeasurement, UsedMeasurement};
-use crate::measurement::Measurement;
-use crate::motion::Motion;
 use crate::system_tracks::SystemSlot;
 
 /// Most bases of a system track.

@@ -3,11 +3,10 @@
 use estimation::Gaussian;
 use messages::{AXES, Covariance, NS_PER_S};
 use proptest::prelude::*;
+use source_models::{Correction, Sources};
 use test_support::{Random, S};
 
 use super::*;
-use crate::manoeuvres::Manoeuvres;
-use crate::measurement::Correction;
 
 const WINDOW_NS: i64 = 10 * S;
 const SYSTEM: SystemSlot = 1;
@@ -54,7 +53,7 @@ fn measurement(seed: u64, number: u32) -> KeptMeasurement {
 struct Late {
     filter: TargetFilter,
     kept: KeptMeasurements,
-    manoeuvres: Manoeuvres,
+    models: Sources,
     carried: u32,
 }
 
@@ -63,7 +62,7 @@ impl Late {
         Self {
             filter: start(),
             kept: KeptMeasurements::new(window_ns, capacity, 3),
-            manoeuvres: Manoeuvres::new(1.0),
+            models: crate::testing::models(1.0),
             carried: 0,
         }
     }
@@ -72,10 +71,10 @@ impl Late {
         let Self {
             filter,
             kept,
-            manoeuvres,
+            models,
             carried,
         } = self;
-        let motion_of = |filter: &TargetFilter| manoeuvres.motion(filter.estimate.velocity_mps());
+        let motion_of = |filter: &TargetFilter| models.motion(filter.estimate.velocity_mps());
         match kept.lateness(SYSTEM, filter.time_ns, measurement.time_ns) {
             Lateness::Kept => {
                 if let Some(innovation) = kept.insert(SYSTEM, filter, (measurement, None), motion_of) {
@@ -124,7 +123,7 @@ proptest! {
         let mut ordered = arrived.clone();
         ordered.sort_by_key(|measurement| measurement.time_ns);
         for measurement in &ordered {
-            measurement.use_in(&mut in_time, |filter| late.manoeuvres.motion(filter.estimate.velocity_mps()));
+            measurement.use_in(&mut in_time, |filter| late.models.motion(filter.estimate.velocity_mps()));
         }
         prop_assert_eq!(late.carried, 0);
         prop_assert!(octets(&late.filter) == octets(&in_time));
@@ -197,7 +196,7 @@ fn what_was_carried_forward_stays_so_when_the_filter_goes_back_further() {
     let mut late = Late::new(WINDOW_NS, 200);
     // Number 30 comes too late for the chain, which begins after number 40; then number 50 comes late.
     steps[40].use_in(&mut late.filter, |filter| {
-        late.manoeuvres.motion(filter.estimate.velocity_mps())
+        late.models.motion(filter.estimate.velocity_mps())
     });
     for number in (41..50).chain([30]).chain(51..60).chain([50]) {
         late.take(&steps[number]);
@@ -206,7 +205,7 @@ fn what_was_carried_forward_stays_so_when_the_filter_goes_back_further() {
     let mut expected = start();
     for number in (40..50).chain([30]).chain(50..60) {
         steps[number].use_in(&mut expected, |filter| {
-            late.manoeuvres.motion(filter.estimate.velocity_mps())
+            late.models.motion(filter.estimate.velocity_mps())
         });
     }
     assert!(octets(&late.filter) == octets(&expected));
@@ -222,7 +221,7 @@ fn a_late_measurement_has_the_weight_that_the_later_ones_leave_to_it() {
     (0..15).for_each(|number| {
         in_time.take(&measurement(9, number));
     });
-    let motion = in_time.manoeuvres.motion([150.0, 0.0, 0.0]);
+    let motion = in_time.models.motion([150.0, 0.0, 0.0]);
     let at_once = measurement(9, 15).use_in(&mut in_time.filter, |_| motion).unwrap();
     let late_one = late.take(&measurement(9, 15)).unwrap();
     assert!(
@@ -259,7 +258,7 @@ fn a_chain_goes_with_its_filter_and_follows_its_point() {
     let mut expected = start();
     for number in 0..20 {
         measurement(9, number).use_in(&mut expected, |filter| {
-            late.manoeuvres.motion(filter.estimate.velocity_mps())
+            late.models.motion(filter.estimate.velocity_mps())
         });
     }
     expected.shift(by_m);

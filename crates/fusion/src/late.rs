@@ -13,15 +13,14 @@
 //! A sensor track that waited for the end of its scan is not late: it came in time.
 
 use messages::{Counter, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
+use source_models::{Fact, FilterInnovation, Measurement, Referred, ReportFact, gaussian_of};
 
 use crate::assumed::assumed_of;
 use crate::engine::Engine;
 use crate::explanation::Sink;
-use crate::innovation::FilterInnovation;
+use crate::filter_input::FilterInput;
 use crate::kept_measurement::KeptMeasurement;
 use crate::kept_measurements::{Lateness, Place};
-use crate::measurement::{FilterInput, Measurement, gaussian_of};
-use crate::points::Referred;
 use crate::reference_point;
 use crate::sensor_tracks::{NO_SYSTEM, Role, SensorSlot};
 use crate::system_tracks::SystemSlot;
@@ -33,7 +32,13 @@ impl Engine {
         let late_ns = now_ns.saturating_sub(report.time_of_measurement_ns);
         // Later ones count for little, and a wrong clock is not late.
         let late_ns = late_ns.clamp(0, self.settings.late_window_ns());
-        self.tracks.sources.lifetimes.learn_lateness(report.source, late_ns);
+        self.tracks.sources.learn(
+            &self.settings,
+            Fact::Report(ReportFact::Late {
+                source: report.source,
+                late_ns,
+            }),
+        );
     }
 
     /// Lets the filter use the late measurement in the latest report of a sensor track in its place. A measurement that
@@ -47,7 +52,7 @@ impl Engine {
     ) -> Option<FilterInnovation> {
         let entry = self.tracks.sensors.get(sensor);
         let system = entry.system;
-        let kept = referred.used(entry, relative).kept();
+        let kept = reference_point::used(referred, entry, relative).kept();
         let taken = self.take_late(system, &kept, None);
         if taken.is_some() {
             return taken;
@@ -156,7 +161,13 @@ impl Engine {
         let entry = self.tracks.systems.get_mut(system);
         entry.reports = entry.reports.saturating_add(1);
         if entry.life == TrackState::Confirmed {
-            self.tracks.sources.models[usize::from(source)].learn_detection(true);
+            self.tracks.sources.learn(
+                &self.settings,
+                Fact::Scan {
+                    source,
+                    is_detected: true,
+                },
+            );
         }
         let [x, y, _] = entry.filter.estimate.position_m();
         self.tracks.systems.grid.place(system, x, y);

@@ -18,16 +18,15 @@
 
 use messages::{Counter, DecisionKind, NO_SOURCE, NS_PER_S, SensorTrack, TrackState};
 use serde::{Deserialize, Serialize};
+use source_models::{Fact, FollowedTarget, LASTING_REPORTS, TargetFact};
 
 use crate::association_step::{SEARCH_CELLS_MAX, Search};
 use crate::existence::{SingleSourceClaim, probability};
 use crate::explanation::Sink;
 use crate::outlet::Outlet;
-use crate::purity::LASTING_REPORTS;
 use crate::sensor_tracks::SensorEntry;
 use crate::settings::{Settings, SourceSettings};
 use crate::silent_tracks::SUSPENDED_MAX;
-use crate::sources::FollowedTarget;
 use crate::system_track_message::{publish_change, publish_extrapolated};
 use crate::system_tracks::SystemSlot;
 use crate::tracks::Tracks;
@@ -133,12 +132,7 @@ impl Life {
             TrackState::Tentative => {
                 let evidence = self.evidence(settings, tracks, system, now_ns);
                 if now_ns >= entry.coverage_due_ns && evidence.is_ripe {
-                    self.learn_coverage(
-                        &settings.sources,
-                        tracks,
-                        (system, now_ns),
-                        probability(evidence.teaching),
-                    );
+                    self.learn_coverage(settings, tracks, (system, now_ns), probability(evidence.teaching));
                 }
                 tracks.systems.get_mut(system).log_odds = evidence.log_ratio;
                 if evidence.is_believed && !may_be_another(settings, tracks, (system, now_ns)) {
@@ -158,12 +152,12 @@ impl Life {
                     .get_mut(system)
                     .add_evidence(settings.existence.persistence);
                 if is_due {
-                    self.learn_coverage(&settings.sources, tracks, (system, now_ns), 1.0);
+                    self.learn_coverage(settings, tracks, (system, now_ns), 1.0);
                 }
             }
             TrackState::Suspended | TrackState::Terminated => {}
         }
-        count_target(tracks, system, now_ns);
+        count_target(settings, tracks, system, now_ns);
     }
 
     /// Weighs the evidence for the target of a system track.
@@ -188,14 +182,14 @@ impl Life {
         if reports < least || !is_established || entry.recognition.is_doubted() {
             return ExistenceEvidence::NONE;
         }
-        let witnesses = tracks.sources.dependence.witnesses_among(sources);
+        let witnesses = tracks.sources.witnesses_among(sources);
         if witnesses >= 3 {
             return ExistenceEvidence::certain(f64::from(witnesses));
         }
         let (silence, had_their_chance) = self.silence(settings, tracks, (system, now_ns), sources);
         let purity = match witnesses {
             // A single source that is no copy of another one.
-            1 => tracks.sources.purity.log_odds(sources.trailing_zeros() as u16),
+            1 => tracks.sources.target_log_odds(sources.trailing_zeros() as u16),
             _ => 0.0,
         };
         let claim = SingleSourceClaim {
@@ -235,7 +229,7 @@ impl Life {
     ) -> (f64, bool) {
         let entry = tracks.systems.get(system);
         let (filter, age_ns) = (&entry.filter, (now_ns - entry.first_seen_ns) as f64);
-        let groups = |bits: u64, source: u16| bits | 1 << tracks.sources.dependence.group_of(source);
+        let groups = |bits: u64, source: u16| bits | 1 << tracks.sources.group_of(source);
         let heard = (0..settings.sources.len() as u16)
             .filter(|source| sources & (1 << source) != 0)
             .fold(0, groups);
@@ -243,17 +237,15 @@ impl Life {
         for (index, source) in settings.sources.iter().enumerate() {
             // What is higher than a source can see says nothing about it.
             let may_see = !source.is_out && (!filter.has_height || filter.estimate.mean[2] <= source.ceiling_m);
-            let is_silent = groups(0, index as u16) & heard == 0
-                && tracks.sources.dependence.is_witness_beside(index as u16, sources);
+            let is_silent =
+                groups(0, index as u16) & heard == 0 && tracks.sources.is_witness_beside(index as u16, sources);
             if is_silent && may_see && !source.is_centre {
                 let place_m = filter.estimate.position_m();
-                let area = tracks.sources.coverage.area(index);
-                let Some(place_m) = tracks.sources.moving.seen_from(index as u16, place_m, now_ns, area) else {
+                let Some(detection) = tracks.sources.follows_at(index as u16, place_m, now_ns) else {
                     continue;
                 };
-                let detection = tracks.sources.coverage.probability(index as u16, place_m);
                 // The reports of the last seconds may not have come yet.
-                let looks = match tracks.sources.lifetimes.late_ns(index as u16) {
+                let looks = match tracks.sources.late_ns(index as u16) {
                     0 => age_ns,
                     late_ns => (age_ns - late_ns as f64).max(0.0),
                 } / source.period_ns as f64;
@@ -267,7 +259,7 @@ impl Life {
     /// Notes which sources follow a system track here whose target exists with the probability `existence`.
     fn learn_coverage(
         &mut self,
-        settings: &[SourceSettings],
+        settings: &Settings,
         tracks: &mut Tracks,
         (system, now_ns): (SystemSlot, i64),
         existence: f64,
@@ -283,19 +275,24 @@ impl Life {
         tracks.systems.grid.near(x, y, NEAR_M, SEARCH_CELLS_MAX, |other| {
             near |= tracks.sources_of(other, now_ns);
         });
-        let bits = |is_so: &dyn Fn(usize) -> bool| {
-            let of_those = (0..settings.len()).filter(|source| is_so(*source));
-            of_those.fold(0u64, |bits, source| bits | 1 << source)
+        let is_known = |source: usize, settings: &SourceSettings| {
+            let is_asked = near & (1 << source) == 0 && age_ns >= settings.period_ns;
+            !settings.is_out && (sources & (1 << source) != 0 || is_asked)
         };
-        let is_asked = |source: usize| near & (1 << source) == 0 && age_ns >= settings[source].period_ns;
-        let asked = bits(&|source| !settings[source].is_out && (sources & (1 << source) != 0 || is_asked(source)));
-        tracks.sources.learn_coverage(&FollowedTarget {
+        let all = settings.sources.iter().enumerate();
+        let asked = all.fold(0u64, |bits, (source, settings)| {
+            bits | u64::from(is_known(source, settings)) << source
+        });
+        let target = FollowedTarget {
             time_ns: now_ns,
             place_m,
             existence,
             follows: sources,
             asked,
-        });
+        };
+        tracks
+            .sources
+            .learn(settings, Fact::Target(TargetFact::Followed(target)));
     }
 
     /// Works off the earliest deadline before `time_ns`, up to which nothing else happens; `false` if there is none.
@@ -336,33 +333,45 @@ impl Life {
 /// Counts a system track as a target, once, in the purity of its sources: where two agree on a confirmed track, or
 /// where the track has lasted.
 #[inline]
-fn count_target(tracks: &mut Tracks, system: SystemSlot, now_ns: i64) {
+fn count_target(settings: &Settings, tracks: &mut Tracks, system: SystemSlot, now_ns: i64) {
     if !tracks.systems.get(system).is_counted {
-        count_target_if_sure(tracks, system, now_ns);
+        count_target_if_sure(settings, tracks, system, now_ns);
     }
 }
 
 #[inline(never)]
-fn count_target_if_sure(tracks: &mut Tracks, system: SystemSlot, now_ns: i64) {
+fn count_target_if_sure(settings: &Settings, tracks: &mut Tracks, system: SystemSlot, now_ns: i64) {
     let entry = tracks.systems.get(system);
     let sources = tracks.sources_of(system, now_ns);
-    let agree = entry.life == TrackState::Confirmed && tracks.sources.dependence.witnesses_among(sources) >= 2;
+    let agree = entry.life == TrackState::Confirmed && tracks.sources.witnesses_among(sources) >= 2;
     if !agree && entry.reports < LASTING_REPORTS {
         return;
     }
     tracks.systems.get_mut(system).is_counted = true;
     for source in (0..u64::BITS as u16).filter(|source| sources & (1 << source) != 0) {
-        tracks.sources.purity.learn(source, true);
+        tracks.sources.learn(
+            settings,
+            Fact::Target(TargetFact::Proved {
+                source,
+                is_target: true,
+            }),
+        );
     }
 }
 
 /// Counts a system track that only one source reported, and reports no more, as no target, once.
-fn count_false(tracks: &mut Tracks, system: SystemSlot) {
+fn count_false(settings: &Settings, tracks: &mut Tracks, system: SystemSlot) {
     let entry = tracks.systems.get_mut(system);
     if !entry.is_counted && entry.contributors.count_ones() == 1 {
         entry.is_counted = true;
         let source = entry.contributors.trailing_zeros() as u16;
-        tracks.sources.purity.learn(source, false);
+        tracks.sources.learn(
+            settings,
+            Fact::Target(TargetFact::Proved {
+                source,
+                is_target: false,
+            }),
+        );
     }
 }
 
@@ -403,7 +412,7 @@ fn run_timer<S: Sink>(
     let entry = tracks.systems.get(slot);
     let tentative_ns = match settings.life.tentative_s {
         Some(stated) => stated.ns(),
-        None => tracks.sources.lifetimes.tentative_ns.max(entry.rhythm.fresh_ns()),
+        None => tracks.sources.tentative_ns().max(entry.rhythm.fresh_ns()),
     };
     let (coast_ns, last_ns) = (entry.fresh_until_ns, entry.last_report_ns);
     let end_ns = ends_at(tracks, slot);
@@ -440,10 +449,10 @@ fn ends_at(tracks: &Tracks, slot: SystemSlot) -> i64 {
     let entry = tracks.systems.get(slot);
     // Only what is a target for certain leaves gaps; a false track is not to be shown any longer.
     let usual_ns = match entry.is_counted {
-        true => tracks.sources.lifetimes.silence_of(entry.contributors),
-        false => tracks.sources.lifetimes.terminate_ns,
+        true => tracks.sources.silence_of(entry.contributors),
+        false => tracks.sources.terminate_ns(),
     };
-    let terminate_ns = tracks.sources.lifetimes.silence_at(entry.rhythm, usual_ns);
+    let terminate_ns = tracks.sources.silence_at(entry.rhythm, usual_ns);
     entry.last_report_ns.saturating_add(terminate_ns)
 }
 
@@ -480,7 +489,7 @@ fn suspend<S: Sink>(settings: &Settings, tracks: &mut Tracks, slot: SystemSlot, 
     // A track with an address that was never shown may still turn out to be a target.
     let entry = tracks.systems.get(slot);
     if entry.was_shown || entry.identity.unique_number().is_none() {
-        count_false(tracks, slot);
+        count_false(settings, tracks, slot);
     }
     out.decision(&tracks.decision_on(slot, DecisionKind::Suspended, now_ns, f64::NAN));
     publish_extrapolated(settings, tracks, slot, now_ns, out);
@@ -493,14 +502,20 @@ pub(crate) fn count_miss<S: Sink>(
     (system, report, misses): (SystemSlot, &SensorTrack, u32),
     out: &mut Outlet<'_, S>,
 ) {
-    let model = &mut tracks.sources.models[usize::from(report.source)];
+    let source = report.source;
     let entry = tracks.systems.get_mut(system);
     if entry.life == TrackState::Tentative {
         return;
     }
-    model.learn_detection(false);
+    tracks.sources.learn(
+        settings,
+        Fact::Scan {
+            source,
+            is_detected: false,
+        },
+    );
     if misses <= settings.existence.misses {
-        entry.absence += (1.0 - model.detection).ln();
+        entry.absence += (1.0 - tracks.sources.detection(source)).ln();
     }
     if entry.absence < settings.existence.gone {
         suppress(settings, tracks, system, report.time_of_measurement_ns, out);
@@ -549,7 +564,7 @@ pub(crate) fn end<S: Sink>(
     tracks.kept.forget(slot);
     tracks.systems.get_mut(slot).merged_into = merged_into;
     if merged_into == 0 {
-        count_false(tracks, slot);
+        count_false(settings, tracks, slot);
     }
     out.count(NO_SOURCE, Counter::TracksTerminated);
     out.decision(&tracks.decision_on(slot, DecisionKind::Ended, now_ns, f64::NAN));

@@ -13,14 +13,13 @@
 use messages::{Counter, Decision, DecisionKind, NO_SOURCE, SensorTrack, TrackState};
 
 use estimation::{ComparedComponents, statistical_distance};
+use source_models::{DetectionPoint, gaussian_of};
 
 use crate::association_step::Search;
 use crate::crossing::{self, CROSSED};
 use crate::explanation::Sink;
 use crate::filter::TargetFilter;
-use crate::measurement::gaussian_of;
 use crate::outlet::Outlet;
-use crate::points::DetectionPoint;
 use crate::sensor_tracks::{NO_SYSTEM, Role, SensorSlot};
 use crate::settings::Settings;
 use crate::system_tracks::{Bond, SystemEntry, SystemSlot};

@@ -6,15 +6,13 @@
 //! models of the sources.
 
 use messages::TrackState;
+use source_models::{
+    Fact, FilterInnovation, Innovation, InnovationFact, MEAN_GAIN, MEAN_VARIANCE, MeanApart, Measurement, from_body,
+};
 
 use crate::association_step::Search;
-use crate::body_frame::from_body;
 use crate::engine::Engine;
-use crate::innovation::FilterInnovation;
-use crate::measurement::Measurement;
 use crate::sensor_tracks::{SensorEntry, SensorSlot};
-use crate::source_model::{MEAN_GAIN, MEAN_VARIANCE};
-use crate::sources::{Innovation, MeanApart};
 
 /// Innovations of one sensor track before their mean is used.
 pub(crate) const MEAN_REPORTS_MIN: u32 = 4;
@@ -40,9 +38,9 @@ impl SensorEntry {
 }
 
 impl Engine {
-    /// Adds the innovation of a measurement to its sensor track's mean, and lets the models of the sources learn from
-    /// it, which has the normalised square `nis`, unless a step of a source's errors has misled filters (`is_misled`). `moves_mps` is the target's velocity
-    /// where the innovation shows how targets move.
+    /// Adds the innovation of a measurement, with its normalised square `nis`, to its sensor track's mean, and lets the
+    /// models of the sources learn from it, unless a step of a source's errors has misled filters (`is_misled`).
+    /// `moves_mps` is the target's velocity where the innovation shows how targets move.
     pub(crate) fn learn_of_innovation(
         &mut self,
         sensor: SensorSlot,
@@ -59,11 +57,10 @@ impl Engine {
         let is_led_or_leapt = entry.is_led_off || entry.point.has_leapt;
         let registered = |source: u16| self.settings.sources[usize::from(source)].is_registered;
         let is_compared = registered(entry.source) && target.life == TrackState::Confirmed;
-        let model = &self.tracks.sources.models[usize::from(entry.source)];
         let looks = about_mean_m.is_some()
             && is_compared
             && !is_led_or_leapt
-            && (!model.knows_spread_well() || entry.residuals.is_multiple_of(SPREAD_EVERY));
+            && (self.tracks.sources.knows_spread_badly(entry.source) || entry.residuals.is_multiple_of(SPREAD_EVERY));
         let search = Search {
             settings: &self.settings,
             tracks: &self.tracks,
@@ -87,7 +84,9 @@ impl Engine {
                 size_m: self.settings.target_size.of(&entry.latest.target_type),
             }),
         };
-        self.tracks.sources.learn_innovation(&self.settings, &shown);
+        self.tracks
+            .sources
+            .learn(&self.settings, Fact::Innovation(InnovationFact::Used(shown)));
     }
 }
 
@@ -98,8 +97,7 @@ impl Search<'_> {
         let shift_m = self
             .tracks
             .sources
-            .registration
-            .suspected_shift(entry.source, entry.latest.velocity_mps);
+            .suspected_shift_m(entry.source, entry.latest.velocity_mps);
         let point_m = match entry.point.has_leapt {
             true => from_body(entry.point.offset_m, self.tracks.systems.get(entry.system).course),
             false => [0.0; 2],

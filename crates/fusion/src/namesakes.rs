@@ -4,10 +4,10 @@
 //! between the two sources is added to the variances: then the join gate lies at the reach.
 
 use messages::{NS_PER_S, sensor_track_bits};
+use source_models::gaussian_of;
 
 use crate::association_step::Search;
 use crate::identity::{self, DECIDES, Name};
-use crate::measurement::gaussian_of;
 use crate::sensor_tracks::{NO_SYSTEM, SensorEntry, SensorSlot};
 use crate::system_tracks::{Bond, SystemSlot};
 

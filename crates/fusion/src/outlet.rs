@@ -4,7 +4,7 @@ use messages::{Counter, Decision, SystemTrack};
 
 use crate::engine_counters::EngineCounters;
 use crate::explanation::Sink;
-use crate::measurement::FilterInput;
+use crate::filter_input::FilterInput;
 
 /// The counters, and the message that is being written: a large one, filled anew each time and never copied here.
 #[derive(Debug)]

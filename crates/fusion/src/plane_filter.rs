@@ -23,8 +23,7 @@
 
 use estimation::{Moments, Plane, PlanePair, Rotation, Two};
 use serde::{Deserialize, Serialize};
-
-use crate::motion::{LEVELS, Motion};
+use source_models::{LEVELS, Motion};
 
 /// Number of models: steady, agile, and turns of each hardness to the left and to the right.
 pub(crate) const MODELS: usize = 2 + 2 * LEVELS;

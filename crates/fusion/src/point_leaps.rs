@@ -11,11 +11,9 @@
 //! leaps of this source are looked for.
 
 use messages::{NS_PER_S, TrackState};
+use source_models::{DetectionPoint, Fact, InnovationFact, Measurement, Referred, from_body, to_body};
 
-use crate::body_frame::{from_body, to_body};
 use crate::mean_errors::MEAN_REPORTS_MIN;
-use crate::measurement::Measurement;
-use crate::points::{DetectionPoint, Referred};
 use crate::reference_point::ReferencePoints;
 use crate::sensor_tracks::{LeapWatch, SensorEntry, SensorSlot};
 use crate::system_tracks::SystemSlot;
@@ -131,7 +129,8 @@ impl ReferencePoints<'_> {
         }
         let motion = if leap_watch.is_waiting() {
             self.confirm_leap(sensor, seen)
-        } else if !self.tracks.sources.points.has_changed(source, time_ns) && self.may_leap((sensor, measurement), seen)
+        } else if !self.tracks.sources.points().has_changed(source, time_ns)
+            && self.may_leap((sensor, measurement), seen)
         {
             let watch = &mut self.tracks.sensors.get_mut(sensor).leap_watch;
             (watch.leap_m, watch.waiting, watch.stayed) = (apart_m.map(|way| way as f32), 1, 0.0);
@@ -188,7 +187,7 @@ impl ReferencePoints<'_> {
         let is_predicted = system.life == TrackState::Confirmed
             && system.filter.steadiness() > STEADY_MIN
             && entry.residuals >= REPORTS_MIN
-            && self.tracks.sources.points.is_known(&entry.point)
+            && self.tracks.sources.points().is_known(&entry.point)
             && square(mean_m) < LEAPS * seen.variance_m2
             && square(change_m) > CHANGES * (seen.variance_m2 + seen.noise_m2);
         // Along the way from where the source's own filter expected the measurement.
@@ -209,7 +208,7 @@ impl ReferencePoints<'_> {
         entry.residuals >= MEAN_REPORTS_MIN
             && !entry.is_led_off
             && !entry.leap_watch.is_waiting()
-            && self.tracks.sources.points.is_known(&entry.point)
+            && self.tracks.sources.points().is_known(&entry.point)
     }
 
     fn is_followed_by_another(&self, (system, source): (SystemSlot, u16), now_ns: i64) -> bool {
@@ -221,7 +220,7 @@ impl ReferencePoints<'_> {
     /// Where the detection point of a sensor track lies from the target's reference point, east and north, metres, as
     /// far as the two are told apart.
     fn offset_m(&self, entry: &SensorEntry, course: [f64; 2]) -> [f64; 2] {
-        match self.tracks.sources.points.follows(&entry.point) {
+        match self.tracks.sources.points().follows(&entry.point) {
             true => from_body(entry.point.offset_m, course),
             false => [0.0; 2],
         }
@@ -236,8 +235,8 @@ impl ReferencePoints<'_> {
         let before_m = self.offset_m(entry, course);
         let offset_m = std::array::from_fn(|axis| before_m[axis] + by_m[axis]);
         let entry = self.tracks.sensors.get_mut(sensor);
-        entry.point = self.tracks.sources.points.unknown();
-        if self.tracks.sources.points.keeps_points() || square(offset_m) > FITS * 2.0 * noise_m2 {
+        entry.point = self.tracks.sources.points().unknown();
+        if self.tracks.sources.points().keeps_points() || square(offset_m) > FITS * 2.0 * noise_m2 {
             entry.point = DetectionPoint {
                 offset_m: to_body(offset_m, course),
                 reports: 1,
@@ -249,7 +248,14 @@ impl ReferencePoints<'_> {
         // The mean innovation of before is that of another point.
         entry.residuals = 0;
         let targets = self.tracks.sensors.count_of(source);
-        self.tracks.sources.points.learn_leap(source, now_ns, targets);
+        self.tracks.sources.learn(
+            self.settings,
+            Fact::Innovation(InnovationFact::Leapt {
+                source,
+                time_ns: now_ns,
+                targets,
+            }),
+        );
     }
 }
 

@@ -17,8 +17,7 @@
 use estimation::Gaussian;
 use messages::{NS_PER_S, SensorTrack};
 use serde::{Deserialize, Serialize};
-
-use crate::measurement::gaussian_of;
+use source_models::gaussian_of;
 
 /// Scans with both targets that show that they are two. Where reports follow no rhythm, the right one lies near the
 /// misread one by chance in two of five cases.

@@ -12,14 +12,11 @@
 //! estimated yet improve a filter of such uncertainty only.
 
 use messages::{AXES, DecisionKind, NS_PER_S, SensorTrack};
+use source_models::{DetectionPoint, FilterInnovation, Measurement, Referred, from_body};
 
-use crate::body_frame::from_body;
 use crate::explanation::Sink;
-use crate::innovation::FilterInnovation;
 use crate::kept_measurement::UsedMeasurement;
-use crate::measurement::Measurement;
 use crate::outlet::Outlet;
-use crate::points::{DetectionPoint, Referred};
 use crate::sensor_tracks::{SensorEntry, SensorSlot};
 use crate::settings::Settings;
 use crate::system_tracks::SystemSlot;
@@ -28,18 +25,16 @@ use crate::tracks::Tracks;
 /// Innovations before the filter may go over to a detection point.
 const CHANGE_REPORTS_MIN: u32 = 12;
 
-impl Referred {
-    /// The measurement in the latest report of a sensor track, which is `relative` to the reference point.
-    #[inline]
-    pub(crate) fn used<'a>(&self, entry: &'a SensorEntry, relative: &'a Measurement) -> UsedMeasurement<'a> {
-        UsedMeasurement {
-            measurement: relative,
-            report: &entry.latest,
-            correction: entry.correction(),
-            is_used: self.is_usable,
-            point_m: self.point_m,
-            point_m2: self.variance_m2,
-        }
+/// The measurement in the latest report of a sensor track, which is `relative` to the reference point.
+#[inline]
+pub(crate) fn used<'a>(referred: &Referred, entry: &'a SensorEntry, relative: &'a Measurement) -> UsedMeasurement<'a> {
+    UsedMeasurement {
+        measurement: relative,
+        report: &entry.latest,
+        correction: entry.correction(),
+        is_used: referred.is_usable,
+        point_m: referred.point_m,
+        point_m2: referred.variance_m2,
     }
 }
 
@@ -57,7 +52,7 @@ impl ReferencePoints<'_> {
         out: &mut Outlet<'_, S>,
     ) -> Referred {
         let Self { settings, tracks } = self;
-        let (points, entry) = (&tracks.sources.points, tracks.sensors.get_mut(sensor));
+        let (points, entry) = (tracks.sources.points(), tracks.sensors.get_mut(sensor));
         if !points.keeps_points() && !entry.point.has_leapt {
             return Referred::ITSELF;
         }
@@ -74,11 +69,11 @@ impl ReferencePoints<'_> {
         {
             tracks.sensors.get_mut(foremost).point = DetectionPoint {
                 is_reference: true,
-                ..tracks.sources.points.unknown()
+                ..tracks.sources.points().unknown()
             };
             // What the filter was before is a mixture of points.
             let entry = tracks.sensors.get(foremost);
-            let points = &tracks.sources.points;
+            let points = tracks.sources.points();
             if points.is_uncertain(variance_at(&entry.latest, now_ns)) {
                 tracks.systems.get_mut(system).filter.blur(points.apart_m2());
                 tracks.kept.forget(system);
@@ -105,7 +100,7 @@ impl ReferencePoints<'_> {
     /// Learns where a sensor track's detection point lies on the target.
     pub(crate) fn learn(&mut self, sensor: SensorSlot, innovation: &FilterInnovation) {
         let entry = self.tracks.sensors.get_mut(sensor);
-        if self.tracks.sources.points.follows(&entry.point) && !entry.point.is_reference {
+        if self.tracks.sources.points().follows(&entry.point) && !entry.point.is_reference {
             let course = self.tracks.systems.get(entry.system).course;
             entry.point.add(innovation.residual_m, course);
         }
@@ -117,14 +112,14 @@ pub(crate) fn known(tracks: &Tracks, sensor: SensorSlot, measurement: &Measureme
     let entry = tracks.sensors.get(sensor);
     let target = tracks.systems.get(entry.system);
     let variances_m2 = (measurement.variance_m2(), target.filter.variance_m2());
-    tracks.sources.points.known(&entry.point, target.course, variances_m2)
+    tracks.sources.points().known(&entry.point, target.course, variances_m2)
 }
 
 /// Whether some contributing sensor track carries the target's reference point.
 fn is_anchored(tracks: &Tracks, system: SystemSlot, now_ns: i64) -> bool {
     tracks
         .contributing_entries(system, now_ns)
-        .any(|(_, entry)| tracks.sources.points.is_known(&entry.point))
+        .any(|(_, entry)| tracks.sources.points().is_known(&entry.point))
 }
 
 /// The contributing sensor track of the source that comes first.

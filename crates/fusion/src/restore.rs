@@ -4,22 +4,17 @@
 //! are written in turn when the caller has time ([`Engine::keep_learned`]), without other effects.
 
 use kept::{Get, Kept, kept};
-use messages::{Bias, BiasKind, NS_PER_S, TrackState};
+use messages::{NS_PER_S, TrackState};
+use source_models::{KeptClass, KeptPair, KeptSource, Sources};
 
-use crate::alignment::PairFindings;
 use crate::checkpoint::{
     CheckpointClock, CheckpointLayout, CheckpointWriter, Memory, RecordKind, Sizes, Snapshot, SourcePosition,
 };
-use crate::detection_map::HitCount;
 use crate::engine::Engine;
 use crate::explanation::Sink;
 use crate::life;
-use crate::manoeuvres::{CLASSES, Class};
-use crate::moving_sources::SourcePose;
 use crate::numbering;
 use crate::order_table::{OrderRecord, PLACES};
-use crate::registration::{KeptErrors, SourcePair};
-use crate::source_model::SourceModel;
 use crate::suspects::Suspects;
 use crate::system_tracks::{KeptTrack, SystemSlot};
 use crate::tracks::TrackMembership;
@@ -37,39 +32,22 @@ const IN_TURN: [RecordKind; 4] = [
 kept! {
     /// All that was learned of one source.
     struct SourceEstimates {
-        model: SourceModel,
-        errors: KeptErrors,
-        detection: HitCount,
-        pose: Option<SourcePose>,
-        purity: HitCount,
+        models: KeptSource,
         mean_square: Option<f64>,
-        /// Accepted gross bias, and the removed bias.
-        gross: (Option<Bias>, Option<(BiasKind, [f64; 2])>),
-    }
-}
-
-kept! {
-    /// All that was learned of one ordered pair of sources.
-    struct PairEstimates {
-        sums: SourcePair,
-        gross: PairFindings,
-        /// Share of copies, mean squares of differences, and whether that makes the two dependent.
-        dependence: ((f64, [f64; 2]), bool),
     }
 }
 
 impl Engine {
     /// How a checkpoint of this engine is laid out.
     pub fn checkpoint_layout(&self) -> CheckpointLayout {
-        let coverage = &self.tracks.sources.coverage;
         let sizes = Sizes {
             suspects: Suspects::WORDS,
             systems: KeptTrack::WORDS,
             members: TrackMembership::WORDS,
             sources: SourceEstimates::WORDS,
-            pairs: PairEstimates::WORDS,
-            classes: (CLASSES, Class::WORDS),
-            cells: (coverage.places(), coverage.cell_words()),
+            pairs: KeptPair::WORDS,
+            classes: (Sources::CLASSES, KeptClass::WORDS),
+            cells: self.tracks.sources.kept_cells(),
             orders: (PLACES, OrderRecord::WORDS),
         };
         CheckpointLayout::new(&self.settings.capacity, &self.settings.sources, sizes)
@@ -156,25 +134,19 @@ impl Engine {
     }
 
     fn resume_learned(&mut self, snapshot: &Snapshot) {
+        let sources = &mut self.tracks.sources;
         for (source, learned) in snapshot.all::<SourceEstimates>(RecordKind::Sources) {
-            self.tracks.sources.models[source] = learned.model;
-            self.tracks.sources.registration.resume(source, &learned.errors);
-            *self.tracks.sources.coverage.general_mut(source) = learned.detection;
-            *self.tracks.sources.moving.pose_mut(source) = learned.pose;
-            *self.tracks.sources.purity.tally_mut(source) = learned.purity;
+            sources.resume_source(source, &learned.models);
             *self.publisher.accuracies.mean_square_mut(source) = learned.mean_square;
-            self.tracks.sources.alignment.resume(source, learned.gross);
         }
-        for (place, pair) in snapshot.all::<PairEstimates>(RecordKind::Pairs) {
-            self.tracks.sources.registration.resume_pair(place, pair.sums);
-            *self.tracks.sources.alignment.pair_mut(place) = pair.gross;
-            self.tracks.sources.dependence.resume(place, pair.dependence);
+        for (place, pair) in snapshot.all::<KeptPair>(RecordKind::Pairs) {
+            sources.resume_pair(place, &pair);
         }
-        for (place, class) in snapshot.all::<Class>(RecordKind::Classes) {
-            self.tracks.sources.manoeuvres.classes_mut()[place] = class;
+        for (place, class) in snapshot.all::<KeptClass>(RecordKind::Classes) {
+            sources.resume_class(place, &class);
         }
         for (place, words) in snapshot.of_kind(RecordKind::Cells) {
-            self.tracks.sources.coverage.resume_cell(place, &mut Get(words));
+            sources.resume_cell(place, &mut Get(words));
         }
     }
 
@@ -228,30 +200,19 @@ impl Engine {
         let Some((kind, place)) = checkpoint.next_in_turn(&IN_TURN) else {
             return;
         };
+        let sources = &mut self.tracks.sources;
         match kind {
             RecordKind::Sources => {
                 let learned = SourceEstimates {
-                    model: self.tracks.sources.models[place],
-                    errors: self.tracks.sources.registration.kept(place),
-                    detection: *self.tracks.sources.coverage.general_mut(place),
-                    pose: *self.tracks.sources.moving.pose_mut(place),
-                    purity: *self.tracks.sources.purity.tally_mut(place),
+                    models: sources.kept_source(place),
                     mean_square: *self.publisher.accuracies.mean_square_mut(place),
-                    gross: self.tracks.sources.alignment.bias_of(place),
                 };
                 checkpoint.write(kind, place, &learned);
             }
-            RecordKind::Pairs => {
-                let learned = PairEstimates {
-                    sums: self.tracks.sources.registration.pairs()[place],
-                    gross: *self.tracks.sources.alignment.pair_mut(place),
-                    dependence: self.tracks.sources.dependence.kept(place),
-                };
-                checkpoint.write(kind, place, &learned);
-            }
-            RecordKind::Classes => checkpoint.write(kind, place, &self.tracks.sources.manoeuvres.classes_mut()[place]),
+            RecordKind::Pairs => checkpoint.write(kind, place, &sources.kept_pair(place)),
+            RecordKind::Classes => checkpoint.write(kind, place, &sources.kept_class(place)),
             _ => {
-                if let Some(cell) = self.tracks.sources.coverage.cell_at(place) {
+                if let Some(cell) = sources.kept_cell(place) {
                     checkpoint.write_with(kind, place, cell);
                 }
             }

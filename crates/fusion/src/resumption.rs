@@ -22,13 +22,13 @@ use messages::{
     sensor_track_bits,
 };
 use nalgebra::Matrix4;
+use source_models::{Fact, ReportFact, gaussian_of};
 
 use crate::association_step::{SEARCH_CELLS_MAX, Search};
 use crate::engine::Engine;
 use crate::explanation::Sink;
 use crate::identity;
 use crate::life;
-use crate::measurement::gaussian_of;
 use crate::sensor_tracks::SensorSlot;
 use crate::settings::IdentitySettings;
 use crate::system_tracks::{Bond, SystemEntry, SystemSlot};
@@ -225,7 +225,13 @@ impl Engine {
         let silence_ns = report.time_of_measurement_ns - entry.last_report_ns;
         let (was_shown, reports, first_seen_ns) = (entry.was_shown, entry.reports, entry.first_seen_ns);
         if was_shown && !entry.rhythm.is_slow() {
-            self.tracks.sources.lifetimes.learn_gap(report.source, silence_ns);
+            self.tracks.sources.learn(
+                &self.settings,
+                Fact::Report(ReportFact::Gap {
+                    source: report.source,
+                    gap_ns: silence_ns,
+                }),
+            );
         }
         if !was_shown {
             self.recognise(sensor, system);

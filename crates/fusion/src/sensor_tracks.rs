@@ -4,22 +4,20 @@ use std::collections::HashMap;
 
 use messages::{AXES, Covariance, Identity, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 use serde::{Deserialize, Serialize};
+use source_models::{
+    CLAIM_MAX, Content, Correction, CovarianceBasis, DetectionPoint, EarlierReport, GainEvidence, Measurement,
+    StatedState, Stretch, states_velocity, whole_report,
+};
 
 use crate::description::Description;
-use crate::error_shape::Stretch;
+use crate::filter_input::FilterInput;
 use crate::history::Histories;
 use crate::identity::{KnownNames, NameIndex};
-use crate::measurement::{
-    CLAIM_MAX, Content, Correction, CovarianceBasis, FilterInput, Measurement, states_velocity, whole_report,
-};
 use crate::number_hasher::{NumberHasher, table};
 use crate::places::{self, TablePlace};
-use crate::points::DetectionPoint;
 use crate::quality::Qualities;
 use crate::quota::Quota;
 use crate::recognition::is_reachable;
-use crate::sources::{EarlierReport, StatedState};
-use crate::tracker_gain::GainEvidence;
 use crate::verification::Verification;
 
 /// Place of a sensor track in its table.

@@ -116,7 +116,7 @@ pub(crate) fn write(
         .map_or([0.0; 2], |rate| rate.map(|value| value as f32));
     let has_height = entry.state.has_height;
     let offset = has_height
-        .then(|| tracks.sources.pressure.at(entry.state.position_m))
+        .then(|| tracks.sources.pressure_offset_m(entry.state.position_m))
         .flatten();
     [message.pressure_offset_m, message.pressure_offset_sigma_m] =
         offset.map_or([0.0; 2], |offset| offset.map(|value| value as f32));

@@ -8,6 +8,7 @@ use association::Grid;
 use estimation::Gaussian;
 use messages::{Covariance, Identity, NO_SOURCE, TargetType, TrackKind, TrackState, UniqueNumber};
 use serde::{Deserialize, Serialize, Serializer};
+use source_models::Rhythm;
 
 use crate::border::Ownership;
 use crate::description::Description;
@@ -19,7 +20,6 @@ use crate::numbering;
 use crate::places::{self, TablePlace};
 use crate::quota::Quota;
 use crate::recognition::Recognition;
-use crate::rhythm::Rhythm;
 use crate::rules::RuleMemory;
 use crate::sensor_tracks::SensorSlot;
 use crate::silent_tracks::{Rest, SilentTracks};

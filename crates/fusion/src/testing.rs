@@ -1,6 +1,7 @@
 //! Settings and inputs for tests.
 
-use crate::innovation::{FilterInnovation, Fit};
+use source_models::Sources;
+
 use crate::settings::{Accuracy, AssociationSettings, Capacity, RuleName, Settings, SourceSettings};
 
 /// Settings for `sources` like sources, in small tables.
@@ -27,16 +28,10 @@ pub(crate) fn test_settings(sources: usize) -> Settings {
     settings
 }
 
-/// An innovation of 0, that fits so.
-pub(crate) fn innovation(fit: Fit) -> FilterInnovation {
-    FilterInnovation {
-        residual_m: [0.0; 2],
-        covariance_m2: [1.0, 0.0, 1.0],
-        squared: 0.0,
-        gain: 0.5,
-        fit,
-        manoeuvre: None,
-        straight_s: 0.0,
-        begins_turn: false,
-    }
+/// Models of a source, where turns have a process noise of so much, m²/s³.
+pub(crate) fn models(process_noise_m2ps3: f64) -> Sources {
+    Sources::new(&Settings {
+        process_noise_m2ps3,
+        ..test_settings(1)
+    })
 }

@@ -4,16 +4,16 @@ use kept::kept;
 use serde::{Deserialize, Serialize};
 
 use messages::{Decision, DecisionKind, TrackState};
+use source_models::{Fact, Measurement, PairFact, Rhythm, Sources};
 
 use crate::checkpoint::{CheckpointWriter, RecordKind};
 use crate::filter::TargetFilter;
+use crate::filter_input::FilterInput;
 use crate::former_members::FormerMembers;
 use crate::kept_measurements::KeptMeasurements;
-use crate::measurement::{FilterInput, Measurement};
 use crate::numbering;
-use crate::rhythm::Rhythm;
 use crate::sensor_tracks::{MemberEntries, MemberLink, NO_SYSTEM, Role, SensorEntry, SensorSlot, SensorTracks};
-use crate::sources::Sources;
+use crate::settings::Settings;
 use crate::system_tracks::{SystemEntry, SystemSlot, SystemTracks};
 
 /// Both tables, linked with each other, and what is known of the sources.
@@ -273,13 +273,12 @@ impl Tracks {
     /// The same by its source's period alone: another sensor track of the source may speak for the target after that.
     #[inline]
     fn is_fresh_by_period(&self, entry: &SensorEntry, now_ns: i64) -> bool {
-        now_ns - entry.time_ns <= self.sources.lifetimes.fresh_ns(entry.source)
+        now_ns - entry.time_ns <= self.sources.fresh_ns(entry.source)
     }
 
     /// Whether a sensor track speaks for its source beside another one: not one of before the source's restart.
     fn still_speaks(&self, entry: &SensorEntry, now_ns: i64) -> bool {
-        self.is_fresh_by_period(entry, now_ns)
-            && !self.sources.lifetimes.restarts.is_before(entry.source, entry.time_ns)
+        self.is_fresh_by_period(entry, now_ns) && !self.sources.is_before_restart(entry.source, entry.time_ns)
     }
 
     fn is_fresh_by_rhythm(&self, entry: &SensorEntry, now_ns: i64) -> bool {
@@ -313,7 +312,7 @@ impl Tracks {
     pub(crate) fn sources_of(&self, system: SystemSlot, now_ns: i64) -> u64 {
         let mut bits = 0;
         for (_, entry) in self.contributing_entries(system, now_ns) {
-            let is_before = self.sources.lifetimes.restarts.is_before(entry.source, entry.time_ns);
+            let is_before = self.sources.is_before_restart(entry.source, entry.time_ns);
             bits |= u64::from(!is_before) << entry.source;
         }
         bits
@@ -351,7 +350,7 @@ impl Tracks {
         let own_ns = self.systems.get(system).rhythm.fresh_ns();
         let mut until_ns = i64::MIN;
         for (_, entry) in self.member_entries(system) {
-            until_ns = until_ns.max(entry.time_ns + self.sources.lifetimes.fresh_ns(entry.source).max(own_ns));
+            until_ns = until_ns.max(entry.time_ns + self.sources.fresh_ns(entry.source).max(own_ns));
         }
         until_ns
     }
@@ -396,15 +395,16 @@ impl Tracks {
     /// Learns from a sensor track's latest report, beside those of other sources on its target, whether sources have
     /// errors in common.
     #[inline]
-    pub(crate) fn learn_dependence(&mut self, sensor: SensorSlot, period_ns: i64) {
+    pub(crate) fn learn_dependence(&mut self, settings: &Settings, sensor: SensorSlot) {
         let entry = self.sensors.get(sensor);
+        let period_ns = settings.sources[usize::from(entry.source)].period_ns;
         if !entry.repaired && Sources::compares(entry.reports, period_ns) {
-            self.compare_with_members(sensor);
+            self.compare_with_members(settings, sensor);
         }
     }
 
     #[inline(never)]
-    fn compare_with_members(&mut self, sensor: SensorSlot) {
+    fn compare_with_members(&mut self, settings: &Settings, sensor: SensorSlot) {
         let Self {
             sensors,
             systems,
@@ -414,7 +414,7 @@ impl Tracks {
         let entry = sensors.get(sensor);
         for (_, other) in sensors.members_from(systems.get(entry.system).members) {
             if !other.repaired {
-                sources.dependence.compare(&entry.latest, &other.latest);
+                sources.learn(settings, Fact::Pair(PairFact::Reports(&entry.latest, &other.latest)));
             }
         }
     }
@@ -425,7 +425,7 @@ impl Tracks {
     pub(crate) fn assign_role(&mut self, sensor: SensorSlot) {
         let entry = self.sensors.get(sensor);
         // No other source of the group comes before the first one.
-        if entry.role != Role::Primary || self.sources.dependence.group_of(entry.source) != entry.source {
+        if entry.role != Role::Primary || self.sources.group_of(entry.source) != entry.source {
             self.assign_role_in_group(sensor);
         }
     }
@@ -434,12 +434,12 @@ impl Tracks {
     fn assign_role_in_group(&mut self, sensor: SensorSlot) {
         let entry = self.sensors.get(sensor);
         let (system, source, now_ns) = (entry.system, entry.source, entry.time_ns);
-        let group = self.sources.dependence.group_of(source);
+        let group = self.sources.group_of(source);
         let other = self
             .member_entries(system)
             .find(|(member, entry)| {
                 *member != sensor
-                    && self.sources.dependence.group_of(entry.source) == group
+                    && self.sources.group_of(entry.source) == group
                     && entry.role == Role::Primary
                     && self.still_speaks(entry, now_ns)
             })
@@ -491,7 +491,7 @@ impl Tracks {
     /// Frees sensor tracks that have been silent for the life time of their source's tracks at `now_ns`, a few places
     /// of the table at a time.
     pub(crate) fn drop_silent(&mut self, now_ns: i64) {
-        let since_ns = now_ns.saturating_sub(self.sources.lifetimes.terminate_ns);
+        let since_ns = now_ns.saturating_sub(self.sources.terminate_ns());
         for sensor in self.sensors.next_places() {
             if !self.sensors.is_silent(sensor, since_ns) {
                 continue;
@@ -510,9 +510,7 @@ impl Tracks {
             NO_SYSTEM => Rhythm::default(),
             system => self.systems.get(system).rhythm,
         };
-        self.sources
-            .lifetimes
-            .silence_at(rhythm, self.sources.lifetimes.silence_ns(entry.source))
+        self.sources.silence_at(rhythm, self.sources.silence_ns(entry.source))
     }
 
     /// A decision about a sensor track, at the time of its latest report.

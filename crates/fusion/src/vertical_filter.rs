@@ -6,8 +6,7 @@
 
 use estimation::Vertical;
 use serde::{Deserialize, Serialize};
-
-use crate::motion::Motion;
+use source_models::Motion;
 
 /// Number of models: level, climb, change.
 pub(crate) const MODELS: usize = 3;

@@ -5,9 +5,8 @@
 //! gives each its share and the state they yield together. Rules that take the state from the target's filter need
 //! nothing of the contributions but their share in it.
 
-use messages::{CONTRIBUTIONS_MAX, SensorTrack, TrackState, sensor_track_bits};
-
 use fusion_rules::candidate::{candidate_of, value};
+use messages::{CONTRIBUTIONS_MAX, SensorTrack, TrackState, sensor_track_bits};
 
 use crate::accuracy::{Accuracies, StatedAccuracy};
 use crate::history::moved;

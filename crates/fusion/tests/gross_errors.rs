@@ -149,11 +149,11 @@ fn of_three_radars_the_one_that_is_off_is_told_and_put_right_where_that_is_wante
         let reports = reports(seed, 3, ENOUGH_S, Some(case));
         for gross in [false, true] {
             let engine = run(settings(3, gross), &reports, &mut nobody());
-            let error = engine.gross_error(ERRING as u16).expect("an error is told");
+            let error = engine.sources().gross_error(ERRING as u16).expect("an error is told");
             assert!(is_near(error, case), "{error}");
             assert_eq!((error.is_certain, error.is_removed), (true, gross), "{error}");
             for other in [0, 2] {
-                assert_eq!(engine.gross_error(other), None, "{error}");
+                assert_eq!(engine.sources().gross_error(other), None, "{error}");
             }
         }
     }
@@ -164,11 +164,13 @@ fn of_two_radars_nobody_knows_which_is_off_and_nothing_is_taken_off() {
     for (seed, case) in (11..).zip(CASES) {
         let reports = reports(seed, 2, ENOUGH_S, Some(case));
         let engine = run(settings(2, true), &reports, &mut nobody());
-        let told: Vec<Bias> = (0..2).filter_map(|source| engine.gross_error(source)).collect();
+        let told: Vec<Bias> = (0..2)
+            .filter_map(|source| engine.sources().gross_error(source))
+            .collect();
         assert_eq!(told.len(), 1, "{told:?}");
         assert!(!told[0].is_certain && !told[0].is_removed, "{told:?}");
         // It may be that the other one is off the other way.
-        let of_erring = engine.gross_error(ERRING as u16).is_some();
+        let of_erring = engine.sources().gross_error(ERRING as u16).is_some();
         let sign = if of_erring { 1.0 } else { -1.0 };
         let as_told = Case {
             value: case.value,
@@ -189,7 +191,7 @@ fn a_reference_source_says_which_of_two_is_off() {
         let mut settings = settings(2, true);
         settings.registration.reference_source = Some(0.into());
         let engine = run(settings, &reports, &mut nobody());
-        let error = engine.gross_error(ERRING as u16).expect("an error is told");
+        let error = engine.sources().gross_error(ERRING as u16).expect("an error is told");
         assert!(is_near(error, case) && error.is_removed, "{error}");
     }
 }
@@ -205,7 +207,7 @@ fn codes_show_half_a_degree_within_a_minute_and_the_value_that_is_told_ends_it()
         let reports = reports_of(seed, 2, ENOUGH_S, Some(case), SensorIdentity::Mode3A);
         let told = run(settings(2, false), &reports, &mut nobody());
         let told: Vec<(u16, Bias)> = (0..2)
-            .filter_map(|source| Some((source, told.gross_error(source)?)))
+            .filter_map(|source| Some((source, told.sources().gross_error(source)?)))
             .collect();
         let &[(source, error)] = &told[..] else {
             panic!("seed {seed}: {told:?}");
@@ -222,7 +224,10 @@ fn codes_show_half_a_degree_within_a_minute_and_the_value_that_is_told_ends_it()
             ..CorrectionTable::default()
         });
         let engine = run(mended, &reports, &mut nobody());
-        assert!((0..2).all(|source| engine.gross_error(source).is_none()), "seed {seed}");
+        assert!(
+            (0..2).all(|source| engine.sources().gross_error(source).is_none()),
+            "seed {seed}"
+        );
     }
 }
 
@@ -236,7 +241,7 @@ fn sound_radars_have_no_gross_errors() {
                 &mut nobody(),
             );
             for source in 0..radars as u16 {
-                assert_eq!(engine.gross_error(source), None);
+                assert_eq!(engine.sources().gross_error(source), None);
             }
         }
     }

@@ -114,9 +114,12 @@ impl Case {
         let (towards_east, towards_north) = self.bearing_rad.sin_cos();
         for scan in 0..until_s as u32 {
             for source in 0..=self.honest as u16 {
-                for error in [engine.gross_error(source), engine.contradiction(source)]
-                    .into_iter()
-                    .flatten()
+                for error in [
+                    engine.sources().gross_error(source),
+                    engine.sources().contradiction(source),
+                ]
+                .into_iter()
+                .flatten()
                 {
                     *named.entry((source, error.is_certain)).or_default() += 1;
                 }
@@ -173,7 +176,8 @@ impl Case {
                 }
             }
         }
-        let corrected = (0..=self.honest).filter(|source| engine.source_errors(*source as u16).unwrap().removed[0]);
+        let corrected =
+            (0..=self.honest).filter(|source| engine.sources().source_errors(*source as u16).unwrap().removed[0]);
         assert!(
             errors_m.len() as f64 > 6.0 * f64::from(if leads_off { 1 } else { self.targets }),
             "{self:?}: {}",

@@ -18,7 +18,7 @@ pub(crate) fn of_source<S: Transport>(engine: &Engine, input: &SourceInput<S>, c
         ..HealthEntry::default()
     };
     input.count(&mut entry.counters);
-    let detection = engine.detection_probability(input.source).unwrap_or_default();
+    let detection = engine.sources().detection_probability(input.source).unwrap_or_default();
     entry.set(Counter::DetectionPermille, (1e3 * detection).round() as u64);
     entry
 }
@@ -27,14 +27,21 @@ pub(crate) fn of_source<S: Transport>(engine: &Engine, input: &SourceInput<S>, c
 fn registration<S: Transport>(engine: &Engine, input: &SourceInput<S>, common: CommonOffsets) -> Registration {
     let mut registration = errors(engine, input.source);
     let source = input.source;
-    registration.set_gross_error(engine.gross_error(source), engine.contradiction(source));
+    registration.set_gross_error(
+        engine.sources().gross_error(source),
+        engine.sources().contradiction(source),
+    );
     registration.set_clock_offset(input.time.clock_offset(common.ahead_s));
     registration
 }
 
 fn errors(engine: &Engine, source: u16) -> Registration {
-    let learned = of_learned(engine.learned(source).unwrap_or_default());
-    let Some(known) = engine.source_errors(source).filter(|known| known.samples > 0.0) else {
+    let learned = of_learned(engine.sources().learned(source).unwrap_or_default());
+    let Some(known) = engine
+        .sources()
+        .source_errors(source)
+        .filter(|known| known.samples > 0.0)
+    else {
         return learned;
     };
     let sigma = known.variances.map(f64::sqrt);
@@ -50,7 +57,7 @@ fn errors(engine: &Engine, source: u16) -> Registration {
         range_bias_sigma_m: sigma[4],
         azimuth_bias_rad: azimuth,
         azimuth_bias_sigma_rad: sigma[5],
-        covariance_inflation: engine.covariance_scale(source).unwrap_or(1.0),
+        covariance_inflation: engine.sources().covariance_scale(source).unwrap_or(1.0),
         removed: bits.fold(0, |bits, (error, removed)| bits | u32::from(*removed) << error),
         ..learned
     }

@@ -1,7 +1,8 @@
 //! Which reports may move a track: those that the others of the target do not contradict (module `credibility`).
 
+use source_models::{AGREES, CONTRADICTS, Fact, Nearness, PairFact, apart, distance_from};
+
 use super::Engine;
-use crate::credibility::{AGREES, CONTRADICTS, Standing, apart, distance_from};
 use crate::sensor_tracks::{Role, SensorEntry, SensorSlot};
 use crate::tracks::Tracks;
 
@@ -22,9 +23,14 @@ impl Engine {
         } = &mut self.tracks;
         let entry = sensors.get(sensor);
         let [x, y, _] = systems.get(entry.system).filter.place_at(entry.time_ns);
-        match sources.needs_comparison(&self.settings.association, (&entry.latest, [x, y])) {
-            None => true,
-            Some(spread_m2) => self.admits_beside_others(sensor, spread_m2),
+        match sources.nearness(&self.settings.association, (&entry.latest, [x, y])) {
+            Nearness::Exempt => true,
+            Nearness::Near => {
+                let source = entry.source;
+                sources.learn(&self.settings, Fact::Pair(PairFact::Near { source }));
+                true
+            }
+            Nearness::Far { spread_m2 } => self.admits_beside_others(sensor, spread_m2),
         }
     }
 
@@ -41,22 +47,22 @@ impl Engine {
                 .map(|other| &other.latest)
         };
         let judgement = tracks.sources.judge(&entry.latest, spread_m2, others);
-        let credibility = &tracks.sources.credibility;
-        if judgement.standing == Standing::Open && credibility.others_can_decide() && yields(tracks, sensor, spread_m2)
-        {
+        if judgement.is_open() && tracks.sources.others_can_decide() && yields(tracks, sensor, spread_m2) {
             return false;
         }
-        self.tracks.sources.credibility.learn_judgement(&judgement)
+        let sources = &mut self.tracks.sources;
+        sources.learn(&self.settings, Fact::Pair(PairFact::Judged(&judgement)));
+        sources.admits(&judgement)
     }
 
     /// Whether a filter has been misled by a source that is set aside, or leads the target off: it is to begin anew.
     /// One that the report fits has its share of the source from the time before the source was wrong.
     #[inline]
     pub(super) fn is_misled(&self, sensor: SensorSlot) -> bool {
-        let (tracks, credibility) = (&self.tracks, &self.tracks.sources.credibility);
+        let (tracks, sources) = (&self.tracks, &self.tracks.sources);
         let entry = tracks.sensors.get(sensor);
-        (credibility.sets_aside() || tracks.systems.get(entry.system).has_led_off) && {
-            let is_off = |entry: &SensorEntry| credibility.is_set_aside(entry.source) || entry.is_led_off;
+        (sources.sets_aside() || tracks.systems.get(entry.system).has_led_off) && {
+            let is_off = |entry: &SensorEntry| sources.is_set_aside(entry.source) || entry.is_led_off;
             let misleads = |entry: &SensorEntry| is_off(entry) && entry.share > MISLEADS_FROM;
             !is_off(entry)
                 && distance_from(expected_m(tracks, entry), &entry.latest, 0.0) > FITS

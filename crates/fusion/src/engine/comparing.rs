@@ -1,11 +1,10 @@
 //! Comparison of reports of two sources on one target, from which systematic errors are estimated.
 
 use messages::{NS_PER_S, TrackState};
+use source_models::{ComparedStates, Fact, Measurement, PairFact};
 
 use super::Engine;
-use crate::measurement::Measurement;
 use crate::sensor_tracks::{SensorEntry, SensorSlot};
-use crate::sources::ComparedStates;
 use crate::tracks::Tracks;
 
 /// Samples of a source's systematic errors after which only every few reports one is taken, and how many are few.
@@ -15,11 +14,11 @@ impl Engine {
     /// Compares the report of a sensor track with the latest one of another source: systematic errors show in the
     /// difference.
     pub(super) fn compare(&mut self, sensor: SensorSlot, measurement: Option<&Measurement>) {
-        let (settings, tracks, registration) = (&self.settings, &self.tracks, &self.tracks.sources.registration);
+        let (settings, tracks, known) = (&self.settings, &self.tracks, &self.tracks.sources);
         let entry = tracks.sensors.get(sensor);
         let (report, system) = (&entry.latest, entry.system);
         let source = report.source;
-        let samples = registration.of(source).samples;
+        let samples = known.errors(source).samples;
         let settled = REGISTRATION_SETTLED.iter().find(|(least, _)| samples > *least);
         let is_registered = |source: u16| settings.sources[usize::from(source)].is_registered;
         let has_leapt = |entry: &SensorEntry| entry.point.has_leapt || entry.leap_watch.is_waiting();
@@ -41,7 +40,7 @@ impl Engine {
             if member == sensor || !is_comparable || has_leapt(other) {
                 continue;
             }
-            let key = (!registration.is_young(other.source), other.time_ns, other.source);
+            let key = (!known.is_young(other.source), other.time_ns, other.source);
             if latest.is_none_or(|(greatest, _)| key >= greatest) {
                 latest = Some((key, member));
             }
@@ -56,15 +55,13 @@ impl Engine {
             ..
         } = &mut self.tracks;
         let target = systems.get(system);
-        sources.learn_pair(
-            &self.settings,
-            &ComparedStates {
-                own: sensors.get(sensor).stated(),
-                measurement,
-                other: sensors.get(other).stated(),
-                reports: target.reports,
-                age_s: (now_ns - target.first_seen_ns) as f64 / NS_PER_S,
-            },
-        );
+        let states = ComparedStates {
+            own: sensors.get(sensor).stated(),
+            measurement,
+            other: sensors.get(other).stated(),
+            reports: target.reports,
+            age_s: (now_ns - target.first_seen_ns) as f64 / NS_PER_S,
+        };
+        sources.learn(&self.settings, Fact::Pair(PairFact::States(states)));
     }
 }

@@ -2,12 +2,12 @@
 
 use association::distance;
 use messages::{AXES, Counter, TrackState};
+use source_models::{CovarianceBasis, FilterInnovation, Measurement, shows_filter, states_velocity};
 
 use super::Engine;
 use crate::assumed::assumed_of;
 use crate::explanation::Sink;
-use crate::innovation::FilterInnovation;
-use crate::measurement::{CovarianceBasis, FilterInput, Measurement, shows_filter, states_velocity};
+use crate::filter_input::FilterInput;
 use crate::point_leaps::PointMotion;
 use crate::reference_point::{self, ReferencePoints};
 use crate::sensor_tracks::SensorSlot;
@@ -89,7 +89,7 @@ impl Engine {
         let (system, time_ns, source) = (entry.system, entry.time_ns, entry.source);
         referred.is_usable &= self.settings.sources[usize::from(source)].is_registered
             || !self.is_known_better(system, source, measurement.variance_m2());
-        let doubt_m2 = self.tracks.sources.registration.doubt_m2(source);
+        let doubt_m2 = self.tracks.sources.doubt_m2(source);
         if doubt_m2 > 0.0 && self.tracks.systems.get(system).contributors & !(1 << source) != 0 {
             referred.variance_m2 += doubt_m2;
         }
@@ -112,7 +112,7 @@ impl Engine {
             );
             if keeps {
                 let entry = tracks.sensors.get(sensor);
-                let used = referred.used(entry, &relative);
+                let used = reference_point::used(&referred, entry, &relative);
                 tracks.kept.append(system, filter, &used);
             }
             innovation
@@ -158,7 +158,7 @@ impl Engine {
         for (residual, point) in innovation.residual_m.iter_mut().zip(referred.point_m) {
             *residual += point;
         }
-        let is_misled = self.tracks.sources.registration.has_misled_filters();
+        let is_misled = self.tracks.sources.has_misled_filters();
         let moves_mps = (is_confirmed && !is_misled).then_some([velocity[0], velocity[1], 0.0]);
         // The shares of all sources in the estimate decay with this contribution.
         self.tracks
@@ -219,9 +219,8 @@ impl Engine {
     /// Returns whether a filter that cannot be undone made the latest report.
     fn only_repeats(&self, sensor: SensorSlot) -> bool {
         let entry = self.tracks.sensors.get(sensor);
-        let model = &self.tracks.sources.models[usize::from(entry.source)];
         let is_filtered = entry.basis == CovarianceBasis::Stated && shows_filter(&entry.latest.covariance);
-        is_filtered && model.cannot_be_undone()
+        is_filtered && self.tracks.sources.cannot_be_undone(entry.source)
     }
 
     /// Counts a report that is not used since its source leads the target off: as a false position if the report lies

@@ -1,13 +1,13 @@
 //! How the engine brings a sensor track to its system track: at once, with its scan, or as a new target.
 
 use messages::{Counter, DecisionKind, SensorTrack, TrackState};
+use source_models::whole_report;
 
 use super::Engine;
 use crate::association_step::Search;
 use crate::explanation::Sink;
 use crate::life;
 use crate::linking::{Linking, Next};
-use crate::measurement::whole_report;
 use crate::scan::ScanAssignment;
 use crate::sensor_tracks::{NO_SYSTEM, Role, SensorSlot};
 use crate::system_tracks::SystemSlot;
@@ -42,7 +42,7 @@ impl Engine {
     pub(super) fn wait_for_scan(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
         let entry = self.tracks.sensors.get_mut(sensor);
         // A clock that is ahead must not delay the scan; the reports of a late scan come late as well.
-        let late_ns = self.tracks.sources.lifetimes.late_ns(entry.source);
+        let late_ns = self.tracks.sources.late_ns(entry.source);
         let time_ns = entry.time_ns.saturating_add(late_ns).min(self.schedule.now_ns());
         let source = entry.source;
         if std::mem::replace(&mut entry.waits, true) {

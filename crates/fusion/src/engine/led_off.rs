@@ -5,13 +5,13 @@
 //! theirs, its reports of this target are not used until it agrees again. A filter that it has led along begins anew
 //! with the next report of another source.
 
+use source_models::{MEAN_VARIANCE, MeanInnovation, odd_one};
+
 use super::Engine;
 use crate::association_step::Search;
 use crate::mean_errors::MEAN_REPORTS_MIN;
-use crate::mean_innovation::{MeanInnovation, odd_one};
 use crate::sensor_tracks::SensorSlot;
 use crate::settings::SOURCES_MAX;
-use crate::source_model::MEAN_VARIANCE;
 
 /// Squared statistical length of a mean innovation that is worth a comparison.
 const SUSPICIOUS: f64 = 9.2;
@@ -36,7 +36,7 @@ impl Engine {
         let tracks = &mut self.tracks;
         let entry = tracks.sensors.get(sensor);
         let (system, now_ns) = (entry.system, entry.time_ns);
-        if entry.is_led_off && !tracks.sources.registration.is_settled(entry.source) {
+        if entry.is_led_off && !tracks.sources.is_settled(entry.source) {
             // What the source errs on all targets is unknown again, and with it what it errs on this one.
             tracks.sensors.get_mut(sensor).is_led_off = false;
             return;
@@ -51,7 +51,7 @@ impl Engine {
             tracks,
         };
         for (member, other) in tracks.contributing_entries(system, now_ns) {
-            let is_known = other.residuals >= MEAN_REPORTS_MIN && tracks.sources.registration.is_settled(other.source);
+            let is_known = other.residuals >= MEAN_REPORTS_MIN && tracks.sources.is_settled(other.source);
             if !is_known || count == SOURCES_MAX {
                 continue;
             }

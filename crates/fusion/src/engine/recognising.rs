@@ -2,10 +2,10 @@
 
 use estimation::{ComparedComponents, statistical_distance};
 use messages::{NS_PER_S, SensorTrack, TrackState, UniqueNumber, sensor_track_bits};
+use source_models::gaussian_of;
 
 use super::Engine;
 use crate::association_step::{SEARCH_CELLS_MAX, Search};
-use crate::measurement::gaussian_of;
 use crate::recognition::{Beside, can_come_to};
 use crate::sensor_tracks::SensorSlot;
 use crate::system_tracks::SystemSlot;

@@ -2,6 +2,7 @@
 
 use association::distance::largest_sigma2;
 use messages::{Counter, DecisionKind, NS_PER_S};
+use source_models::{Fact, PairFact};
 
 use super::Engine;
 use crate::explanation::Sink;
@@ -15,10 +16,6 @@ const EVERY: u32 = 2;
 const SIGMAS: f64 = 4.0;
 /// Unpredictable acceleration between two reports, metres per second squared.
 const ACCELERATION_MPS2: f64 = 10.0;
-/// Weight of one report in the share of contradicted reports of a source, and the share that is a bias.
-const SHARE_GAIN: f64 = 1.0 / 64.0;
-const SHARE_MAX: f64 = 0.5;
-
 /// Result of one comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Comparison {
@@ -44,9 +41,14 @@ impl Engine {
             return before;
         }
         let is_contradicted = comparison != Comparison::Agrees;
-        let share = self.tracks.sources.contradicted_share(source);
-        *share += SHARE_GAIN * (f64::from(u8::from(is_contradicted)) - *share);
-        let may_isolate = *share <= SHARE_MAX;
+        self.tracks.sources.learn(
+            &self.settings,
+            Fact::Pair(PairFact::Verified {
+                source,
+                is_contradicted,
+            }),
+        );
+        let may_isolate = !self.tracks.sources.is_biased(source);
         let verification = &mut self.tracks.sensors.get_mut(sensor).verification;
         verification.learn(is_contradicted, may_isolate);
         let is_isolated = verification.is_isolated;

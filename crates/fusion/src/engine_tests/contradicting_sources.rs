@@ -160,13 +160,15 @@ fn a_source_that_is_not_registered_is_compared_with_no_other() {
         for (number, source) in settings.sources.iter_mut().enumerate() {
             source.is_registered = left_out != Some(number);
         }
+        let unknown = Engine::new(settings.clone()).unwrap();
         let (engine, _) = run(settings, &[SOUND, SOUND]);
+        let spread_m2 = |engine: &Engine, source| {
+            let association = &engine.settings().association;
+            engine.sources().spread_m2(association, Some(source))
+        };
         [0, 1].map(|source: u16| {
-            let samples = engine.source_errors(source).unwrap().samples;
-            (
-                samples,
-                engine.tracks.sources.models[usize::from(source)].knows_spread(),
-            )
+            let samples = engine.sources().source_errors(source).unwrap().samples;
+            (samples, spread_m2(&engine, source) < spread_m2(&unknown, source))
         })
     };
     assert!(learned(None).iter().all(|(samples, points)| *samples > 20.0 && *points));

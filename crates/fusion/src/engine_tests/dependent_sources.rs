@@ -91,16 +91,19 @@ fn run(settings: Settings, copied: Copied) -> (bool, bool) {
         sources.contains(&0) && sources.contains(&1)
     });
     assert_eq!(
-        harness.engine.counts_with(1),
+        harness.engine.sources().counts_with(1),
         if both { None } else { Some(0) },
         "{copied:?}"
     );
-    assert_eq!([0, 2, 3].map(|source| harness.engine.counts_with(source)), [None; 3]);
-    let learned = |source| harness.engine.learned(source).unwrap().dependent;
+    assert_eq!(
+        [0, 2, 3].map(|source| harness.engine.sources().counts_with(source)),
+        [None; 3]
+    );
+    let learned = |source| harness.engine.sources().learned(source).unwrap().dependent;
     let named = [(0, 1), (1, 0)].map(|(source, other)| learned(source)[0].1 > 0.5 && learned(source)[0].0 == other);
     assert_eq!(named, [!both; 2], "{copied:?}: {:?}", learned(0));
     assert_eq!(learned(2), [(0, 0.0); 4]);
-    assert_eq!(harness.engine.learned(9), None);
+    assert_eq!(harness.engine.sources().learned(9), None);
     (is_believed, both)
 }
 

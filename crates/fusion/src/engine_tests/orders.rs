@@ -494,11 +494,11 @@ fn a_reset_forgets_what_was_learned_of_the_source_alone() {
     let mut desk = Desk::new(settings);
     let places: Vec<[f64; 2]> = (0..10).map(|n| [0.0, 4000.0 * f64::from(n)]).collect();
     desk.scans(0..60, &places);
-    let samples = |desk: &Desk, source: u16| desk.engine.source_errors(source).unwrap().samples;
+    let samples = |desk: &Desk, source: u16| desk.engine.sources().source_errors(source).unwrap().samples;
     assert!(samples(&desk, 1) > 20.0);
     desk.order(OrderKind::Reset, |order| order.source = 1).unwrap();
     assert_eq!(samples(&desk, 1), 0.0);
-    assert_eq!(desk.engine.covariance_scale(1), Some(1.0));
+    assert_eq!(desk.engine.sources().covariance_scale(1), Some(1.0));
     desk.scans(60..120, &places);
     assert!(samples(&desk, 1) > 20.0, "learned again");
     assert_eq!(desk.numbers().len(), 10);

@@ -116,5 +116,5 @@ fn what_one_source_alone_followed_for_long_was_a_target() {
         }
     }
     assert!(harness.count(Counter::TracksTerminated) >= 19);
-    assert_eq!(harness.engine.tracks.sources.purity.log_odds(0), 0.0);
+    assert_eq!(harness.engine.tracks.sources.target_log_odds(0), 0.0);
 }

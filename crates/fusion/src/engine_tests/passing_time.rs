@@ -78,7 +78,12 @@ fn run(
         engine.advance(time_ns, &mut out);
     }
     engine.advance(end_ns, &mut out);
-    let learned = (0..SOURCES).map(|source| (engine.source_errors(source).copied(), engine.covariance_scale(source)));
+    let learned = (0..SOURCES).map(|source| {
+        (
+            engine.sources().source_errors(source).copied(),
+            engine.sources().covariance_scale(source),
+        )
+    });
     let learned = format!("{:?}", learned.collect::<Vec<_>>());
     (out.0, *engine.counts().total(), learned)
 }

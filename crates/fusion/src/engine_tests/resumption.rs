@@ -7,13 +7,11 @@ use std::sync::atomic::Ordering::Relaxed;
 
 use estimation::{FirstVelocity, Gaussian, NearlyConstantVelocity};
 use messages::layout::Sample as _;
-use messages::{Bias, BiasKind};
+use source_models::{Fact, FilterInnovation, Fit, Innovation, InnovationFact, ReportFact};
 use test_support::Random;
 
 use super::*;
 use crate::checkpoint::{CheckpointClock, Memory, MemoryRefusal, Snapshot};
-use crate::innovation::Fit;
-use crate::testing::innovation;
 
 /// Memory that outlives the engine.
 #[derive(Clone, Debug)]
@@ -215,10 +213,10 @@ fn what_was_learned_goes_on() {
         }
     }
     harness.engine.keep_learned(harness.engine.learned_records());
-    let before = *harness.engine.source_errors(1).unwrap();
+    let before = *harness.engine.sources().source_errors(1).unwrap();
     assert!(before.samples > 20.0, "{before:?}");
     let (next, _) = successor(harness, &memory, false);
-    let after = next.engine.source_errors(1).unwrap();
+    let after = next.engine.sources().source_errors(1).unwrap();
     assert_eq!(
         (before.errors, before.samples, before.removed),
         (after.errors, after.samples, after.removed)
@@ -265,7 +263,7 @@ fn a_sources_tracker_stays_known_over_many_restarts() {
             (harness, memory) = successor(harness, &memory, false);
         }
     }
-    let learned = harness.engine.learned(0).unwrap();
+    let learned = harness.engine.sources().learned(0).unwrap();
     let [long_m, short_m] = learned.measurement_sigma_m.expect("the tracker is undone");
     assert!((0.8 * SIGMA_M..1.25 * SIGMA_M).contains(&long_m), "{long_m}");
     assert!((0.8 * SIGMA_M..1.25 * SIGMA_M).contains(&short_m), "{short_m}");
@@ -306,59 +304,49 @@ proptest! {
 }
 
 #[test]
-fn how_targets_turn_which_sources_copy_and_gross_errors_are_still_known() {
-    let mut settings = test_settings(usize::from(SOURCES));
-    settings.registration.gross = true;
-    let mut harness = Harness::new(settings);
-    let error = Bias {
-        kind: BiasKind::Azimuth,
-        value: [0.01, 0.0],
-        partner: 0,
-        is_certain: true,
-        is_removed: true,
-    };
+fn how_targets_turn_and_which_sources_copy_is_still_known() {
+    let mut harness = Harness::new(test_settings(usize::from(SOURCES)));
     let engine = &mut harness.engine;
     let fast_mps = [100.0, 0.0, 0.0];
-    for _ in 0..100 {
-        engine
-            .tracks
-            .sources
-            .manoeuvres
-            .learn(fast_mps, &innovation(Fit::Turning(50.0)));
-    }
-    engine
-        .tracks
-        .sources
-        .alignment
-        .resume(2, (Some(error), Some((error.kind, error.value))));
+    let innovation = FilterInnovation {
+        residual_m: [0.0; 2],
+        covariance_m2: [1.0, 0.0, 1.0],
+        squared: 0.0,
+        gain: 0.5,
+        fit: Fit::Turning(50.0),
+        manoeuvre: None,
+        straight_s: 0.0,
+        begins_turn: false,
+    };
+    let mut learn = |fact: Fact<'_>| engine.tracks.sources.learn(&engine.settings, fact);
     for step in 0..100 {
         let report = traffic(step, 0, 1);
-        engine.tracks.sources.dependence.learn(&report);
-        engine
-            .tracks
-            .sources
-            .dependence
-            .learn(&SensorTrack { source: 1, ..report });
+        learn(Fact::Report(ReportFact::Original(&report)));
+        learn(Fact::Report(ReportFact::Original(&SensorTrack { source: 1, ..report })));
+        learn(Fact::Innovation(InnovationFact::Used(Innovation {
+            source: 2,
+            report: &report,
+            target: 0,
+            innovation: &innovation,
+            nis: 2.0,
+            moves_mps: Some(fast_mps),
+            about_mean_m: None,
+            shows_errors: false,
+            shows_accuracy: false,
+            steadiness: 0.0,
+            apart: None,
+        })));
     }
     let known = |harness: &Harness| {
-        let (sources, tracks) = (&harness.engine.tracks.sources, &harness.engine.tracks);
+        let sources = harness.engine.sources();
         (
-            sources.manoeuvres.motion(fast_mps).turns.density_m2ps3,
-            sources.alignment.bias_of(2),
-            [0, 1, 2].map(|source| tracks.sources.dependence.group_of(source)),
+            sources.motion(fast_mps).turns.density_m2ps3,
+            [0, 1, 2].map(|source| sources.group_of(source)),
         )
     };
     let learned = known(&harness);
-    assert!(learned.0[0] > 60.0 && learned.2 == [0, 0, 2], "{learned:?}");
+    assert!(learned.0[0] > 60.0 && learned.1 == [0, 0, 2], "{learned:?}");
     let (dead, memory) = kept(harness);
-    let (next, memory) = successor(dead, &memory, false);
+    let (next, _) = successor(dead, &memory, false);
     assert_eq!(known(&next), learned);
-    // Who does not want errors removed any more gets reports as they are.
-    let mut settings = next.engine.settings().clone();
-    settings.registration.gross = false;
-    let mut other = Harness::new(settings);
-    let snapshot = Snapshot::read(memory.words(), &next.engine.checkpoint_layout()).unwrap();
-    other.engine.resume(&snapshot, false, &mut |_: &SystemTrack| {});
-    let (believed, removed) = other.engine.tracks.sources.alignment.bias_of(2);
-    assert!(removed.is_none() && believed.is_some_and(|error| !error.is_removed));
 }

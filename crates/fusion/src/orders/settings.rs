@@ -3,6 +3,7 @@
 use frames::{Geodetic, SystemFrame};
 use messages::admission::REACH_M;
 use messages::{DesignatedPlace, FusionRule, NO_SOURCE, Order, OrderKind, Refusal};
+use source_models::Fact;
 
 use crate::engine::Engine;
 use crate::rules::{self, RuleMethod};
@@ -10,7 +11,6 @@ use crate::sensor_tracks::SensorSlot;
 use crate::settings::OrderedEta;
 use crate::settings::qnh::RegionalQnh;
 use crate::settings::{NORMAL, RuleName};
-use crate::source_model::SourceModel;
 
 /// Returns whether the place of a designation lies where sensors see anything.
 fn is_near(order: &Order, frame: &SystemFrame) -> bool {
@@ -153,14 +153,7 @@ impl Engine {
 
     /// Forgets everything learned of a source.
     pub(super) fn reset_source(&mut self, source: u16) {
-        let index = usize::from(source);
-        self.tracks.sources.models[index] = SourceModel::default();
-        self.tracks.sources.registration.forget(index);
-        self.tracks.sources.alignment.reset(source);
-        self.tracks.sources.credibility.reset(source);
-        *self.publisher.accuracies.mean_square_mut(index) = None;
-        self.tracks.sources.coverage.forget(index);
-        *self.tracks.sources.purity.tally_mut(index) = Default::default();
-        self.tracks.sources.dependence.forget(source);
+        self.tracks.sources.learn(&self.settings, Fact::Order { source });
+        *self.publisher.accuracies.mean_square_mut(usize::from(source)) = None;
     }
 }

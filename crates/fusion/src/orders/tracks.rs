@@ -218,7 +218,7 @@ impl Engine {
 
     /// Returns whether an order keeps a sensor track that reports at `time_ns` from starting a system track.
     fn is_blocked(&mut self, source: u16, number: u32, time_ns: i64) -> bool {
-        let terminate_ns = self.tracks.sources.lifetimes.terminate_ns;
+        let terminate_ns = self.tracks.sources.terminate_ns();
         let mut is_blocked = false;
         for record in self.orders.records.iter_mut().filter(|record| record.is_in_force()) {
             let listed = record.blocked().contains(&(source, number));
@@ -257,7 +257,7 @@ impl Engine {
                 }
                 OrderKind::Drop => {
                     let silent_ns = now_ns.saturating_sub(record.blocked_ns);
-                    (silent_ns <= self.tracks.sources.lifetimes.terminate_ns).then_some(0.0)
+                    (silent_ns <= self.tracks.sources.terminate_ns()).then_some(0.0)
                 }
                 _ => continue,
             };

@@ -8,11 +8,11 @@
 //! report do not count, because a change is noticed late.
 
 use messages::NS_PER_S;
+use source_models::place_of;
+use source_models::registration::{ERRORS, SourceErrors};
 
 use crate::Engine;
-use crate::measurement::FilterInput;
-use crate::registration::{ERRORS, SourceErrors};
-use crate::sources::place_of;
+use crate::filter_input::FilterInput;
 
 /// Time between two looks at the estimates, nanoseconds.
 const LOOK_NS: i64 = 1_000_000_000;
@@ -53,7 +53,7 @@ impl ErrorsOverTime {
         let sources = engine.settings.sources.len();
         self.of_sources.resize(sources, Vec::new());
         for (source, estimates) in (0..).zip(&mut self.of_sources) {
-            let errors = *engine.tracks.sources.registration.of(source);
+            let errors = *engine.tracks.sources.errors(source);
             if estimates.last().is_none_or(|last| is_news(&last.errors, &errors)) {
                 estimates.push(Estimate {
                     time_ns: now_ns,

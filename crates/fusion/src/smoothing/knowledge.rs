@@ -1,11 +1,11 @@
 //! What a smoother knows beside the measurements: how targets move, and the errors of the sources.
 
 use messages::SensorTrack;
+use source_models::{Correction, Motion};
 
 use super::errors_over_time::ErrorsOverTime;
 use crate::Engine;
-use crate::measurement::{Assumed, Correction, FilterInput};
-use crate::motion::Motion;
+use crate::filter_input::{Assumed, FilterInput};
 
 /// Factors on how targets move, as the filters assume it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,7 +52,7 @@ impl Knowledge for Afterwards<'_> {
     }
 
     fn motion(&self, [vx, vy]: [f64; 2]) -> &Motion {
-        self.engine.tracks.sources.manoeuvres.motion([vx, vy, 0.0])
+        self.engine.tracks.sources.motion([vx, vy, 0.0])
     }
 
     fn correction(&self, input: &FilterInput) -> Correction {

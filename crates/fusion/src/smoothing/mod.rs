@@ -42,7 +42,7 @@ pub use lag::LagSmoother;
 
 use crate::Engine;
 use crate::filter::vertical_movement;
-use crate::measurement::FilterInput;
+use crate::filter_input::FilterInput;
 use errors_over_time::ErrorsOverTime;
 use knowledge::Afterwards;
 use likeliest::likeliest;

@@ -2,10 +2,10 @@
 
 use estimation::{LinearModel, Moment, Plane, Rotation, Smoothed, Smoother, Switching};
 use nalgebra::{Matrix2, Matrix4, SMatrix, Vector2, Vector4};
+use source_models::{LEVELS, Motion};
 
 use super::knowledge::{Knowledge, MotionFactors};
 use super::stretch::{Moment as Event, Stretch};
-use crate::motion::{LEVELS, Motion};
 use crate::plane_filter::{AGILE, HARDNESS, HOME, MANOEUVRE_S, MODELS, STEADY};
 
 /// Number of components.

@@ -1,9 +1,10 @@
 //! A stretch of a trajectory in the order of time: measurements without the errors of their sources, and wanted times.
 
 use messages::{AXES, NS_PER_S};
+use source_models::Measurement;
 
 use super::knowledge::Knowledge;
-use crate::measurement::{FilterInput, Measurement};
+use crate::filter_input::FilterInput;
 
 /// Standard deviation of the velocity at the beginning, beside what the first report states, m/s.
 const BEGINNING_MPS: f64 = 150.0;

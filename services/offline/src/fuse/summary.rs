@@ -132,7 +132,7 @@ impl FuseSummary<'_> {
                 sensor.insert("sensor_id".to_owned(), (*id).into());
                 sensor.insert("name".to_owned(), settings.name.as_str().into());
                 sensor.insert("period_s".to_owned(), (settings.period_ns as f64 / NS_PER_S).into());
-                if let Some(error) = self.engine.gross_error(source) {
+                if let Some(error) = self.engine.sources().gross_error(source) {
                     let partner = self.setup.sensor_ids[usize::from(error.partner)];
                     let told = json!({
                         "kind": error.kind.word(),
@@ -143,7 +143,7 @@ impl FuseSummary<'_> {
                     });
                     sensor.insert("gross_error".to_owned(), told);
                 }
-                if let Some(first) = self.engine.counts_with(source) {
+                if let Some(first) = self.engine.sources().counts_with(source) {
                     let first = self.setup.sensor_ids[usize::from(first)];
                     sensor.insert("counts_with".to_owned(), first.into());
                 }
@@ -191,7 +191,7 @@ impl FuseSummary<'_> {
             }
             writeln!(text)?;
             self.write_limits(text, source, *id)?;
-            if let Some(error) = self.engine.gross_error(source) {
+            if let Some(error) = self.engine.sources().gross_error(source) {
                 let partner = self.setup.sensor_ids[usize::from(error.partner)];
                 let verdict = match (error.is_removed, error.is_certain) {
                     (true, _) => "; that is taken off".to_owned(),
@@ -205,7 +205,7 @@ impl FuseSummary<'_> {
             }
         }
         for (source, id) in (0u16..).zip(&self.setup.sensor_ids) {
-            if let Some(first) = self.engine.counts_with(source) {
+            if let Some(first) = self.engine.sources().counts_with(source) {
                 let first = self.setup.sensor_ids[usize::from(first)];
                 writeln!(
                     text,

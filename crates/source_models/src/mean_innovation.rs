@@ -12,10 +12,13 @@ pub(crate) const SECOND_MAX: f64 = 0.6;
 
 /// Mean innovation of a source, east and north, metres, and its covariance.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub(crate) struct MeanInnovation {
-    pub(crate) source: usize,
-    pub(crate) mean_m: [f64; 2],
-    pub(crate) covariance_m2: Symmetric2,
+pub struct MeanInnovation {
+    /// Number of the source among those compared.
+    pub source: usize,
+    /// East and north, metres.
+    pub mean_m: [f64; 2],
+    /// Covariance (xx, xy, yy), m².
+    pub covariance_m2: Symmetric2,
 }
 
 impl MeanInnovation {
@@ -85,7 +88,7 @@ impl Others {
 
 /// Returns the place of the mean that is apart from all others, and its squared statistical length; `None` if a second
 /// one comes near it, or of two.
-pub(crate) fn odd_one(means: &mut [MeanInnovation]) -> Option<(usize, f64)> {
+pub fn odd_one(means: &mut [MeanInnovation]) -> Option<(usize, f64)> {
     let others = Others::of(means).filter(|_| means.len() > 2)?;
     let length = |own: &MeanInnovation| {
         let (others_m, others_m2) = others.beside(own);

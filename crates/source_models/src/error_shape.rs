@@ -114,7 +114,7 @@ impl ErrorShape {
 
 /// A symmetric matrix of determinant 1 that stretches horizontal errors.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Stretch {
+pub struct Stretch {
     east: f64,
     cross: f64,
     north: f64,
@@ -122,14 +122,14 @@ pub(crate) struct Stretch {
 
 impl Stretch {
     /// Leaves errors as they are.
-    pub(crate) const NONE: Self = Self {
+    pub const NONE: Self = Self {
         east: 1.0,
         cross: 0.0,
         north: 1.0,
     };
 
     /// Returns the stretch that reverses this one.
-    pub(crate) fn inverse(self) -> Self {
+    pub fn inverse(self) -> Self {
         Self {
             east: self.north,
             cross: -self.cross,
@@ -146,7 +146,7 @@ impl Stretch {
     }
 
     /// Stretches the covariance of a position.
-    pub(crate) fn apply(&self, covariance_m2: &mut Symmetric3) {
+    pub fn apply(&self, covariance_m2: &mut Symmetric3) {
         let [xx, xy, xz, yy, yz, zz] = *covariance_m2;
         let (first, second) = (self.of([xx, xy]), self.of([xy, yy]));
         let [xx, xy] = self.of([first[0], second[0]]);
@@ -156,7 +156,7 @@ impl Stretch {
     }
 
     /// Stretches the covariance of a state: positions and velocities alike.
-    pub(crate) fn apply_to_state(&self, covariance: &mut Covariance) {
+    pub fn apply_to_state(&self, covariance: &mut Covariance) {
         let stated = *covariance;
         let stretched = |row: usize, value: &dyn Fn(usize) -> f64| {
             let pair = self.of([value(row / AXES * AXES), value(row / AXES * AXES + 1)]);

@@ -93,7 +93,7 @@ const GAIN_MAX: f64 = 0.98;
 
 /// What the reports of one sensor track showed of the gains.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub(crate) struct GainEvidence {
+pub struct GainEvidence {
     /// Σ w·Δ·Δᵀ of the changes of position Δ (xx, xy, yy).
     square: [f64; 3],
     /// Σ w of products of the changes of position and of velocity per second, as the normal equations of M need them.
@@ -302,7 +302,8 @@ impl Gains {
 }
 
 impl GainEvidence {
-    pub(crate) const NONE: Self = Self {
+    /// Nothing has been shown.
+    pub const NONE: Self = Self {
         square: [0.0; 3],
         product: [0.0; 3],
         vertical: [0.0; 2],

@@ -31,7 +31,7 @@ const SILENCE: f64 = 4.0;
 
 /// The rhythm of one target.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub(crate) struct Rhythm {
+pub struct Rhythm {
     /// Age up to which reports of the target count, nanoseconds; 0 if that of its sources' reports holds.
     fresh_ns: i64,
     /// Mean interval, seconds.
@@ -46,7 +46,7 @@ impl Rhythm {
     /// Learns from the time since the report before, where reports of the present source count for up to `usual_ns`.
     /// Without a name, one gap is no rhythm: most of the last intervals must be long.
     #[inline]
-    pub(crate) fn learn(&mut self, interval_ns: i64, usual_ns: i64, is_named: bool) {
+    pub fn learn(&mut self, interval_ns: i64, usual_ns: i64, is_named: bool) {
         let slow_ns = usual_ns as f64 * (SLOW / FRESH_PERIODS);
         let is_long = interval_ns as f64 > slow_ns;
         self.long = (self.long << 1 | u8::from(is_long)) & ((1 << LAST) - 1);
@@ -67,23 +67,23 @@ impl Rhythm {
 
     /// Age up to which reports of the target count, nanoseconds; 0 if that of its sources' reports holds.
     #[inline]
-    pub(crate) fn fresh_ns(&self) -> i64 {
+    pub fn fresh_ns(&self) -> i64 {
         self.fresh_ns
     }
 
     /// Whether the target is reported less often than its sources report others.
     #[inline]
-    pub(crate) fn is_slow(&self) -> bool {
+    pub fn is_slow(&self) -> bool {
         self.fresh_ns > 0
     }
 
     /// Mean time between two reports of the target, nanoseconds; 0 if the period of its sources holds.
-    pub(crate) fn interval_ns(&self) -> i64 {
+    pub fn interval_ns(&self) -> i64 {
         (self.fresh_ns as f64 / FRESH_PERIODS) as i64
     }
 
     /// Time without a report after which the target has gone, nanoseconds; 0 if that of its sources holds.
-    pub(crate) fn silence_ns(&self) -> i64 {
+    pub fn silence_ns(&self) -> i64 {
         (SILENCE / FRESH_PERIODS * self.fresh_ns as f64) as i64
     }
 }

@@ -3,14 +3,14 @@
 use estimation::AxisNoise;
 use messages::{NS_PER_S, sensor_track_bits};
 
+use crate::facts::{ComparedStates, StatedState};
 use crate::registration::TargetView;
 use crate::settings::{Settings, SourceSettings};
-use crate::sources::facts::{ComparedStates, StatedState};
 use crate::sources::{Sources, place_of};
 
 impl Sources {
     /// Learns the systematic errors of two sources from their reports on one target.
-    pub(crate) fn learn_pair(&mut self, settings: &Settings, pair: &ComparedStates<'_>) {
+    pub(crate) fn compare(&mut self, settings: &Settings, pair: &ComparedStates<'_>) {
         let now_ns = pair.own.report.time_of_measurement_ns;
         let view = |state: &StatedState<'_>| self.view(&settings.sources, state, now_ns);
         let (mut own, other) = (view(&pair.own), view(&pair.other));

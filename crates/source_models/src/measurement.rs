@@ -11,7 +11,6 @@ use nalgebra::Matrix2;
 use serde::{Deserialize, Serialize};
 
 use crate::error_shape::Stretch;
-use crate::motion::Motion;
 use crate::tracker_gain::GainEvidence;
 
 /// Factor on the covariance of reports from a filter that cannot be undone.
@@ -19,41 +18,42 @@ const SMOOTHED: f64 = 3.0;
 /// Correlation of position and velocity that shows a filter.
 const FILTERED: f64 = 0.2;
 /// Largest factor by which covariances are taken to be too small.
-pub(crate) const CLAIM_MAX: f64 = 100.0;
+pub const CLAIM_MAX: f64 = 100.0;
 /// Relative difference of the regression of velocity on position that rounding explains.
 const REGRESSION_TOLERANCE: f64 = 0.1;
 
 /// The state of a report.
-pub(crate) fn gaussian_of(report: &SensorTrack) -> Gaussian {
+pub fn gaussian_of(report: &SensorTrack) -> Gaussian {
     Gaussian::new(report.position_m, report.velocity_mps, &report.covariance)
 }
 
 /// Whether the source of a report states the target's velocity: not one that was derived from its positions.
 #[inline]
-pub(crate) fn states_velocity(report: &SensorTrack) -> bool {
+pub fn states_velocity(report: &SensorTrack) -> bool {
     report.has(sensor_track_bits::VELOCITY) && !report.has(sensor_track_bits::DERIVED_VELOCITY)
 }
 
 /// Known errors of a report.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub(crate) struct Correction {
+pub struct Correction {
     /// Displacement by the known biases of the source, metres.
-    pub(crate) shift_m: [f64; AXES],
+    pub shift_m: [f64; AXES],
     /// By how much its covariance claims too much.
-    pub(crate) covariance_scale: f64,
+    pub covariance_scale: f64,
     /// Stretch that gives its covariance the shape of the source's errors.
-    pub(crate) stretch: Stretch,
+    pub stretch: Stretch,
 }
 
 impl Correction {
-    pub(crate) const NONE: Self = Self {
+    /// No error is known.
+    pub const NONE: Self = Self {
         shift_m: [0.0; AXES],
         covariance_scale: 1.0,
         stretch: Stretch::NONE,
     };
 
     /// A state as its source gave it, corrected.
-    pub(crate) fn made(&self, mut state: Gaussian) -> Gaussian {
+    pub fn made(&self, mut state: Gaussian) -> Gaussian {
         for (component, shift) in state.mean.iter_mut().zip(self.shift_m) {
             *component -= shift;
         }
@@ -65,7 +65,7 @@ impl Correction {
 
     /// A corrected state as its source gave it.
     #[inline]
-    pub(crate) fn undone(&self, mut state: Gaussian) -> Gaussian {
+    pub fn undone(&self, mut state: Gaussian) -> Gaussian {
         for (component, shift) in state.mean.iter_mut().zip(self.shift_m) {
             *component += shift;
         }
@@ -80,78 +80,22 @@ impl Correction {
     }
 }
 
-/// What the filter of a system track received: a measurement, or the report with which it began. Its source's errors
-/// are still in it, so that they can be taken off as they are known later.
-#[derive(Clone, Copy, Debug)]
-pub struct FilterInput {
-    /// Time of measurement, nanoseconds.
-    pub time_ns: i64,
-    /// Number of the system track.
-    pub system_track: u32,
-    /// Source of the report.
-    pub source: u16,
-    /// Whether the filter began with this report, and with nothing of what came before.
-    pub begins: bool,
-    /// Whether the third axis is measured.
-    pub has_height: bool,
-    /// Measured position east, north, up, metres, and its covariance, as the source gives both.
+/// A measured position.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct Measurement {
+    /// East, north, up, metres.
     pub position_m: [f64; AXES],
     /// Upper triangle of the covariance, row by row, m².
     pub covariance_m2: Symmetric3,
-    /// Velocity and position of the report, on which the source's errors depend, m/s and metres.
-    pub velocity_mps: [f64; AXES],
-    /// Position of the report, metres.
-    pub reported_m: [f64; AXES],
-    /// Variances of the report's velocity, m²/s².
-    pub velocity_m2ps2: [f64; AXES],
-    /// Detection point of the source relative to the target's reference point, east and north, metres, and its variance
-    /// per axis, m².
-    pub point_m: [f64; 2],
-    /// Variance per axis of that, m².
-    pub point_m2: f64,
-    /// Whether it takes the place of an earlier input with the same time and sensor track: a report between both has
-    /// come late, and shows what was measured.
-    pub replaces: bool,
-    /// Number of the sensor track.
-    pub(crate) sensor_track: u32,
-    /// Errors of the source, as they were taken off.
-    pub(crate) correction: Correction,
-    /// What fusion assumes at this moment; unknown where the filter begins.
-    pub(crate) assumed: Option<Assumed>,
-}
-
-/// What fusion assumes beside the measurements.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Assumed {
-    /// How the target moves.
-    pub(crate) motion: Motion,
-    /// Variance per axis of errors that no measurement shows, m².
-    pub(crate) common_error_m2: f64,
-}
-
-impl FilterInput {
-    /// Whether both come from the same report.
-    pub(crate) fn is_of_same_report(&self, other: &Self) -> bool {
-        let report = |input: &Self| (input.time_ns, input.source, input.sensor_track);
-        report(self) == report(other)
-    }
-}
-
-/// A measured position.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub(crate) struct Measurement {
-    /// East, north, up, metres.
-    pub(crate) position_m: [f64; AXES],
-    pub(crate) covariance_m2: Symmetric3,
     /// Number of measured axes: 3, or 2 without observed height; the third then has no meaning.
-    pub(crate) axes: usize,
+    pub axes: usize,
     /// Whether its report waited for the end of its scan: it came in time even if others have been used since.
-    pub(crate) has_waited: bool,
+    pub has_waited: bool,
 }
 
 impl Measurement {
     /// In place of one.
-    pub(crate) const NONE: Self = Self {
+    pub const NONE: Self = Self {
         position_m: [0.0; AXES],
         covariance_m2: [0.0; 6],
         axes: 0,
@@ -159,7 +103,7 @@ impl Measurement {
     };
 
     /// Removes the known biases of the source, and enlarges the covariance to the right size.
-    pub(crate) fn correct(&mut self, correction: &Correction) {
+    pub fn correct(&mut self, correction: &Correction) {
         for (position, shift) in self.position_m.iter_mut().zip(correction.shift_m) {
             *position -= shift;
         }
@@ -173,7 +117,7 @@ impl Measurement {
     }
 
     /// Undoes [`Self::correct`].
-    pub(crate) fn uncorrect(&mut self, correction: &Correction) {
+    pub fn uncorrect(&mut self, correction: &Correction) {
         if correction.stretch != Stretch::NONE {
             correction.stretch.inverse().apply(&mut self.covariance_m2);
         }
@@ -186,7 +130,7 @@ impl Measurement {
 
     /// Takes off where the source sees the target, relative to the target's reference point, with a variance per axis.
     #[inline]
-    pub(crate) fn refer(&mut self, point_m: [f64; 2], variance_m2: f64) {
+    pub fn refer(&mut self, point_m: [f64; 2], variance_m2: f64) {
         for (position, point) in self.position_m.iter_mut().zip(point_m) {
             *position -= point;
         }
@@ -195,13 +139,13 @@ impl Measurement {
     }
 
     /// Variance per horizontal axis, m².
-    pub(crate) fn variance_m2(&self) -> f64 {
+    pub fn variance_m2(&self) -> f64 {
         0.5 * (self.covariance_m2[0] + self.covariance_m2[3])
     }
 }
 
 /// Returns all position information of a report: the contribution of a sensor track that has just joined.
-pub(crate) fn whole_report(report: &SensorTrack) -> Measurement {
+pub fn whole_report(report: &SensorTrack) -> Measurement {
     whole(
         report.position_m,
         &report.covariance,
@@ -221,7 +165,7 @@ fn whole(position_m: [f64; AXES], covariance: &Covariance, has_height: bool) -> 
 }
 
 /// Whether the covariance of a report shows that it comes from a filter.
-pub(crate) fn shows_filter(covariance: &Covariance) -> bool {
+pub fn shows_filter(covariance: &Covariance) -> bool {
     let p = |row, column| covariance.get(row, column);
     let filtered =
         |cross: f64, position: f64, velocity: f64| cross > 0.0 && cross > FILTERED * (position * velocity).sqrt();
@@ -229,7 +173,7 @@ pub(crate) fn shows_filter(covariance: &Covariance) -> bool {
 }
 
 /// The report in place of a measurement.
-pub(crate) fn as_reported(report: &SensorTrack) -> Measurement {
+pub fn as_reported(report: &SensorTrack) -> Measurement {
     as_stated(
         report.position_m,
         &report.covariance,
@@ -239,7 +183,7 @@ pub(crate) fn as_reported(report: &SensorTrack) -> Measurement {
 
 /// A state in place of a measurement.
 #[inline]
-pub(crate) fn as_stated(position_m: [f64; AXES], covariance: &Covariance, has_height: bool) -> Measurement {
+pub fn as_stated(position_m: [f64; AXES], covariance: &Covariance, has_height: bool) -> Measurement {
     let mut measurement = whole(position_m, covariance, has_height);
     if shows_filter(covariance) {
         measurement
@@ -252,7 +196,7 @@ pub(crate) fn as_stated(position_m: [f64; AXES], covariance: &Covariance, has_he
 
 /// Where the covariance of a report comes from, in the order of what is known of its source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub(crate) enum CovarianceBasis {
+pub enum CovarianceBasis {
     /// The source stated it.
     Stated,
     /// It is taken for as wrong as those of other sources.
@@ -263,17 +207,17 @@ pub(crate) enum CovarianceBasis {
 
 /// What a report contains beside its state.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Content {
+pub struct Content {
     /// The measurement behind it; `None` if there was none.
-    pub(crate) measurement: Option<Measurement>,
+    pub measurement: Option<Measurement>,
     /// Present if the stated covariance shows no filter.
-    pub(crate) unfiltered: Option<UnfilteredContent>,
+    pub unfiltered: Option<UnfilteredContent>,
 }
 
 impl Content {
     /// Without any. Not a constant, which would be copied as a whole.
     #[inline]
-    pub(crate) fn none() -> Self {
+    pub fn none() -> Self {
         Self {
             measurement: None,
             unfiltered: None,
@@ -283,17 +227,18 @@ impl Content {
 
 /// What a report contains whose covariance shows no filter. Apart, so that other reports pay nothing.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct UnfilteredContent {
+pub struct UnfilteredContent {
     /// Its covariance, if it is not the stated one.
-    pub(crate) covariance: Option<Covariance>,
-    pub(crate) basis: CovarianceBasis,
+    pub covariance: Option<Covariance>,
+    /// Where the covariance comes from.
+    pub basis: CovarianceBasis,
     /// What the reports of the track showed of the gain of the source's tracker.
-    pub(crate) evidence: GainEvidence,
+    pub evidence: GainEvidence,
 }
 
 impl UnfilteredContent {
     /// With the stated covariance, after such evidence.
-    pub(crate) const fn stated(evidence: GainEvidence) -> Self {
+    pub const fn stated(evidence: GainEvidence) -> Self {
         Self {
             covariance: None,
             basis: CovarianceBasis::Stated,
@@ -303,7 +248,7 @@ impl UnfilteredContent {
 }
 
 /// The measurement that led from `predicted` to `updated`, the state of a report with or without height.
-pub(crate) fn recovered_measurement(predicted: &Gaussian, updated: &Gaussian, has_height: bool) -> Option<Measurement> {
+pub fn recovered_measurement(predicted: &Gaussian, updated: &Gaussian, has_height: bool) -> Option<Measurement> {
     let (position_m, covariance) = (updated.position_m(), &updated.covariance);
     if !is_one_update(predicted, updated) {
         return Some(as_stated(position_m, covariance, has_height));

@@ -41,7 +41,7 @@ impl TrackNames {
         Self {
             address: identity.unique_number().map_or(0, UniqueNumber::to_bits),
             code: code.unwrap_or_default(),
-            callsign: identity.callsign().map_or(0, crate::identity::key_of),
+            callsign: identity.callsign().map_or(0, crate::callsign_key),
         }
     }
 

@@ -5,7 +5,7 @@ use kept::kept;
 use serde::{Deserialize, Serialize};
 
 /// Number of lateral accelerations that turns are assumed to have.
-pub(crate) const LEVELS: usize = 4;
+pub const LEVELS: usize = 4;
 /// Process noise of steady motion, relative to that of turns: of fast targets, and of slow ones (aircraft on the
 /// ground, vessels, vehicles), which change their speed a little all the time.
 const STEADY: f64 = 4e-4;
@@ -26,53 +26,53 @@ const CLIMB_STEADY_S: f64 = 80.0;
 kept! {
     /// Model of how the targets of a class move.
     #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-    pub(crate) struct Motion {
+    pub struct Motion {
         /// Process noise of turns.
-        pub(crate) turns: NearlyConstantVelocity,
+        pub turns: NearlyConstantVelocity,
         /// Mean time for which a target flies straight before it turns, s.
-        pub(crate) steady_s: f64,
+        pub steady_s: f64,
         /// Share of the manoeuvres that are no turns.
-        pub(crate) agile_share: f64,
+        pub agile_share: f64,
         /// Lateral accelerations of turns, m/s²: the usual one, less, more, and the hardest of the class.
-        pub(crate) lateral_mps2: [f64; LEVELS],
+        pub lateral_mps2: [f64; LEVELS],
         /// Speed below which the rate of a turn no longer rises, m/s.
-        pub(crate) slow_mps: f64,
+        pub slow_mps: f64,
         /// White noise of changes of the rate of climb, m²/s³.
-        pub(crate) climb_change_m2ps3: f64,
+        pub climb_change_m2ps3: f64,
     }
 }
 
 impl Motion {
     /// White noise of steady motion, m²/s³.
     #[inline]
-    pub(crate) fn steady_m2ps3(&self) -> f64 {
+    pub fn steady_m2ps3(&self) -> f64 {
         let steady = if self.slow_mps < SLOW_MPS { STEADY_SLOW } else { STEADY };
         steady * self.turns.density_m2ps3[0]
     }
 
     /// White noise of agile motion over so many seconds, along the course and across, m²/s³.
     #[inline]
-    pub(crate) fn agile_m2ps3(&self, seconds: f64) -> [f64; 2] {
+    pub fn agile_m2ps3(&self, seconds: f64) -> [f64; 2] {
         let [along, across] = AGILE.map(|factor| factor * self.turns.density_m2ps3[0]);
         [along, across + Self::turn_m2ps3(self.lateral_mps2[0], seconds)]
     }
 
     /// White noise of a turn with this lateral acceleration over so many seconds, m²/s³.
     #[inline]
-    pub(crate) fn turn_m2ps3(lateral_mps2: f64, seconds: f64) -> f64 {
+    pub fn turn_m2ps3(lateral_mps2: f64, seconds: f64) -> f64 {
         // The acceleration lies anywhere between those of the models, and within long times the turn begins or ends:
         // that is an unknown constant, which does as much as a white one in proportion to the time.
         UNEVEN_S * lateral_mps2 * lateral_mps2 * seconds.max(1.0)
     }
 
     /// Logarithms of the lateral accelerations relative to the usual one.
-    pub(crate) fn hardness(&self) -> [f64; LEVELS] {
+    pub fn hardness(&self) -> [f64; LEVELS] {
         self.lateral_mps2
             .map(|lateral_mps2| (lateral_mps2 / self.lateral_mps2[0]).ln())
     }
 
     /// Lateral accelerations around a usual one, m/s².
-    pub(crate) fn levels(usual_mps2: f64, hardest_mps2: f64) -> [f64; LEVELS] {
+    pub fn levels(usual_mps2: f64, hardest_mps2: f64) -> [f64; LEVELS] {
         [
             usual_mps2,
             0.5 * usual_mps2,
@@ -82,7 +82,7 @@ impl Motion {
     }
 
     /// Variance per axis of a velocity caused by turns not yet detected, m²/s².
-    pub(crate) fn unnoticed_m2ps2(&self) -> f64 {
+    pub fn unnoticed_m2ps2(&self) -> f64 {
         // A turn is noticed after a time u, when the way a·u²/2 is beyond the noise. A fraction u of the time between
         // turns is spent so; meanwhile the velocity is off by 0 to a·u, on the mean square a²·u²/3 over two axes.
         let lateral_mps2 = self.lateral_mps2[0];
@@ -92,7 +92,7 @@ impl Motion {
     }
 
     /// Variance of a rate of climb caused by changes not yet detected, m²/s².
-    pub(crate) fn unnoticed_climb_m2ps2(&self) -> f64 {
+    pub fn unnoticed_climb_m2ps2(&self) -> f64 {
         let share = CLIMB_UNNOTICED_S / CLIMB_STEADY_S;
         // White noise of this density lasts for half of that time at most; on average half of that is unnoticed.
         0.25 * share * CLIMB_UNNOTICED_S * self.climb_change_m2ps3

@@ -25,9 +25,9 @@ use crate::tracker_gain::{Change, GainEvidence, TrackerGain, Undone};
 /// Median of chi-square with two degrees of freedom.
 pub(crate) const CHI2_MEDIAN_2: f64 = 1.386_294_361_119_890_6;
 /// Weight of a new innovation in the mean over one sensor track.
-pub(crate) const MEAN_GAIN: f64 = 0.25;
+pub const MEAN_GAIN: f64 = 0.25;
 /// Variance of such a mean relative to that of one innovation.
-pub(crate) const MEAN_VARIANCE: f64 = MEAN_GAIN / (2.0 - MEAN_GAIN);
+pub const MEAN_VARIANCE: f64 = MEAN_GAIN / (2.0 - MEAN_GAIN);
 /// Reports whose covariances must have implied a process noise before it is believed.
 const NOISE_SAMPLES_MIN: u32 = 8;
 /// Reports after which a filter whose noise is unknown is taken for one that cannot be undone.

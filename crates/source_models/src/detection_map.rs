@@ -78,12 +78,12 @@ impl HitCount {
 
 /// Probability that a source follows a target at a place, in [0, [`DETECTION_MAX`]].
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct DetectionProbability {
+pub struct DetectionProbability {
     /// With the prior that a source sees half of the targets: the probability that decides whether to wait for it.
-    pub(crate) assumed: f64,
+    pub assumed: f64,
     /// With the prior that a source sees nothing: the probability that its silence is worth. A source that has not
     /// shown that it covers a place contributes no evidence against a target there.
-    pub(crate) shown: f64,
+    pub shown: f64,
 }
 
 /// A cell: its level in [`LEVELS`] and its column together, and its row.

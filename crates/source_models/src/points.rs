@@ -22,22 +22,22 @@ const STEP_NS: i64 = 30_000_000_000;
 
 /// Where on a target a sensor track's detection point lies.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub(crate) struct DetectionPoint {
+pub struct DetectionPoint {
     /// Along and across the target's course, from its reference point, metres.
-    pub(crate) offset_m: [f64; 2],
+    pub offset_m: [f64; 2],
     /// Reports from which that was estimated.
-    pub(crate) reports: u32,
+    pub reports: u32,
     /// Whether it is the reference point itself.
-    pub(crate) is_reference: bool,
+    pub is_reference: bool,
     /// Whether it has leapt to another place on the target: see `point_leaps`.
-    pub(crate) has_leapt: bool,
+    pub has_leapt: bool,
     /// When that was estimated: see [`Points::follows`].
-    pub(crate) epoch: u32,
+    pub epoch: u32,
 }
 
 /// Whether the sources see different points, and whether one is kept.
 #[derive(Debug, Default, Serialize, Deserialize)]
-pub(crate) struct Points {
+pub struct Points {
     /// Whether the sources see different points of the targets.
     sees_points: bool,
     /// Whether sources observe different points, and the rule keeps a single point per target.
@@ -82,18 +82,18 @@ impl SourceLeaps {
 
 /// A measurement's relation to the target's reference point.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Referred {
+pub struct Referred {
     /// Whether the measurement may be used.
-    pub(crate) is_usable: bool,
+    pub is_usable: bool,
     /// The detection point relative to the reference point, east and north, metres.
-    pub(crate) point_m: [f64; 2],
+    pub point_m: [f64; 2],
     /// Variance per axis of that, m².
-    pub(crate) variance_m2: f64,
+    pub variance_m2: f64,
 }
 
 impl Referred {
     /// The detection point is the reference point.
-    pub(crate) const ITSELF: Self = Self {
+    pub const ITSELF: Self = Self {
         is_usable: true,
         point_m: [0.0; 2],
         variance_m2: 0.0,
@@ -108,16 +108,18 @@ impl Points {
         }
     }
 
-    pub(crate) fn sees_points(&self) -> bool {
+    /// Whether the sources see different points of the targets.
+    pub fn sees_points(&self) -> bool {
         self.sees_points
     }
 
-    pub(crate) fn keeps_points(&self) -> bool {
+    /// Whether one point of each target is kept.
+    pub fn keeps_points(&self) -> bool {
         self.keeps_points
     }
 
     /// Variance per axis of the points that filters follow about the targets' middles, m².
-    pub(crate) fn spread_m2(&self) -> f64 {
+    pub fn spread_m2(&self) -> f64 {
         self.spread_m2
     }
 
@@ -138,18 +140,13 @@ impl Points {
     }
 
     /// How far the points of two sources lie apart, as a variance per axis, m².
-    pub(crate) fn apart_m2(&self) -> f64 {
+    pub fn apart_m2(&self) -> f64 {
         self.apart_m2
     }
 
     /// Where a detection point lies, as far as it is known, on a target with this course. The variances per axis are
     /// those of the measurement and of the target's place, m².
-    pub(crate) fn known(
-        &self,
-        point: &DetectionPoint,
-        course: [f64; 2],
-        (measured_m2, place_m2): (f64, f64),
-    ) -> Referred {
+    pub fn known(&self, point: &DetectionPoint, course: [f64; 2], (measured_m2, place_m2): (f64, f64)) -> Referred {
         if !self.follows(point) || (point.epoch == self.epoch && point.is_reference) {
             return Referred::ITSELF;
         }
@@ -169,28 +166,29 @@ impl Points {
     }
 
     /// Returns whether a position with this variance per axis, m², is uncertain: see [`UNCERTAIN`].
-    pub(crate) fn is_uncertain(&self, variance_m2: f64) -> bool {
+    pub fn is_uncertain(&self, variance_m2: f64) -> bool {
         variance_m2 > UNCERTAIN * self.apart_m2
     }
 
     /// Returns whether a detection point and the target's reference point are two points.
-    pub(crate) fn follows(&self, point: &DetectionPoint) -> bool {
+    pub fn follows(&self, point: &DetectionPoint) -> bool {
         self.keeps_points || (point.has_leapt && point.epoch == self.epoch)
     }
 
     /// Whether it is known where a detection point lies.
-    pub(crate) fn is_known(&self, point: &DetectionPoint) -> bool {
+    pub fn is_known(&self, point: &DetectionPoint) -> bool {
         !self.follows(point) || (point.epoch == self.epoch && (point.is_reference || point.reports >= REPORTS_MIN))
     }
 
     /// Forgets what was known of a detection point before points were last kept, or not.
-    pub(crate) fn refresh(&self, point: &mut DetectionPoint) {
+    pub fn refresh(&self, point: &mut DetectionPoint) {
         if point.epoch != self.epoch {
             *point = self.unknown();
         }
     }
 
-    pub(crate) fn unknown(&self) -> DetectionPoint {
+    /// A detection point of which nothing is known.
+    pub fn unknown(&self) -> DetectionPoint {
         DetectionPoint {
             epoch: self.epoch,
             ..DetectionPoint::default()
@@ -198,19 +196,19 @@ impl Points {
     }
 
     /// Whether the source of a detection point, not the points of its targets, has changed at `now_ns`.
-    pub(crate) fn has_changed(&self, source: u16, now_ns: i64) -> bool {
+    pub fn has_changed(&self, source: u16, now_ns: i64) -> bool {
         self.leaps[usize::from(source)].has_changed(now_ns)
     }
 
     /// Learns that the detection point of one of a source's `targets` has leapt.
-    pub(crate) fn learn_leap(&mut self, source: u16, now_ns: i64, targets: usize) {
+    pub fn learn_leap(&mut self, source: u16, now_ns: i64, targets: usize) {
         self.leaps[usize::from(source)].add(now_ns, targets);
     }
 }
 
 impl DetectionPoint {
     /// Moves towards where an innovation, east and north, metres, shows it on a target with this course.
-    pub(crate) fn add(&mut self, residual_m: [f64; 2], course: [f64; 2]) {
+    pub fn add(&mut self, residual_m: [f64; 2], course: [f64; 2]) {
         let seen = to_body(residual_m, course);
         self.reports = self.reports.saturating_add(1);
         let gain = (1.0 / f64::from(self.reports)).max(GAIN_MIN);

@@ -4,9 +4,9 @@
 
 use messages::{Bias, ErrorModel, NS_PER_S};
 
-use crate::engine::Engine;
 use crate::registration::SourceErrors;
 use crate::source_model::SourceModel;
+use crate::sources::Sources;
 
 /// Most sources that [`Learned::dependent`] names.
 pub(crate) const DEPENDENT_MAX: usize = 4;
@@ -36,18 +36,18 @@ pub struct Learned {
     pub dependent: [(u16, f64); DEPENDENT_MAX],
 }
 
-impl Engine {
+impl Sources {
     /// Returns the estimated systematic errors of `source` (BF-3); `None` if the source does not exist.
     pub fn source_errors(&self, source: u16) -> Option<&SourceErrors> {
-        (usize::from(source) < self.settings.sources.len()).then(|| self.tracks.sources.registration.of(source))
+        (usize::from(source) < self.models.len()).then(|| self.registration.of(source))
     }
 
     /// Returns the gross error of `source` that unassociated tracks reveal; `None` if there is no error or no such
     /// source, or if the error may be its partner's and a majority decides between the two.
     pub fn gross_error(&self, source: u16) -> Option<Bias> {
         let is_off = |source: u16| self.contradiction(source).is_some_and(|error| error.is_certain);
-        (usize::from(source) < self.settings.sources.len())
-            .then(|| self.tracks.sources.alignment.error_of(source))
+        (usize::from(source) < self.models.len())
+            .then(|| self.alignment.error_of(source))
             .flatten()
             .filter(|error| error.is_certain || !(is_off(source) || is_off(error.partner)))
     }
@@ -55,63 +55,55 @@ impl Engine {
     /// Returns the error of `source` beside other sources that agree, or relative to one that it contradicts, of the
     /// targets that they observe together; `None` if there is none or no such source.
     pub fn contradiction(&self, source: u16) -> Option<Bias> {
-        (usize::from(source) < self.settings.sources.len())
-            .then(|| self.tracks.sources.registration.contradiction(source))
+        (usize::from(source) < self.models.len())
+            .then(|| self.registration.contradiction(source))
             .flatten()
     }
 
     /// Returns the first source of the group on which `source` depends (configured or learned). Returns `None` if
     /// `source` is the first of its group, independent, or does not exist.
     pub fn counts_with(&self, source: u16) -> Option<u16> {
-        let is_known = usize::from(source) < self.settings.sources.len();
+        let is_known = usize::from(source) < self.models.len();
         is_known
-            .then(|| self.tracks.sources.dependence.group_of(source))
+            .then(|| self.dependence.group_of(source))
             .filter(|first| *first != source)
     }
 
     /// Returns the factor of covariance scaling of `source`, whose covariances are too small (BF-5). The factor is 1
     /// if the covariances are consistent; `None` if the source does not exist.
     pub fn covariance_scale(&self, source: u16) -> Option<f64> {
-        self.tracks
-            .sources
-            .models
-            .get(usize::from(source))
-            .map(SourceModel::covariance_scale)
+        self.models.get(usize::from(source)).map(SourceModel::covariance_scale)
     }
 
     /// Returns the learned probability that a scan of `source` detects a target it tracks; `None` if the source does
     /// not exist.
     pub fn detection_probability(&self, source: u16) -> Option<f64> {
-        self.tracks
-            .sources
-            .models
-            .get(usize::from(source))
-            .map(|model| model.detection)
+        self.models.get(usize::from(source)).map(|model| model.detection)
     }
 
     /// Returns what was learned of `source`; `None` if the source does not exist.
     pub fn learned(&self, source: u16) -> Option<Learned> {
-        let model = self.tracks.sources.models.get(usize::from(source))?;
-        let tally = self.tracks.sources.purity.tally(source);
+        let model = self.models.get(usize::from(source))?;
+        let tally = self.purity.tally(source);
         Some(Learned {
             measurement_sigma_m: model.gain().plane_sigma_m(),
             height_sigma_m: model.gain().height_sigma_m(),
             shape_ratio: model.shape.ratio(),
             target_share: (tally.tries() >= NEW_TRACKS_MIN).then(|| tally.mean()),
-            lateness_s: self.tracks.sources.lifetimes.late_ns(source) as f64 / NS_PER_S,
+            lateness_s: self.lifetimes.late_ns(source) as f64 / NS_PER_S,
             detection_probability: model.detection,
             error_model: self.error_model(source),
-            dependent: self.tracks.sources.dependence.partners(source),
+            dependent: self.dependence.partners(source),
         })
     }
 
     /// Model of the source's systematic error, among those that are in force; `None` where no error is removed.
     fn error_model(&self, source: u16) -> Option<ErrorModel> {
-        let known = self.tracks.sources.registration.of(source);
+        let known = self.registration.of(source);
         let [east, north, _, time, range, azimuth] = known.removed;
         if range || azimuth {
             Some(ErrorModel::Polar)
-        } else if self.tracks.sources.models[usize::from(source)].sees_points(1.0) {
+        } else if self.models[usize::from(source)].sees_points(1.0) {
             Some(ErrorModel::Body)
         } else if east || north {
             Some(ErrorModel::Offset)

@@ -24,10 +24,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::registration::ClockError;
 
-/// d² in the plane up to which two reports of one target agree, and beyond which they contradict each other. Below 0.3
-/// % and 3 in ten million by chance.
-pub(crate) const AGREES: f64 = 12.0;
-pub(crate) const CONTRADICTS: f64 = 30.0;
+/// d² in the plane up to which two reports of one target agree: beyond in 0.3 % by chance.
+pub const AGREES: f64 = 12.0;
+/// d² in the plane beyond which they contradict each other: in 3 of ten million by chance.
+pub const CONTRADICTS: f64 = 30.0;
 /// Unpredictable acceleration between two reports, metres per second squared.
 const ACCELERATION_MPS2: f64 = 5.0;
 /// Number of comparisons of a source before its share counts, and least weight of a new comparison.
@@ -60,17 +60,24 @@ pub(crate) struct Credibility {
 
 /// Judgement of a report by the others of its target.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Judgement {
+pub struct Judgement {
     source: u16,
-    pub(crate) standing: Standing,
+    standing: Standing,
     /// Other sources that are found wrong, and all that were compared, as bits.
     wrong: u64,
     others: u64,
 }
 
+impl Judgement {
+    /// Whether it is open whether the report is wrong.
+    pub fn is_open(&self) -> bool {
+        self.standing == Standing::Open
+    }
+}
+
 /// Result of the comparison of a report with the other sources' reports of its target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Standing {
+enum Standing {
     /// Others agree, or there are no others.
     Holds,
     /// The report is wrong.
@@ -207,22 +214,22 @@ impl Credibility {
         self.sources.len() > 2
     }
 
-    /// Learns from a judgement; `false` if the report is not to be used.
-    pub(crate) fn learn_judgement(&mut self, judgement: &Judgement) -> bool {
-        let Judgement {
-            source,
-            standing,
-            wrong,
-            others,
-        } = *judgement;
+    /// Learns from a judgement.
+    pub(crate) fn learn_judgement(&mut self, judgement: &Judgement) {
+        let wrong = judgement.wrong;
         for other in (0..self.sources.len() as u16).filter(|other| wrong & (1 << other) != 0) {
             self.learn(other, true);
         }
-        if standing != Standing::Open {
-            self.learn(source, standing == Standing::Contradicted);
+        if judgement.standing != Standing::Open {
+            self.learn(judgement.source, judgement.standing == Standing::Contradicted);
         }
-        let is_alone = others & !self.set_aside == 0;
-        standing != Standing::Contradicted && (!self.is_set_aside(source) || is_alone)
+    }
+
+    /// Whether a report may be used after such a judgement: it is not wrong, and its source is not set aside beside
+    /// others.
+    pub(crate) fn admits(&self, judgement: &Judgement) -> bool {
+        let is_alone = judgement.others & !self.set_aside == 0;
+        judgement.standing != Standing::Contradicted && (!self.is_set_aside(judgement.source) || is_alone)
     }
 
     fn learn(&mut self, source: u16, contradicted: bool) {
@@ -258,14 +265,14 @@ impl SourceRecord {
 
 /// d² in the plane of a report from the place where its target is expected, by the report's covariance alone.
 #[inline]
-pub(crate) fn distance_from(place_m: [f64; 2], report: &SensorTrack, spread_m2: f64) -> f64 {
+pub fn distance_from(place_m: [f64; 2], report: &SensorTrack, spread_m2: f64) -> f64 {
     let apart = [report.position_m[0] - place_m[0], report.position_m[1] - place_m[1]];
     let own = |row, column| report.covariance.get(row, column);
     squared2(apart, [own(0, 0) + spread_m2, own(0, 1), own(1, 1) + spread_m2])
 }
 
 /// d² of two reports of one target at the time of the first one.
-pub(crate) fn apart(report: &SensorTrack, other: &SensorTrack, spread_m2: f64) -> f64 {
+pub fn apart(report: &SensorTrack, other: &SensorTrack, spread_m2: f64) -> f64 {
     let seconds = (report.time_of_measurement_ns - other.time_of_measurement_ns) as f64 / NS_PER_S;
     let unforeseen_m = 0.5 * ACCELERATION_MPS2 * seconds * seconds;
     let (own, of_other) = (&report.covariance, &other.covariance);

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 /// Reports of known tracks in two periods without which their silence means nothing, and first reports in a row.
 const REPORTS_MIN: u32 = 5;
 /// Share of a period for which all known tracks are silent while others begin; those of one scan may follow each other.
-pub(crate) const SILENT: f64 = 0.75;
+pub const SILENT: f64 = 0.75;
 /// Time after the last report before a restart in which its tracks come back, nanoseconds.
 const SHORTLY_NS: i64 = 60 * NS_PER_S as i64;
 /// Periods after its latest report from which a track is overdue.

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::detection_map::HitCount;
 
 /// Reports after which a track that one source alone follows is a target: false tracks seldom reach them.
-pub(crate) const LASTING_REPORTS: u32 = 12;
+pub const LASTING_REPORTS: u32 = 12;
 /// New tracks of a source beyond this number are forgotten.
 const MEMORY: f64 = 64.0;
 /// Targets and false tracks that are assumed before anything was learned.

@@ -1,0 +1,100 @@
+//! What fusion learns of its sources while it works, and how targets move.
+//!
+//! The models know no table of tracks. Fusion's core hands them what it finds out as a [`Fact`], which is plain data:
+//! a report, an innovation, a pair of reports, a scan, a target, an order. At each tick, the models that need more
+//! work than a fact allows, such as the registration of systematic errors, do a part of it. What the models know is
+//! read from [`Sources`], by the number of the source.
+//!
+//! | model | file |
+//! |---|---|
+//! | systematic errors of a source: registration, steps, drifts | `registration` |
+//! | gross errors that keep tracks apart | `alignment` |
+//! | truth of covariances, spread of detection points, detection | `source_model` |
+//! | shape of errors across and along the line of sight | `error_shape` |
+//! | gain and noise of a source's tracker; the measurement behind a report | `tracker_gain`, `content`, `measurement` |
+//! | sources that have errors in common | `dependence` |
+//! | sources that others contradict | `credibility` |
+//! | points of targets that sources see | `points` |
+//! | where a source follows targets, from a place that may move | `detection_map`, `moving_sources` |
+//! | how many new tracks of a source are targets | `purity` |
+//! | periods, gaps, restarts, lateness: how long reports and tracks live | `lifetimes`, `gaps`, `restarts`, `rhythm` |
+//! | how targets turn and climb | `manoeuvres`, `motion` |
+//! | height and pressure altitude | `pressure` |
+//!
+//! A late report teaches nothing: the state that it would be compared with has moved on. Evidence of one target stays
+//! with its sensor track, in the core; what it shows of the source is a fact.
+//!
+//! Architecture invariants: no clock, no file, no thread; no table of tracks; after construction nothing is allocated;
+//! the same facts in the same order lead to the same knowledge, bit for bit.
+
+#![forbid(unsafe_code)]
+
+mod alignment;
+mod body_frame;
+mod content;
+mod credibility;
+mod dependence;
+mod detection_map;
+mod error_shape;
+mod facts;
+mod gaps;
+mod innovation;
+mod kept_sources;
+mod knowledge;
+mod learned;
+mod learning;
+mod lifetimes;
+mod manoeuvres;
+mod mean_innovation;
+mod measurement;
+mod motion;
+mod moving_sources;
+mod points;
+mod pressure;
+mod principal;
+mod purity;
+pub mod registration;
+mod restarts;
+mod rhythm;
+mod seeker;
+mod source_model;
+mod sources;
+mod step_memory;
+#[cfg(test)]
+mod testing;
+mod tracker_gain;
+
+pub(crate) use fusion_rules::gross;
+pub(crate) use fusion_settings as settings;
+
+pub use body_frame::{from_body, to_body};
+pub use credibility::{AGREES, CONTRADICTS, Judgement, apart, distance_from};
+pub use detection_map::DetectionProbability;
+pub use error_shape::Stretch;
+pub use facts::*;
+pub use innovation::{FilterInnovation, Fit, Manoeuvre};
+pub use kept_sources::{KeptClass, KeptPair, KeptSource};
+pub use knowledge::Nearness;
+pub use learned::Learned;
+pub use mean_innovation::{MeanInnovation, odd_one};
+pub use measurement::*;
+pub use motion::{LEVELS, Motion};
+pub use points::{DetectionPoint, Points, Referred};
+pub use purity::LASTING_REPORTS;
+pub use restarts::SILENT;
+pub use rhythm::Rhythm;
+pub use source_model::{MEAN_GAIN, MEAN_VARIANCE};
+pub use sources::{Sources, place_of};
+pub use tracker_gain::GainEvidence;
+
+/// Returns the key of a call sign; 0 of an empty one.
+pub fn callsign_key(callsign: &str) -> u64 {
+    let mut bytes = [0; size_of::<u64>()];
+    for (byte, character) in bytes.iter_mut().zip(callsign.trim().bytes()) {
+        *byte = character;
+    }
+    u64::from_be_bytes(bytes)
+}
+
+/// Time between two ticks, nanoseconds.
+pub const TICK_NS: i64 = 1_000_000_000;
