@@ -1,51 +1,43 @@
 //! The engine: processes one report at a time and hands out the states of the system tracks that change.
 //!
-//! A report passes six steps:
+//! A report passes six steps, each with a folder of its own but the second:
 //!
 //! 1. *Admit*: the report is checked and completed ([`inlet`]). Time passes up to it, and the known errors of its
-//!    source's clock and frame are taken off. A late report takes its own way from here (`late`).
+//!    source's clock and frame are taken off. A late report takes its own way from here (`update::late`).
 //! 2. *Measure*: the measurement behind the report is found, freed of its source's biases, and stored with its sensor
 //!    track ([`Sources`] knows how).
 //! 3. *Associate*: [`Linking`] and [`Scans`] find the system track that the sensor track belongs to
-//!    (`association_step` holds the gates); a report that the others contradict goes no further (`admitting`).
-//! 4. *Update*: the filter of the system track takes the measurement (`filtering`), about the point of the target that
-//!    its source sees ([`reference_point`]).
+//!    (`association_step` holds the gates). A report that the others contradict goes no further (`admit::admitting`).
+//! 4. *Update*: the filter of the system track takes the measurement (`update::filtering`), about the point of the
+//!    target that its source sees (`reference_point`).
 //! 5. *Judge*: [`Life`] confirms, coasts, suspends and ends system tracks.
 //! 6. *Publish*: [`TrackPublisher`] weighs the contributions and hands out the state.
 //!
 //! The engine learns nothing of the sources. What a report shows of its source is a [`Fact`], handed to
 //! [`Sources::learn`] where it arises. Evidence of one target stays in the tables of [`Tracks`].
 
-mod admitting;
-mod comparing;
-mod filtering;
-mod joining;
-mod led_off;
-mod recognising;
-mod verifying;
-
 use messages::{Counter, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 use settings::SettingsError;
 use source_models::{Content, Correction, Fact, InnovationFact, Measurement, ReportFact, Sources, whole_report};
 
-use crate::association_step::Search;
+use crate::admit::host_clock::HostClock;
+use crate::admit::inlet::{self, SoundCovariances};
+use crate::associate::association_step::Search;
+use crate::associate::scan::Scans;
 use crate::engine_counters::EngineCounters;
 use crate::explanation::Sink;
 use crate::history::Histories;
-use crate::host_clock::HostClock;
-use crate::inlet::{self, SoundCovariances};
-use crate::kept_measurements::KeptMeasurements;
-use crate::life::{self, Life};
-use crate::order_table::{Configured, IN_FORCE_MAX, OrderTable};
-use crate::outlet::EngineOutbox;
-use crate::publishing::TrackPublisher;
+use crate::judge::life::{self, Life};
+use crate::orders::order_table::{Configured, IN_FORCE_MAX, OrderTable};
+use crate::publish::outlet::EngineOutbox;
+use crate::publish::publishing::TrackPublisher;
 use crate::rules;
-use crate::scan::Scans;
 use crate::schedule::Schedule;
-use crate::sensor_tracks::{NO_SYSTEM, Role, SensorSlot, SensorTracks};
 use crate::settings::Settings;
-use crate::system_tracks::{SystemSlot, SystemTracks};
-use crate::tracks::Tracks;
+use crate::tables::sensor_tracks::{NO_SYSTEM, Role, SensorSlot, SensorTracks};
+use crate::tables::system_tracks::{SystemSlot, SystemTracks};
+use crate::tables::tracks::Tracks;
+use crate::update::kept_measurements::KeptMeasurements;
 
 /// Largest time of a report ahead of the engine's time, nanoseconds. The limit holds even if the clock of the source
 /// is unknown: it bounds the lifetime of tracks and the number of steps through time.

@@ -928,8 +928,9 @@ proptest! {
 
 #[test]
 fn a_target_with_four_sources_and_eight_stored_reports_takes_less_than_12_kilobytes() {
-    let per_sensor_track = size_of::<crate::sensor_tracks::SensorEntry>() + crate::history::bytes_per_track(8 + 1);
-    let per_target = size_of::<crate::system_tracks::SystemEntry>() + 4 * per_sensor_track;
+    let per_sensor_track =
+        size_of::<crate::tables::sensor_tracks::SensorEntry>() + crate::history::bytes_per_track(8 + 1);
+    let per_target = size_of::<crate::tables::system_tracks::SystemEntry>() + 4 * per_sensor_track;
     // Maps, grid, deadlines and quality indices take a few words per entry.
     let rest = 5 * 128;
     assert!(per_target + rest <= 12 * 1024, "{per_target} bytes");

@@ -4,7 +4,7 @@
 
 use messages::{Decision, OrderState, SystemTrack};
 
-use crate::filter_input::FilterInput;
+use crate::update::filter_input::FilterInput;
 
 /// Receiver of the engine's output. Every closure that takes a system track is a receiver that ignores decisions.
 pub trait Sink {

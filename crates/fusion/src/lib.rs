@@ -17,75 +17,33 @@
 
 #![forbid(unsafe_code)]
 
-mod association_step;
-mod assumed;
-mod border;
-pub mod checkpoint;
-mod crossing;
-mod description;
-mod driver;
-#[cfg(test)]
-mod driver_tests;
+mod admit;
+mod associate;
+mod continuity;
 mod engine;
 mod engine_counters;
 #[cfg(test)]
 mod engine_tests;
-pub mod event_log;
-mod existence;
 mod explanation;
-mod filter;
-mod filter_input;
-#[cfg(test)]
-mod filter_tests;
-mod foresight;
-mod former_members;
-mod host_clock;
-mod identity;
-mod image;
-mod inlet;
-mod kept_measurement;
-mod kept_measurements;
-mod late;
-mod life;
-mod linking;
-mod mean_errors;
+mod judge;
 mod merger;
-mod namesakes;
-mod number_hasher;
-pub mod numbering;
-mod order_table;
 mod orders;
-mod outlet;
-mod plane_filter;
-mod point_leaps;
-mod publishing;
-mod quota;
-mod recognition;
-mod reference_point;
-mod restore;
-mod resumption;
-mod scan;
+mod publish;
 mod schedule;
-mod sensor_tracks;
-mod silent_tracks;
 pub mod smoothing;
-pub mod suspects;
-mod system_track_message;
-mod system_tracks;
+mod tables;
 #[cfg(test)]
 mod testing;
-mod tracks;
-mod verification;
-mod vertical_filter;
-mod weighing;
+mod update;
 
-pub use driver::{Driver, ReportNumber};
+pub use continuity::driver::{Driver, ReportNumber};
+pub use continuity::{checkpoint, event_log, numbering, suspects};
 pub use engine::Engine;
 pub use engine_counters::EngineCounters;
 pub use explanation::Sink;
-pub use filter_input::FilterInput;
 pub use fusion_rules::{State, quality, rules};
 pub(crate) use fusion_rules::{accuracy, history, places, state};
 pub use fusion_settings::{self as settings, Settings};
 pub use merger::{Merger, PushOutcome};
 pub use source_models::{Learned, Sources, registration};
+pub use update::filter_input::FilterInput;

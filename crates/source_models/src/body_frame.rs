@@ -1,11 +1,13 @@
 //! Horizontal vectors in the frame of a target's course, given as its direction: sine and cosine from north.
 
 /// A horizontal vector in the frame of a course: along, across to the right.
+#[inline]
 pub fn to_body([east, north]: [f64; 2], [sin, cos]: [f64; 2]) -> [f64; 2] {
     [east * sin + north * cos, east * cos - north * sin]
 }
 
 /// The inverse of [`to_body`].
+#[inline]
 pub fn from_body([along, across]: [f64; 2], [sin, cos]: [f64; 2]) -> [f64; 2] {
     [along * sin + across * cos, along * cos - across * sin]
 }

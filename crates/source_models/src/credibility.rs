@@ -102,6 +102,7 @@ impl Credibility {
     }
 
     /// Whether a source is set aside.
+    #[inline]
     pub(crate) fn is_set_aside(&self, source: u16) -> bool {
         self.set_aside & (1 << source) != 0
     }
@@ -118,6 +119,7 @@ impl Credibility {
         self.passed_over = sources;
     }
 
+    #[inline]
     fn is_passed_over(&self, source: u16) -> bool {
         self.passed_over & (1 << source) != 0
     }
@@ -128,6 +130,7 @@ impl Credibility {
     }
 
     /// Returns whether any source is set aside.
+    #[inline]
     pub(crate) fn sets_aside(&self) -> bool {
         self.set_aside != 0
     }
@@ -210,6 +213,7 @@ impl Credibility {
 
     /// Whether the one of two reports of which none can be found wrong, with a name alone in common, is to give way. Of
     /// two sources alone, none would ever be found wrong, and the silent one no longer refute false tracks.
+    #[inline]
     pub(crate) fn others_can_decide(&self) -> bool {
         self.sources.len() > 2
     }

@@ -135,6 +135,7 @@ impl Dependence {
     }
 
     /// Returns the group of a source: the number of its first source.
+    #[inline]
     pub(crate) fn group_of(&self, source: u16) -> u16 {
         self.groups[usize::from(source)]
     }
@@ -214,6 +215,7 @@ impl Dependence {
     }
 
     /// Learns from a normalised innovation squared of a source, per axis.
+    #[inline]
     pub(crate) fn learn_innovation(&mut self, source: u16, squared: f64) {
         let mean = &mut self.innovations[usize::from(source)];
         *mean += SQUARE_GAIN * (squared.min(SQUARE_MAX) - *mean);
@@ -221,6 +223,7 @@ impl Dependence {
 
     /// Returns whether a report of a source with this period is compared; `reports` is the number of earlier reports
     /// of its track.
+    #[inline]
     pub(crate) fn compares(reports: u32, period_ns: i64) -> bool {
         let every = COMPARED_EVERY_NS
             .div_euclid(period_ns.max(1))

@@ -76,7 +76,7 @@ impl HitCount {
     }
 }
 
-/// Probability that a source follows a target at a place, in [0, [`DETECTION_MAX`]].
+/// Probability that a source follows a target at a place, in [0, 0.98].
 #[derive(Clone, Copy, Debug)]
 pub struct DetectionProbability {
     /// With the prior that a source sees half of the targets: the probability that decides whether to wait for it.
@@ -150,6 +150,7 @@ impl DetectionMap {
     }
 
     /// Configured coverage of a source.
+    #[inline]
     pub(crate) fn area(&self, source: usize) -> Option<&CoverageArea> {
         self.areas[source].as_ref()
     }

@@ -94,6 +94,7 @@ impl ErrorShape {
     }
 
     /// Returns the stretch of the source's errors for a target and a sensor at these positions.
+    #[inline]
     pub(crate) fn stretch(&self, target_m: [f64; AXES], place_m: [f64; 2]) -> Stretch {
         let length = self.length();
         if self.innovations < INNOVATIONS_MIN || length < CLEAR {
@@ -146,6 +147,7 @@ impl Stretch {
     }
 
     /// Stretches the covariance of a position.
+    #[inline]
     pub fn apply(&self, covariance_m2: &mut Symmetric3) {
         let [xx, xy, xz, yy, yz, zz] = *covariance_m2;
         let (first, second) = (self.of([xx, xy]), self.of([xy, yy]));
@@ -156,6 +158,7 @@ impl Stretch {
     }
 
     /// Stretches the covariance of a state: positions and velocities alike.
+    #[inline]
     pub fn apply_to_state(&self, covariance: &mut Covariance) {
         let stated = *covariance;
         let stretched = |row: usize, value: &dyn Fn(usize) -> f64| {

@@ -19,11 +19,13 @@ pub struct StatedState<'a> {
 
 impl StatedState<'_> {
     /// The report's state as the source gave it.
+    #[inline]
     pub fn as_stated(&self) -> Gaussian {
         self.correction.undone(gaussian_of(self.report))
     }
 
     /// Position of the report as the source gave it, metres.
+    #[inline]
     pub fn stated_m(&self) -> [f64; AXES] {
         std::array::from_fn(|axis| self.report.position_m[axis] + self.correction.shift_m[axis])
     }

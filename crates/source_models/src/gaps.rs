@@ -44,6 +44,7 @@ impl Gaps {
     }
 
     /// Silence after which a target will not be reported again, nanoseconds; 0 if unknown.
+    #[inline]
     pub(crate) fn silence_ns(&self) -> i64 {
         ((MARGIN * self.long_ns as f64) as i64).min(SILENCE_MAX_NS)
     }

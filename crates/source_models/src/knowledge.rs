@@ -125,6 +125,7 @@ impl Sources {
 impl Sources {
     /// What is left of the biases of a report's source, metres, and the variance of the biases, m²; `None` while they
     /// are not learned.
+    #[inline]
     fn bias_left(&self, sources: &[SourceSettings], report: &SensorTrack) -> Option<(f64, f64)> {
         let place_m = place_of(&sources[usize::from(report.source)]);
         self.registration
@@ -144,6 +145,7 @@ impl Sources {
     }
 
     /// The known errors of a report.
+    #[inline]
     pub fn correction_of(&self, sources: &[SourceSettings], report: &SensorTrack) -> Correction {
         let place_m = place_of(&sources[usize::from(report.source)]);
         let model = &self.models[usize::from(report.source)];
@@ -228,6 +230,7 @@ impl Sources {
 
     /// Variance per axis of where detection points may lie on a target, m²: configured, or learned of `source` (of all
     /// sources if `None`) if that is more.
+    #[inline]
     pub fn spread_m2(&self, settings: &AssociationSettings, source: Option<u16>) -> f64 {
         let extent_m = settings.extent_sigma_m;
         let configured = extent_m * extent_m;
@@ -241,7 +244,9 @@ impl Sources {
         }
     }
 
-    /// [`learned_spread_m2`], of each source at most that of points of one target.
+    /// The largest spread of detection points that was learned of any source, as a variance per axis, m², of each
+    /// source at most that of points of one target; at least `least_m2`.
+    #[inline]
     pub fn possible_points_m2(&self, least_m2: f64) -> f64 {
         let points_m2 = |model: &SourceModel| model.spread_m2().min(model.largest_points_m2());
         self.models.iter().map(points_m2).fold(least_m2, f64::max)
@@ -356,6 +361,7 @@ impl Sources {
     }
 
     /// Logarithm of the odds that a new track of a source is a target; at most 0.
+    #[inline]
     pub fn target_log_odds(&self, source: u16) -> f64 {
         self.purity.log_odds(source)
     }
@@ -370,6 +376,7 @@ impl Sources {
     }
 
     /// Probability that a source follows a target at a place; `None` if the place of the source is unknown.
+    #[inline]
     pub fn follows_at(&self, source: u16, place_m: [f64; 3], now_ns: i64) -> Option<DetectionProbability> {
         let area: Option<&CoverageArea> = self.coverage.area(source.into());
         let place_m = self.moving.seen_from(source, place_m, now_ns, area)?;
@@ -391,6 +398,7 @@ pub(crate) fn is_aligned(settings: &Settings, report: &SensorTrack) -> bool {
 
 /// The largest spread that was learned of any source, at least `least_m2`. One of several points, taken for the
 /// target's middle, is as far off as they are from each other.
+#[inline]
 fn learned_spread_m2(models: &[SourceModel], least_m2: f64) -> f64 {
     models.iter().map(SourceModel::spread_m2).fold(least_m2, f64::max)
 }

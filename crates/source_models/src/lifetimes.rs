@@ -135,12 +135,14 @@ impl Lifetimes {
     }
 
     /// Time without a report after which a track of `source` ends, nanoseconds.
+    #[inline]
     pub(crate) fn silence_ns(&self, source: u16) -> i64 {
         let gaps = self.gaps.get(usize::from(source));
         gaps.map_or(0, Gaps::silence_ns).max(self.terminate_ns)
     }
 
     /// The same of a target with this rhythm, where a track ends after `usual_ns` otherwise.
+    #[inline]
     pub(crate) fn silence_at(&self, rhythm: Rhythm, usual_ns: i64) -> i64 {
         match self.gaps.is_empty() {
             true => usual_ns,
@@ -158,6 +160,7 @@ impl Lifetimes {
     }
 
     /// Learns from a report of `source`, `since_ns` after the previous report of its sensor track, if any.
+    #[inline]
     pub(crate) fn learn(&mut self, source: u16, time_ns: i64, since_ns: Option<i64>) {
         let learned = &mut self.learned[usize::from(source)];
         if learned.least_ns.is_none() {

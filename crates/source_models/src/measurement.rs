@@ -23,6 +23,7 @@ pub const CLAIM_MAX: f64 = 100.0;
 const REGRESSION_TOLERANCE: f64 = 0.1;
 
 /// The state of a report.
+#[inline]
 pub fn gaussian_of(report: &SensorTrack) -> Gaussian {
     Gaussian::new(report.position_m, report.velocity_mps, &report.covariance)
 }
@@ -103,6 +104,7 @@ impl Measurement {
     };
 
     /// Removes the known biases of the source, and enlarges the covariance to the right size.
+    #[inline]
     pub fn correct(&mut self, correction: &Correction) {
         for (position, shift) in self.position_m.iter_mut().zip(correction.shift_m) {
             *position -= shift;
@@ -139,12 +141,14 @@ impl Measurement {
     }
 
     /// Variance per horizontal axis, m².
+    #[inline]
     pub fn variance_m2(&self) -> f64 {
         0.5 * (self.covariance_m2[0] + self.covariance_m2[3])
     }
 }
 
 /// Returns all position information of a report: the contribution of a sensor track that has just joined.
+#[inline]
 pub fn whole_report(report: &SensorTrack) -> Measurement {
     whole(
         report.position_m,
@@ -165,6 +169,7 @@ fn whole(position_m: [f64; AXES], covariance: &Covariance, has_height: bool) -> 
 }
 
 /// Whether the covariance of a report shows that it comes from a filter.
+#[inline]
 pub fn shows_filter(covariance: &Covariance) -> bool {
     let p = |row, column| covariance.get(row, column);
     let filtered =
@@ -173,6 +178,7 @@ pub fn shows_filter(covariance: &Covariance) -> bool {
 }
 
 /// The report in place of a measurement.
+#[inline]
 pub fn as_reported(report: &SensorTrack) -> Measurement {
     as_stated(
         report.position_m,
@@ -238,6 +244,7 @@ pub struct UnfilteredContent {
 
 impl UnfilteredContent {
     /// With the stated covariance, after such evidence.
+    #[inline]
     pub const fn stated(evidence: GainEvidence) -> Self {
         Self {
             covariance: None,

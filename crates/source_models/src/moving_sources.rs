@@ -70,12 +70,14 @@ impl MovingSources {
     }
 
     /// Whether the source moves.
+    #[inline]
     pub(crate) fn moves(&self, source: u16) -> bool {
         self.0[usize::from(source)].is_some()
     }
 
     /// A place as `source`, with the coverage `area` if one is configured, sees it at `now_ns`; `None` if the source's
     /// own place is not known. A source at rest sees places as they are.
+    #[inline]
     pub(crate) fn seen_from(
         &self,
         source: u16,

@@ -64,6 +64,7 @@ struct SourceLeaps {
 
 impl SourceLeaps {
     /// Counts a leap of one of `targets`.
+    #[inline]
     fn add(&mut self, now_ns: i64, targets: usize) {
         if now_ns - self.since_ns > TOGETHER_NS {
             (self.since_ns, self.count) = (now_ns, 0);
@@ -75,6 +76,7 @@ impl SourceLeaps {
     }
 
     /// Returns whether a step of the source, not of the points of its targets, explains its leaps.
+    #[inline]
     fn has_changed(&self, now_ns: i64) -> bool {
         now_ns < self.until_ns
     }
@@ -109,16 +111,19 @@ impl Points {
     }
 
     /// Whether the sources see different points of the targets.
+    #[inline]
     pub fn sees_points(&self) -> bool {
         self.sees_points
     }
 
     /// Whether one point of each target is kept.
+    #[inline]
     pub fn keeps_points(&self) -> bool {
         self.keeps_points
     }
 
     /// Variance per axis of the points that filters follow about the targets' middles, m².
+    #[inline]
     pub fn spread_m2(&self) -> f64 {
         self.spread_m2
     }
@@ -140,12 +145,14 @@ impl Points {
     }
 
     /// How far the points of two sources lie apart, as a variance per axis, m².
+    #[inline]
     pub fn apart_m2(&self) -> f64 {
         self.apart_m2
     }
 
     /// Where a detection point lies, as far as it is known, on a target with this course. The variances per axis are
     /// those of the measurement and of the target's place, m².
+    #[inline]
     pub fn known(&self, point: &DetectionPoint, course: [f64; 2], (measured_m2, place_m2): (f64, f64)) -> Referred {
         if !self.follows(point) || (point.epoch == self.epoch && point.is_reference) {
             return Referred::ITSELF;
@@ -165,22 +172,26 @@ impl Points {
         }
     }
 
-    /// Returns whether a position with this variance per axis, m², is uncertain: see [`UNCERTAIN`].
+    /// Returns whether a position with this variance per axis, m², is uncertain: points matter little then.
+    #[inline]
     pub fn is_uncertain(&self, variance_m2: f64) -> bool {
         variance_m2 > UNCERTAIN * self.apart_m2
     }
 
     /// Returns whether a detection point and the target's reference point are two points.
+    #[inline]
     pub fn follows(&self, point: &DetectionPoint) -> bool {
         self.keeps_points || (point.has_leapt && point.epoch == self.epoch)
     }
 
     /// Whether it is known where a detection point lies.
+    #[inline]
     pub fn is_known(&self, point: &DetectionPoint) -> bool {
         !self.follows(point) || (point.epoch == self.epoch && (point.is_reference || point.reports >= REPORTS_MIN))
     }
 
     /// Forgets what was known of a detection point before points were last kept, or not.
+    #[inline]
     pub fn refresh(&self, point: &mut DetectionPoint) {
         if point.epoch != self.epoch {
             *point = self.unknown();
@@ -188,6 +199,7 @@ impl Points {
     }
 
     /// A detection point of which nothing is known.
+    #[inline]
     pub fn unknown(&self) -> DetectionPoint {
         DetectionPoint {
             epoch: self.epoch,
@@ -196,6 +208,7 @@ impl Points {
     }
 
     /// Whether the source of a detection point, not the points of its targets, has changed at `now_ns`.
+    #[inline]
     pub fn has_changed(&self, source: u16, now_ns: i64) -> bool {
         self.leaps[usize::from(source)].has_changed(now_ns)
     }
@@ -208,6 +221,7 @@ impl Points {
 
 impl DetectionPoint {
     /// Moves towards where an innovation, east and north, metres, shows it on a target with this course.
+    #[inline]
     pub fn add(&mut self, residual_m: [f64; 2], course: [f64; 2]) {
         let seen = to_body(residual_m, course);
         self.reports = self.reports.saturating_add(1);

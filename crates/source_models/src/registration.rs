@@ -248,11 +248,13 @@ impl Registration {
     }
 
     /// Returns the estimated errors of `source`.
+    #[inline]
     pub(crate) fn of(&self, source: u16) -> &SourceErrors {
         &self.sources[usize::from(source)]
     }
 
     /// Returns the displacement of a report of `source` that the removed errors cause, metres.
+    #[inline]
     pub(crate) fn shift(
         &self,
         source: u16,
@@ -265,6 +267,7 @@ impl Registration {
 
     /// Returns the estimated horizontal displacement of a report of a target with this velocity by errors that are
     /// *not* removed, as they are not significant yet, metres.
+    #[inline]
     pub(crate) fn suspected_shift(&self, source: u16, velocity_mps: [f64; AXES]) -> [f64; 2] {
         let known = self.of(source);
         let suspected = |row: usize| if known.removed[row] { 0.0 } else { known.errors[row] };
@@ -325,6 +328,7 @@ impl Registration {
     }
 
     /// Returns whether the errors of a source have been estimated for some time.
+    #[inline]
     pub(crate) fn is_settled(&self, source: u16) -> bool {
         let own = usize::from(source);
         self.sources[own].samples >= SETTLED_MIN && self.solutions[own] >= SOLUTIONS_MIN

@@ -24,11 +24,13 @@ kept! {
 }
 
 impl Seeker {
+    #[inline]
     pub(crate) fn logarithm(&self) -> f64 {
         self.logarithm
     }
 
     /// Takes the sign of `wish` as one sample; the logarithm stays within the limits.
+    #[inline]
     pub(crate) fn step(&mut self, wish: f64, least: f64, most: f64) {
         let wish = f64::copysign(1.0, wish);
         self.trend += (wish - self.trend) / 16.0;

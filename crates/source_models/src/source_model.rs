@@ -136,16 +136,19 @@ impl Default for SourceModel {
 
 impl SourceModel {
     /// The process noise of the source's own filter, if it is known.
+    #[inline]
     pub(crate) fn process_noise(&self) -> Option<NearlyConstantVelocity> {
         self.process_noise
     }
 
     /// Returns whether the filter behind reports whose covariances show one cannot be undone.
+    #[inline]
     pub(crate) fn cannot_be_undone(&self) -> bool {
         self.process_noise.is_none() && self.looked_at >= REPEATED_FIRST
     }
 
     /// Whether the next pair of reports shall be learned from: the first ones, and a few now and then.
+    #[inline]
     pub(crate) fn looks_at_noise(&mut self) -> bool {
         self.looked_at = self.looked_at.wrapping_add(1);
         self.looked_at < NOISE_SAMPLES_FIRST || self.looked_at.is_multiple_of(NOISE_SAMPLE_EVERY)
@@ -210,6 +213,7 @@ impl SourceModel {
     }
 
     /// Whether it is open how true the source's covariances are, which show no filter.
+    #[inline]
     pub(crate) fn is_open(&self) -> bool {
         self.process_noise.is_none() && self.gain.is_open()
     }
@@ -224,11 +228,13 @@ impl SourceModel {
     }
 
     /// Gain of the source's tracker.
+    #[inline]
     pub(crate) fn gain(&self) -> &TrackerGain {
         &self.gain
     }
 
     /// Factor on the source's covariances that makes its innovations what they should be; 1 if they are.
+    #[inline]
     pub(crate) fn covariance_scale(&self) -> f64 {
         // Asked at every report: what is surely too small needs no exponential.
         if self.covariance_scale.logarithm() < LOG_COVARIANCE_SCALE_MIN {
@@ -243,6 +249,7 @@ impl SourceModel {
     }
 
     /// Learns from one normalised innovation squared of the horizontal position.
+    #[inline]
     pub(crate) fn learn_consistency(&mut self, normalised_squared: f64) {
         self.covariance_scale
             .step(normalised_squared - CHI2_MEDIAN_2, 0.0, COVARIANCE_SCALE_MAX.ln());
@@ -265,21 +272,25 @@ impl SourceModel {
     }
 
     /// Whether enough targets were seen to know how far the detection points lie apart.
+    #[inline]
     pub(crate) fn knows_spread(&self) -> bool {
         self.spread_ratio.samples >= SPREAD_SAMPLES_MIN
     }
 
     /// Whether so many were seen that each further one matters little.
+    #[inline]
     pub(crate) fn knows_spread_well(&self) -> bool {
         self.spread_ratio.samples >= 16 * SPREAD_SAMPLES_MIN
     }
 
     /// Variance per axis of where this source's detection points lie on targets, m².
+    #[inline]
     pub(crate) fn spread_m2(&self) -> f64 {
         self.spread_m2
     }
 
     /// [`Self::spread_m2`]; until it is known, that of a large aircraft.
+    #[inline]
     pub(crate) fn possible_spread_m2(&self) -> f64 {
         if self.knows_spread() {
             self.spread_m2
@@ -303,6 +314,7 @@ impl SourceModel {
     }
 
     /// Returns the largest variance per axis of points of one target, m²: one that has them at its ends.
+    #[inline]
     pub(crate) fn largest_points_m2(&self) -> f64 {
         0.25 * self.size_m * self.size_m
     }
@@ -324,6 +336,7 @@ impl SourceModel {
     }
 
     /// Learns whether a scan saw a target that the source tracks.
+    #[inline]
     pub(crate) fn learn_detection(&mut self, seen: bool) {
         let seen = f64::from(u8::from(seen));
         self.detection = (self.detection + (seen - self.detection) / 256.0).clamp(0.5, 0.98);

@@ -327,6 +327,7 @@ impl GainEvidence {
     }
 
     /// Makes a track as old as its number of `reports`: those that taught nothing had measurements, too.
+    #[inline]
     pub(crate) fn grow_to(&mut self, reports: u32) {
         self.updates = self.updates.max(reports.saturating_sub(1));
     }

@@ -4,7 +4,7 @@ use messages::FusionRule;
 use messages::layout::Sample as _;
 
 use super::*;
-use crate::checkpoint::MemoryRefusal;
+use crate::continuity::checkpoint::MemoryRefusal;
 use crate::settings::RuleName;
 
 const TARGETS: u32 = 12;

@@ -9,7 +9,7 @@ use messages::{Decision, DecisionKind, FusionRule, Order, OrderKind, OrderState,
 
 use super::*;
 use crate::Sink;
-use crate::checkpoint::{CheckpointClock, Memory, Snapshot};
+use crate::continuity::checkpoint::{CheckpointClock, Memory, Snapshot};
 use crate::settings::{RegionalQnh, RuleName};
 
 /// Everything that the engine hands out.

@@ -11,7 +11,7 @@ use source_models::{Fact, FilterInnovation, Fit, Innovation, InnovationFact, Rep
 use test_support::Random;
 
 use super::*;
-use crate::checkpoint::{CheckpointClock, Memory, MemoryRefusal, Snapshot};
+use crate::continuity::checkpoint::{CheckpointClock, Memory, MemoryRefusal, Snapshot};
 
 /// Memory that outlives the engine.
 #[derive(Clone, Debug)]

@@ -5,15 +5,16 @@
 //! tracks (drop, join, split, renumber) happen once; the table then keeps the tracks apart or together (module
 //! `tracks`). The checkpoint holds the table, so orders survive the process.
 
+pub(crate) mod order_table;
 mod settings;
 mod tracks;
 
 use messages::{Order, OrderKind, OrderState, OrderStatus, Refusal};
 
-use crate::checkpoint::RecordKind;
+use crate::continuity::checkpoint::RecordKind;
 use crate::engine::Engine;
 use crate::explanation::Sink;
-use crate::order_table::{IN_FORCE_MAX, OrderRecord, OrderTable, PLACES};
+use crate::orders::order_table::{IN_FORCE_MAX, OrderRecord, OrderTable, PLACES};
 
 impl Engine {
     /// Returns the state of the order that was obeyed under this token.

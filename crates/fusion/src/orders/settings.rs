@@ -7,10 +7,10 @@ use source_models::Fact;
 
 use crate::engine::Engine;
 use crate::rules::{self, RuleMethod};
-use crate::sensor_tracks::SensorSlot;
 use crate::settings::OrderedEta;
 use crate::settings::qnh::RegionalQnh;
 use crate::settings::{NORMAL, RuleName};
+use crate::tables::sensor_tracks::SensorSlot;
 
 /// Returns whether the place of a designation lies where sensors see anything.
 fn is_near(order: &Order, frame: &SystemFrame) -> bool {

@@ -7,16 +7,16 @@
 use estimation::{ComparedComponents, Gaussian, statistical_distance};
 use messages::{Decision, DecisionKind, Order, OrderKind, OrderStatus, Refusal, TrackState};
 
-use crate::association_step::Search;
+use crate::associate::association_step::Search;
+use crate::associate::linking::{Linking, Next};
 use crate::engine::Engine;
 use crate::explanation::Sink;
-use crate::filter::TargetFilter;
-use crate::life;
-use crate::linking::{Linking, Next};
-use crate::order_table::OrderRecord;
-use crate::sensor_tracks::SensorSlot;
-use crate::system_track_message::write;
-use crate::system_tracks::{Bond, SystemSlot};
+use crate::judge::life;
+use crate::orders::order_table::OrderRecord;
+use crate::publish::system_track_message::write;
+use crate::tables::sensor_tracks::SensorSlot;
+use crate::tables::system_tracks::{Bond, SystemSlot};
+use crate::update::filter::TargetFilter;
 
 /// Square of the distance, in standard deviations, beyond which tracks are different targets.
 const APART_D2: f64 = 25.0;

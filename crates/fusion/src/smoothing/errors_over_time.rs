@@ -12,7 +12,7 @@ use source_models::place_of;
 use source_models::registration::{ERRORS, SourceErrors};
 
 use crate::Engine;
-use crate::filter_input::FilterInput;
+use crate::update::filter_input::FilterInput;
 
 /// Time between two looks at the estimates, nanoseconds.
 const LOOK_NS: i64 = 1_000_000_000;

@@ -5,7 +5,7 @@ use source_models::{Correction, Motion};
 
 use super::errors_over_time::ErrorsOverTime;
 use crate::Engine;
-use crate::filter_input::{Assumed, FilterInput};
+use crate::update::filter_input::{Assumed, FilterInput};
 
 /// Factors on how targets move, as the filters assume it.
 #[derive(Clone, Copy, Debug, PartialEq)]

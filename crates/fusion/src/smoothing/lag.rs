@@ -21,7 +21,7 @@ use messages::{SystemTrack, TrackState};
 use super::knowledge::AsAssumed;
 use super::trajectory::{Base, SmoothedState, smooth_stretch};
 use super::with_kinematics;
-use crate::filter_input::{Assumed, FilterInput};
+use crate::update::filter_input::{Assumed, FilterInput};
 
 /// Least time between two states of a track, nanoseconds.
 const SPACING_NS: i64 = 500_000_000;

@@ -41,8 +41,8 @@ use messages::{
 pub use lag::LagSmoother;
 
 use crate::Engine;
-use crate::filter::vertical_movement;
-use crate::filter_input::FilterInput;
+use crate::update::filter::vertical_movement;
+use crate::update::filter_input::FilterInput;
 use errors_over_time::ErrorsOverTime;
 use knowledge::Afterwards;
 use likeliest::likeliest;

@@ -6,7 +6,7 @@ use source_models::{LEVELS, Motion};
 
 use super::knowledge::{Knowledge, MotionFactors};
 use super::stretch::{Moment as Event, Stretch};
-use crate::plane_filter::{AGILE, HARDNESS, HOME, MANOEUVRE_S, MODELS, STEADY};
+use crate::update::plane_filter::{AGILE, HARDNESS, HOME, MANOEUVRE_S, MODELS, STEADY};
 
 /// Number of components.
 const COMPONENTS: usize = 4;

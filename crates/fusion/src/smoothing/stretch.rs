@@ -4,7 +4,7 @@ use messages::{AXES, NS_PER_S};
 use source_models::Measurement;
 
 use super::knowledge::Knowledge;
-use crate::filter_input::FilterInput;
+use crate::update::filter_input::FilterInput;
 
 /// Standard deviation of the velocity at the beginning, beside what the first report states, m/s.
 const BEGINNING_MPS: f64 = 150.0;

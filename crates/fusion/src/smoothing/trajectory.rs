@@ -8,7 +8,7 @@ use super::knowledge::Knowledge;
 use super::plane::{PlaneBase, PlaneSmoother};
 use super::stretch::Stretch;
 use super::vertical::{VerticalBase, VerticalSmoother};
-use crate::filter_input::FilterInput;
+use crate::update::filter_input::FilterInput;
 
 /// Most inputs among which an earlier one is replaced: more are not kept for late reports.
 const REPLACED_MAX: usize = 256;

@@ -6,7 +6,7 @@ use nalgebra::{Matrix1, Matrix2, Matrix3, Vector1, Vector2};
 use super::knowledge::Knowledge;
 use super::plane::PlaneSmoother;
 use super::stretch::{Moment as Event, Stretch};
-use crate::vertical_filter::{
+use crate::update::vertical_filter::{
     CHANGE_S, CLIMB_M2PS3, CLIMB_S, LEVEL_S, LEVELS_OFF, MODELS, PRIOR, REMAINDER_MPS, WANDER_M2PS,
 };
 

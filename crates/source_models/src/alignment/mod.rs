@@ -74,6 +74,7 @@ impl Alignment {
     }
 
     /// Epoch of a source's correction: tracks of an earlier epoch are not comparable with its reports.
+    #[inline]
     pub(crate) fn epoch_of(&self, source: u16) -> u8 {
         self.removal.epoch_of(usize::from(source))
     }

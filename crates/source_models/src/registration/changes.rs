@@ -83,6 +83,7 @@ impl Registration {
     }
 
     /// Returns whether the errors of a source changed so recently that its tracker's states lag behind.
+    #[inline]
     pub(crate) fn is_young(&self, source: u16) -> bool {
         self.young[usize::from(source)] > 0
     }
@@ -106,6 +107,7 @@ impl Registration {
     }
 
     /// Returns whether filters may still be misled by a step.
+    #[inline]
     pub(crate) fn has_misled_filters(&self) -> bool {
         self.young.iter().any(|young| *young > YOUNG_TICKS - MISLED_TICKS)
     }

@@ -136,6 +136,7 @@ impl SourceErrors {
     }
 
     /// The displacement of a report that the removed errors cause, metres.
+    #[inline]
     pub fn shift(&self, position_m: [f64; AXES], velocity_mps: [f64; AXES], place_m: Option<[f64; 2]>) -> [f64; AXES] {
         if self.removed == [false; ERRORS] {
             return [0.0; AXES];

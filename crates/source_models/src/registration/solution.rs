@@ -57,6 +57,7 @@ impl Registration {
     }
 
     /// Returns whether a solution is in progress.
+    #[inline]
     pub(crate) fn is_solving(&self) -> bool {
         self.solution.next.is_some()
     }

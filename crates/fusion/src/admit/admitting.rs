@@ -1,0 +1,100 @@
+//! Which reports may move a track: those that the others of the target do not contradict (module `credibility`).
+
+use source_models::{AGREES, CONTRADICTS, Fact, Nearness, PairFact, apart, distance_from};
+
+use crate::engine::Engine;
+use crate::tables::sensor_tracks::{Role, SensorEntry, SensorSlot};
+use crate::tables::tracks::Tracks;
+
+/// d² in the plane of a report from the track that fits it: beyond in 5 % by chance.
+const FITS: f64 = 6.0;
+/// Share of a source set aside in a filter, from which the filter restarts.
+const MISLEADS_FROM: f64 = 0.05;
+
+impl Engine {
+    /// Whether the latest report of a sensor track may be used.
+    #[inline]
+    pub(crate) fn admits(&mut self, sensor: SensorSlot) -> bool {
+        let Tracks {
+            sensors,
+            systems,
+            sources,
+            ..
+        } = &mut self.tracks;
+        let entry = sensors.get(sensor);
+        let [x, y, _] = systems.get(entry.system).filter.place_at(entry.time_ns);
+        match sources.nearness(&self.settings.association, (&entry.latest, [x, y])) {
+            Nearness::Exempt => true,
+            Nearness::Near => {
+                let source = entry.source;
+                sources.learn(&self.settings, Fact::Pair(PairFact::Near { source }));
+                true
+            }
+            Nearness::Far { spread_m2 } => self.admits_beside_others(sensor, spread_m2),
+        }
+    }
+
+    /// The same by comparison with the other sources of its target.
+    #[cold]
+    fn admits_beside_others(&mut self, sensor: SensorSlot, spread_m2: f64) -> bool {
+        let (tracks, entry) = (&self.tracks, self.tracks.sensors.get(sensor));
+        let others = || {
+            let others = tracks.contributing_entries(entry.system, entry.time_ns);
+            let of_others = |other: &&SensorEntry| !other.is_foreign && other.source != entry.source;
+            others
+                .map(|(_, other)| other)
+                .filter(of_others)
+                .map(|other| &other.latest)
+        };
+        let judgement = tracks.sources.judge(&entry.latest, spread_m2, others);
+        if judgement.is_open() && tracks.sources.others_can_decide() && yields(tracks, sensor, spread_m2) {
+            return false;
+        }
+        let sources = &mut self.tracks.sources;
+        sources.learn(&self.settings, Fact::Pair(PairFact::Judged(&judgement)));
+        sources.admits(&judgement)
+    }
+
+    /// Whether a filter has been misled by a source that is set aside, or leads the target off: it is to begin anew.
+    /// One that the report fits has its share of the source from the time before the source was wrong.
+    #[inline]
+    pub(crate) fn is_misled(&self, sensor: SensorSlot) -> bool {
+        let (tracks, sources) = (&self.tracks, &self.tracks.sources);
+        let entry = tracks.sensors.get(sensor);
+        (sources.sets_aside() || tracks.systems.get(entry.system).has_led_off) && {
+            let is_off = |entry: &SensorEntry| sources.is_set_aside(entry.source) || entry.is_led_off;
+            let misleads = |entry: &SensorEntry| is_off(entry) && entry.share > MISLEADS_FROM;
+            !is_off(entry)
+                && distance_from(expected_m(tracks, entry), &entry.latest, 0.0) > FITS
+                && tracks.member_entries(entry.system).any(|(_, member)| misleads(member))
+        }
+    }
+}
+
+/// Where the target of a sensor track is expected at the time of its latest report, metres.
+#[inline]
+fn expected_m(tracks: &Tracks, entry: &SensorEntry) -> [f64; 2] {
+    let [x, y, _] = tracks.systems.get(entry.system).filter.place_at(entry.time_ns);
+    [x, y]
+}
+
+/// Whether the report of a sensor track that a name alone keeps in its system track is not to be used: it contradicts
+/// another one with a larger share in the estimate, and no report agrees with it. Between two places that a bias keeps
+/// apart, the estimate would jump to and fro.
+fn yields(tracks: &Tracks, sensor: SensorSlot, spread_m2: f64) -> bool {
+    let entry = tracks.sensors.get(sensor);
+    let mut contradicts_stronger = false;
+    for (member, other) in tracks.member_entries(entry.system) {
+        let is_fresh = tracks.is_fresh(other, entry.time_ns);
+        if member == sensor || other.is_foreign || other.source == entry.source || !is_fresh {
+            continue;
+        }
+        let d2 = apart(&entry.latest, &other.latest, spread_m2);
+        if d2 <= AGREES {
+            return false;
+        }
+        let is_stronger = other.role == Role::Primary && other.share > entry.share;
+        contradicts_stronger |= d2 > CONTRADICTS && is_stronger && entry.names.meet(&other.names);
+    }
+    contradicts_stronger
+}

@@ -1,0 +1,446 @@
+//! To which system track a sensor track belongs: joining, leaving, moving (TI-3, QF-3, BF-2).
+//!
+//! A sensor track stays with its system track, and leaves only under these conditions:
+//! - its identity contradicts: an address belongs to exactly one system track, and a system track has one address;
+//! - its innovations repeatedly deviate to the same side (a wrong association, or the sensor has swapped targets);
+//! - it repeatedly appears crossed with another track of its source, on a target beside its own ([`crossing`]);
+//! - the sensor track, or its whole system track, repeatedly agrees with another system track without a common source
+//!   (a target started twice).
+//!
+//! Two system tracks with different addresses are two targets, however well they agree. They are never merged: a sensor
+//! track without an address that fits the other one better goes there alone.
+
+use messages::{Counter, Decision, DecisionKind, NO_SOURCE, SensorTrack, TrackState};
+
+use estimation::{ComparedComponents, statistical_distance};
+use source_models::{DetectionPoint, gaussian_of};
+
+use crate::associate::association_step::Search;
+use crate::associate::crossing::{self, CROSSED};
+use crate::explanation::Sink;
+use crate::publish::outlet::Outlet;
+use crate::settings::Settings;
+use crate::tables::sensor_tracks::{NO_SYSTEM, Role, SensorSlot};
+use crate::tables::system_tracks::{Bond, SystemEntry, SystemSlot};
+use crate::tables::tracks::Tracks;
+use crate::update::filter::TargetFilter;
+
+/// Time between two looks for a duplicate of one system track, nanoseconds.
+const DUPLICATE_EVERY_NS: i64 = 1_000_000_000;
+
+/// Work that is left to be done for a sensor track.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[must_use]
+pub(crate) enum Next {
+    /// Nothing.
+    Done,
+    /// The sensor track waits until its scan is complete.
+    Wait,
+    /// A system track has lost all its sensor tracks to another system track, and terminates.
+    End(MergedTrack),
+}
+
+/// A system track that another one has taken over.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct MergedTrack {
+    pub(crate) ended: SystemSlot,
+    /// Number of the other one.
+    pub(crate) into: u32,
+    pub(crate) time_ns: i64,
+}
+
+/// Period from which the first report of a sensor track may join: the second report of a faster source comes soon, and
+/// tells apart the points of large targets, which faster sources see.
+const SLOW_NS: i64 = 2_500_000_000;
+
+/// The links between sensor tracks and system tracks, about to change.
+pub(crate) struct Linking<'a> {
+    pub(crate) settings: &'a Settings,
+    pub(crate) tracks: &'a mut Tracks,
+}
+
+impl Linking<'_> {
+    /// Associates a sensor track, of which `report` has just been taken, with a system track.
+    pub(crate) fn associate<S: Sink>(
+        &mut self,
+        sensor: SensorSlot,
+        report: &SensorTrack,
+        out: &mut Outlet<'_, S>,
+    ) -> Next {
+        if self.tracks.sensors.get(sensor).system == NO_SYSTEM {
+            self.place(sensor, out)
+        } else {
+            self.reassociate(sensor, report, out)
+        }
+    }
+
+    fn search(&self) -> Search<'_> {
+        Search {
+            settings: self.settings,
+            tracks: self.tracks,
+        }
+    }
+
+    /// Associates a sensor track without a system track: by an address at once; without an address at the end of its
+    /// scan.
+    #[cold]
+    fn place<S: Sink>(&mut self, sensor: SensorSlot, out: &mut Outlet<'_, S>) -> Next {
+        let entry = self.tracks.sensors.get(sensor);
+        if entry.blocked {
+            return Next::Done;
+        }
+        let address = entry.latest.identity.unique_number();
+        let known = address
+            .filter(|_| self.settings.association.uses_addresses())
+            .and_then(|address| self.tracks.systems.with_address(address));
+        if let Some(system) = known {
+            self.tracks.join(sensor, system);
+            let kind = DecisionKind::JoinedByAddress;
+            out.decision(&self.tracks.decision(sensor, kind, f64::NAN, f64::NAN));
+        } else if let Some((system, d2)) = self.recall(sensor, false) {
+            self.tracks.join(sensor, system);
+            // The engine explains a resumption.
+            if self.tracks.systems.get(system).life != TrackState::Suspended {
+                let gate = self.search().resumption_gate();
+                out.decision(&self.tracks.decision(sensor, DecisionKind::Joined, d2, gate));
+            }
+        } else if self.tracks.is_established(sensor) || self.is_slow(sensor) {
+            return Next::Wait;
+        }
+        Next::Done
+    }
+
+    /// Whether the next report of the sensor track's source is so far off that its first report is worth a search.
+    fn is_slow(&self, sensor: SensorSlot) -> bool {
+        let source = self.tracks.sensors.get(sensor).source;
+        self.settings.sources[usize::from(source)].period_ns >= SLOW_NS
+    }
+
+    /// Returns the former system track of the sensor track, from before a restart or before it was suspended, if still
+    /// possible, with d².
+    /// One that was never shown is asked for if it is the last that is.
+    pub(crate) fn recall(&mut self, sensor: SensorSlot, is_last: bool) -> Option<(SystemSlot, f64)> {
+        let system = self.tracks.recall(sensor, is_last)?;
+        let d2 = match self.tracks.systems.get(system).life {
+            TrackState::Suspended => self.search().number_resumes(sensor, system)?,
+            _ => self.search().resumption_distance(sensor, system)?,
+        };
+        Some((system, d2))
+    }
+
+    /// Starts a system track from a sensor track, to be looked at first at `deadline_ns`; `false` if the table is full.
+    pub(crate) fn start<S: Sink>(&mut self, sensor: SensorSlot, deadline_ns: i64, out: &mut Outlet<'_, S>) -> bool {
+        let report = &self.tracks.sensors.get(sensor).latest;
+        let (source, filter) = (report.source, TargetFilter::of_report(report));
+        let Some(system) = self.tracks.systems.insert(source, filter, deadline_ns) else {
+            out.count(source, Counter::DroppedTable);
+            return false;
+        };
+        out.count(source, Counter::TracksStarted);
+        self.tracks.reserve_numbers();
+        self.tracks.join(sensor, system);
+        let is_foreign = {
+            let entry = self.tracks.sensors.get_mut(sensor);
+            entry.share = 1.0;
+            entry.is_foreign
+        };
+        let entry = self.tracks.systems.get_mut(system);
+        (entry.is_foreign, entry.contributors) = (is_foreign, 1 << source);
+        out.decision(&self.tracks.decision(sensor, DecisionKind::Started, f64::NAN, f64::NAN));
+        self.tracks.assign_role(sensor);
+        true
+    }
+
+    /// Decides whether the sensor track stays, or its new system track.
+    fn reassociate<S: Sink>(&mut self, sensor: SensorSlot, report: &SensorTrack, out: &mut Outlet<'_, S>) -> Next {
+        let entry = self.tracks.sensors.get(sensor);
+        let (system, identity) = (entry.system, entry.latest.identity);
+        let mine = identity
+            .unique_number()
+            .filter(|_| self.settings.association.uses_addresses());
+        if let Some(mine) = mine {
+            let theirs = self.tracks.systems.get(system).identity.unique_number();
+            if theirs.is_some_and(|theirs| theirs.excludes(mine)) && self.is_free(system) {
+                out.count(report.source, Counter::IdentityConflicts);
+                let kind = DecisionKind::IdentityConflict;
+                out.decision(&self.tracks.decision(sensor, kind, f64::NAN, f64::NAN));
+                return self.leave(sensor, out);
+            }
+            let known = self.tracks.systems.with_address(mine);
+            if let Some(other) = known.filter(|other| *other != system && self.is_free(system)) {
+                return self.move_to(sensor, other, f64::NAN, out);
+            }
+            self.tracks.systems.identify(system, &identity);
+        }
+        let now_ns = report.time_of_measurement_ns;
+        let (sources, is_alone) = self.tracks.sources_beside(sensor, now_ns);
+        if is_alone {
+            return Next::Wait;
+        }
+        if crossing::is_due(self.tracks.sensors.get(sensor)) && self.is_free(system) {
+            if self.uncross(sensor, out) {
+                return Next::Done;
+            }
+            if let Some((other, d2)) = self.stray(sensor)
+                && let Some(next) = self.vote_to_merge(sensor, other, d2, out)
+            {
+                return next;
+            }
+        }
+        if mine.is_none() && self.tracks.systems.get(system).bond != Bond::Joined && self.has_split(sensor, out) {
+            out.count(report.source, Counter::ContributionsSplit);
+            return self.leave(sensor, out);
+        }
+        self.look_for_duplicate(system, (now_ns, sources), out)
+    }
+
+    /// Returns whether no order binds a system track. Identities and crossings decide nothing about a bound track.
+    #[cold]
+    fn is_free(&self, system: SystemSlot) -> bool {
+        self.tracks.systems.get(system).bond == Bond::Free
+    }
+
+    /// The system track whose rare name the sensor track bears, while no other member of its own system track does.
+    fn stray(&self, sensor: SensorSlot) -> Option<(SystemSlot, f64)> {
+        let search = self.search();
+        if search.has_company(sensor) {
+            return None;
+        }
+        let (system, d2) = search.namesake(sensor)?;
+        let is_apart = self.is_free(system) && search.is_open_to(sensor, system) && !search.is_held(sensor);
+        is_apart.then_some((system, d2))
+    }
+
+    /// Lets sensor tracks change places that keep looking crossed with those of another system track; whether any did.
+    fn uncross<S: Sink>(&mut self, sensor: SensorSlot, out: &mut Outlet<'_, S>) -> bool {
+        let found = self.search().crossing(sensor).map(|crossing| {
+            let number = self.tracks.systems.get(crossing.there).number;
+            let before = self.tracks.sensors.get(sensor).crossed;
+            let sum = before.filter(|(last, _)| *last == number).map_or(0.0, |(_, sum)| sum);
+            (crossing, number, (sum + crossing.ratio).max(0.0))
+        });
+        let entry = self.tracks.sensors.get_mut(sensor);
+        entry.crossed = found.map(|(_, number, sum)| (number, sum));
+        let here = entry.system;
+        let Some((crossing, _, sum)) = found.filter(|(_, _, sum)| *sum >= CROSSED) else {
+            return false;
+        };
+        for (mine, theirs) in crossing.crossed() {
+            for (moved, to) in [(mine, crossing.there), (theirs, here)] {
+                self.tracks.unlink(moved);
+                self.tracks.join(moved, to);
+                out.decision(&self.tracks.decision(moved, DecisionKind::Uncrossed, sum, CROSSED));
+            }
+        }
+        for (mine, theirs) in crossing.crossed() {
+            self.tracks.assign_role(mine);
+            self.tracks.assign_role(theirs);
+        }
+        true
+    }
+
+    /// Removes a sensor track from its system track; its scan, or its address, decides on its new system track.
+    #[cold]
+    fn leave<S: Sink>(&mut self, sensor: SensorSlot, out: &mut Outlet<'_, S>) -> Next {
+        self.tracks.unlink(sensor);
+        self.place(sensor, out)
+    }
+
+    /// Whether the mean innovation of the sensor track differs from that of the others by more than noise explains,
+    /// several reports in a row.
+    fn has_split<S: Sink>(&mut self, sensor: SensorSlot, out: &mut Outlet<'_, S>) -> bool {
+        let gate = self.settings.association.keep_gate * self.settings.association.exponents.number;
+        let entry = self.tracks.sensors.get(sensor);
+        if entry.role == Role::Duplicate || entry.is_foreign {
+            return self.part_has_split(sensor);
+        }
+        let Some(d2) = self.search().offset_from_others(sensor) else {
+            return false;
+        };
+        let split = self.misfits(sensor, d2 > gate && !self.search().is_held(sensor));
+        if split {
+            out.decision(&self.tracks.decision(sensor, DecisionKind::Split, d2, gate));
+            self.tracks.sensors.get_mut(sensor).has_left = true;
+        }
+        split
+    }
+
+    /// Whether a second track of one source has left the target's extent, or one of a dependent source the target,
+    /// several reports in a row.
+    fn part_has_split(&mut self, sensor: SensorSlot) -> bool {
+        let entry = self.tracks.sensors.get(sensor);
+        let filter = &self.tracks.systems.get(entry.system).filter;
+        let estimate = filter.at(
+            entry.latest.time_of_measurement_ns,
+            self.tracks.sources.motion(filter.velocity_mps()),
+        );
+        let apart = |axis: usize| entry.latest.position_m[axis] - estimate.mean[axis];
+        let now_ns = entry.latest.time_of_measurement_ns;
+        let is_part = self
+            .tracks
+            .primary_of(entry.system, entry.source, sensor, now_ns)
+            .is_some();
+        let outside = if is_part {
+            apart(0).hypot(apart(1)) > 2.0 * self.settings.association.target_extent_m
+        } else {
+            let own = gaussian_of(&entry.latest);
+            let d2 = statistical_distance(&own, &estimate, ComparedComponents::HorizontalPosition);
+            d2 > self.settings.association.keep_gate
+        };
+        self.misfits(sensor, outside)
+    }
+
+    /// Returns whether so many successive reports did not fit, including the present `misfit`, that the sensor track
+    /// leaves.
+    fn misfits(&mut self, sensor: SensorSlot, misfit: bool) -> bool {
+        let entry = self.tracks.sensors.get_mut(sensor);
+        entry.misfits = if misfit { entry.misfits + 1 } else { 0 };
+        entry.misfits >= self.settings.association.split_reports
+    }
+
+    /// Counts how often in a row a sensor track that stands alone was assigned to the same system track, and moves it
+    /// there when that is often enough; whether it is.
+    pub(crate) fn vote_to_merge<S: Sink>(
+        &mut self,
+        sensor: SensorSlot,
+        system: SystemSlot,
+        d2: f64,
+        out: &mut Outlet<'_, S>,
+    ) -> Option<Next> {
+        let number = self.tracks.systems.get(system).number;
+        let entry = self.tracks.sensors.get_mut(sensor);
+        let hits = hits_in_a_row(entry.competing, number);
+        entry.competing = Some((number, hits));
+        (hits >= self.settings.association.merge_reports).then(|| self.move_to(sensor, system, d2, out))
+    }
+
+    /// Checks once a second for a duplicate of the system track, to which these sources contribute, as bits; merges
+    /// into the older track after repeated findings.
+    fn look_for_duplicate<S: Sink>(
+        &mut self,
+        system: SystemSlot,
+        (now_ns, sources): (i64, u64),
+        out: &mut Outlet<'_, S>,
+    ) -> Next {
+        let entry = self.tracks.systems.get(system);
+        let complete = self.settings.sources.len() as u32;
+        if now_ns < entry.duplicate_due_ns || sources.count_ones() >= complete {
+            return Next::Done;
+        }
+        let found = self.search().duplicate(system, now_ns).map(|(duplicate, d2)| {
+            let number = self.tracks.systems.get(duplicate).number;
+            (duplicate, d2, number, hits_in_a_row(entry.duplicate, number))
+        });
+        let entry = self.tracks.systems.get_mut(system);
+        entry.duplicate = found.map(|(_, _, number, hits)| (number, hits));
+        entry.duplicate_due_ns = now_ns.saturating_add(DUPLICATE_EVERY_NS);
+        match found {
+            Some((duplicate, d2, _, hits)) if hits >= self.settings.association.merge_reports => {
+                self.merge(system, duplicate, now_ns, d2, out)
+            }
+            _ => Next::Done,
+        }
+    }
+
+    /// Moves a sensor track to another system track, unless their addresses differ. If nothing fresh stays behind, the
+    /// two system tracks are merged, if they can be one target.
+    fn move_to<S: Sink>(&mut self, sensor: SensorSlot, target: SystemSlot, d2: f64, out: &mut Outlet<'_, S>) -> Next {
+        let entry = self.tracks.sensors.get(sensor);
+        let (old, now_ns) = (entry.system, entry.latest.time_of_measurement_ns);
+        let search = self.search();
+        if !search.are_two_targets(old, target) {
+            if self.tracks.is_alone(sensor, now_ns) {
+                return self.merge(old, target, now_ns, d2, out);
+            }
+        } else if search.excludes(target, &entry.latest.identity) {
+            return Next::Done;
+        }
+        self.tracks.unlink(sensor);
+        self.tracks.join(sensor, target);
+        Next::Done
+    }
+
+    /// Merges two system tracks, unless their addresses differ. The confirmed track survives; of two equal tracks the
+    /// older.
+    pub(crate) fn merge<S: Sink>(
+        &mut self,
+        a: SystemSlot,
+        b: SystemSlot,
+        now_ns: i64,
+        d2: f64,
+        out: &mut Outlet<'_, S>,
+    ) -> Next {
+        if self.search().are_two_targets(a, b) {
+            return Next::Done;
+        }
+        let rank = |slot: SystemSlot| {
+            let entry = self.tracks.systems.get(slot);
+            (entry.life == TrackState::Tentative, entry.number)
+        };
+        let (into, from) = if rank(a) < rank(b) { (a, b) } else { (b, a) };
+        let SystemEntry {
+            reports,
+            point_source,
+            filter,
+            is_foreign,
+            contributors,
+            number: ended,
+            ..
+        } = *self.tracks.systems.get(from);
+        let kept_source = self.tracks.systems.get(into).point_source;
+        let reanchor = self.settings.comes_before(point_source, kept_source);
+        while let Some(member) = self.tracks.systems.get(from).members {
+            let role = self.tracks.sensors.get(member).role;
+            self.tracks.unlink(member);
+            self.tracks.join(member, into);
+            let source = self.tracks.sensors.get(member).source;
+            if role == Role::Primary && self.tracks.primary_of(into, source, member, now_ns).is_none() {
+                self.tracks.sensors.get_mut(member).role = Role::Primary;
+            }
+        }
+        if reanchor {
+            // The filter follows the point of another source than that which now comes first: it is chosen anew.
+            self.tracks
+                .for_members(into, |member| member.point = DetectionPoint::default());
+        }
+        let entry = self.tracks.systems.get_mut(into);
+        entry.reports = entry.reports.saturating_add(reports);
+        // What sources here know is not mixed with what other centres say.
+        let takes_over = match (entry.is_foreign, is_foreign) {
+            (true, false) => true,
+            (false, true) => false,
+            _ => filter.is_surer_than(&entry.filter),
+        };
+        if takes_over {
+            (entry.filter, entry.is_foreign) = (filter, is_foreign);
+        }
+        entry.contributors |= contributors;
+        if takes_over {
+            self.tracks.kept.take_over(from, into);
+        }
+        let into = self.tracks.systems.get(into).number;
+        out.decision(&Decision {
+            time_ns: now_ns,
+            kind: DecisionKind::Merged.code(),
+            system_track: ended,
+            other_system_track: into,
+            value: d2,
+            limit: self.settings.association.scan_gate(),
+            ..Decision::default()
+        });
+        out.count(NO_SOURCE, Counter::TracksMerged);
+        Next::End(MergedTrack {
+            ended: from,
+            into,
+            time_ns: now_ns,
+        })
+    }
+}
+
+/// How often in a row `number` was found, now included, if `last` was found, and how often in a row, before.
+fn hits_in_a_row(last: Option<(u32, u32)>, number: u32) -> u32 {
+    match last {
+        Some((last, hits)) if last == number => hits + 1,
+        _ => 1,
+    }
+}

@@ -1,0 +1,4 @@
+//! Judge: whether there is a target, and how long its track lives.
+
+pub(crate) mod existence;
+pub(crate) mod life;

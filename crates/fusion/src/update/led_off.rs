@@ -1,0 +1,80 @@
+//! Sources that lead single targets off: a liar on one target, or an error of propagation.
+//!
+//! Registration knows what a source errs on all targets, not what it errs on one. Each sensor track has the mean of its
+//! latest innovations. Where at least two other sources agree on the target, and a source's mean lies apart from
+//! theirs, its reports of this target are not used until it agrees again. A filter that it has led along begins anew
+//! with the next report of another source.
+
+use source_models::{MEAN_VARIANCE, MeanInnovation, odd_one};
+
+use crate::associate::association_step::Search;
+use crate::engine::Engine;
+use crate::settings::SOURCES_MAX;
+use crate::tables::sensor_tracks::SensorSlot;
+use crate::update::mean_errors::MEAN_REPORTS_MIN;
+
+/// Squared statistical length of a mean innovation that is worth a comparison.
+const SUSPICIOUS: f64 = 9.2;
+/// Squared statistical length from which a source leads a target off, and below which it no longer does.
+const LEADS_OFF: f64 = 25.0;
+const AGREES: f64 = 9.2;
+
+impl Engine {
+    /// Looks whether a source leads the target of a sensor track off, if the track's mean innovation is suspicious.
+    #[inline]
+    pub(crate) fn look_for_led_off(&mut self, sensor: SensorSlot) {
+        let entry = self.tracks.sensors.get(sensor);
+        let [east, north] = entry.residual_mean_m;
+        let is_suspicious = east * east + north * north > SUSPICIOUS * MEAN_VARIANCE * entry.residual_variance_m2;
+        if is_suspicious || entry.is_led_off {
+            self.compare_means(sensor);
+        }
+    }
+
+    #[cold]
+    fn compare_means(&mut self, sensor: SensorSlot) {
+        let tracks = &mut self.tracks;
+        let entry = tracks.sensors.get(sensor);
+        let (system, now_ns) = (entry.system, entry.time_ns);
+        if entry.is_led_off && !tracks.sources.is_settled(entry.source) {
+            // What the source errs on all targets is unknown again, and with it what it errs on this one.
+            tracks.sensors.get_mut(sensor).is_led_off = false;
+            return;
+        }
+        let (mut means, mut count) = ([MeanInnovation::default(); SOURCES_MAX], 0);
+        let mut members = [0; SOURCES_MAX];
+        let extent_m = self.settings.association.extent_sigma_m;
+        let points_m2 = tracks.sources.possible_points_m2(extent_m * extent_m);
+        let tracks = &self.tracks;
+        let search = Search {
+            settings: &self.settings,
+            tracks,
+        };
+        for (member, other) in tracks.contributing_entries(system, now_ns) {
+            let is_known = other.residuals >= MEAN_REPORTS_MIN && tracks.sources.is_settled(other.source);
+            if !is_known || count == SOURCES_MAX {
+                continue;
+            }
+            let variance_m2 = MEAN_VARIANCE * other.residual_variance_m2 + points_m2;
+            means[count] = MeanInnovation {
+                source: count,
+                mean_m: search.mean_about_point(other),
+                covariance_m2: [variance_m2, 0.0, variance_m2],
+            };
+            members[count] = member;
+            count += 1;
+        }
+        let tracks = &mut self.tracks;
+        let (odd, mut has_led_off) = (odd_one(&mut means[..count]), false);
+        for (place, member) in members[..count].iter().enumerate() {
+            let length = odd
+                .and_then(|(odd, length)| (odd == place).then_some(length))
+                .unwrap_or_default();
+            let entry = tracks.sensors.get_mut(*member);
+            let limit = if entry.is_led_off { AGREES } else { LEADS_OFF };
+            entry.is_led_off = length > limit;
+            has_led_off |= entry.is_led_off;
+        }
+        tracks.systems.get_mut(system).has_led_off = has_led_off;
+    }
+}
