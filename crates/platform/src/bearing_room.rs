@@ -7,29 +7,19 @@
 //!
 //! [`WaitingRoom`]: crate::WaitingRoom
 
-use std::collections::VecDeque;
-
 use frames::SystemFrame;
 use observations::Bearing;
 
-use crate::carried::Refusal;
 use crate::history::History;
 use crate::mount::Mount;
-use crate::persistence::{LookInterval, variance_factor};
-use crate::pose::{NoState, Pose};
+use crate::state_queue::StateQueue;
 use crate::waiting::WaitingCounts;
 
 /// Bearings of one finder that wait, each with what came with it.
 #[derive(Clone, Debug)]
 pub struct BearingRoom<T> {
     mount: Mount,
-    wait_ns: i64,
-    waiting: VecDeque<(Bearing, T)>,
-    waiting_max: usize,
-    /// Latest time of the finder's data, nanoseconds.
-    reached_ns: i64,
-    looks: LookInterval,
-    counts: WaitingCounts,
+    queue: StateQueue<Bearing, T>,
 }
 
 impl<T> BearingRoom<T> {
@@ -38,68 +28,37 @@ impl<T> BearingRoom<T> {
     pub fn new(mount: Mount, wait_ns: i64, waiting_max: usize) -> Self {
         Self {
             mount,
-            wait_ns,
-            waiting: VecDeque::with_capacity(waiting_max),
-            waiting_max,
-            reached_ns: i64::MIN,
-            looks: LookInterval::default(),
-            counts: WaitingCounts::default(),
+            queue: StateQueue::new(wait_ns, waiting_max),
         }
     }
 
     /// Takes a bearing from the bow. A bearing without room is refused and counted.
     pub fn take(&mut self, bearing: Bearing, with_it: T) {
-        if bearing.time_of_measurement_ns > self.reached_ns {
-            self.reached_ns = bearing.time_of_measurement_ns;
+        let time_ns = bearing.time_of_measurement_ns;
+        if time_ns > self.queue.reached_ns {
+            self.queue.reached_ns = time_ns;
             // Bearings of one time are one look of the finder.
-            self.looks.turned(self.reached_ns);
+            self.queue.looks.turned(time_ns);
         }
-        match self.waiting.len() < self.waiting_max {
-            true => self.waiting.push_back((bearing, with_it)),
-            false => self.counts.count(Refusal::Full),
-        }
+        self.queue.push(time_ns, bearing, with_it);
     }
 
     /// The next bearing from north that need not wait any longer; `None` if the first one must wait. Refused bearings
     /// are counted and passed over.
     pub fn next(&mut self, history: &History, frame: Option<&SystemFrame>) -> Option<(Bearing, T)> {
         loop {
-            let (bearing, _) = self.waiting.front()?;
-            let time_ns = bearing.time_of_measurement_ns;
-            let pose = history.at(time_ns).map_err(Refusal::Position);
-            let pose = pose.map(|pose| self.persisting(pose, history));
-            let carried = pose.and_then(|pose| self.mount.carry_bearing(bearing, &pose, frame));
-            let may_come = matches!(
-                carried,
-                Err(Refusal::Position(state) | Refusal::Heading(state) | Refusal::Tilt(state))
-                    if matches!(state, NoState::NotYet | NoState::None)
-            );
-            if may_come && self.reached_ns.saturating_sub(time_ns) <= self.wait_ns {
-                return None;
-            }
-            let (_, with_it) = self.waiting.pop_front()?;
-            match carried {
-                Ok(carried) => {
-                    self.counts.carried += 1;
-                    return Some((carried, with_it));
-                }
-                Err(refusal) => self.counts.count(refusal),
+            let mount = &self.mount;
+            let carry = |bearing: &Bearing, pose: &_| mount.carry_bearing(bearing, pose, frame);
+            let (carried, _, with_it) = self.queue.next(history, carry)?;
+            if let Ok(carried) = carried {
+                return Some((carried, with_it));
             }
         }
     }
 
     /// Numbers of bearings by what became of them.
     pub fn counts(&self) -> &WaitingCounts {
-        &self.counts
-    }
-
-    /// The pose with standard deviations for errors that persist from bearing to bearing.
-    fn persisting(&self, pose: Pose, history: &History) -> Pose {
-        let correlation_s = history.assumed().attitude_correlation_s.s();
-        match variance_factor(self.looks.s(), correlation_s) {
-            1.0 => pose,
-            factor => pose.with_angle_sigmas(factor.sqrt()),
-        }
+        &self.queue.counts
     }
 }
 

@@ -46,6 +46,7 @@ mod pose;
 mod rotation;
 mod settings;
 mod state;
+mod state_queue;
 mod waiting;
 
 pub use bearing_room::BearingRoom;

@@ -1,15 +1,10 @@
 //! Detections that wait for the states of their platform.
 //!
-//! A detection often comes before the state after its time, without which there is no interpolation. It waits; how long
-//! depends on the times of the data alone: when the sensor's data have run ahead of a detection by more than the wait,
-//! the detection is refused and counted. Detections leave in the order in which they came.
-//!
 //! A sensor without elevation does not measure heights, and a tracker assumes its targets to be anywhere within
 //! kilometres above and below the sensor. A mast that moves up and down by metres would then seem to reveal their
 //! heights, by changes of the slant range that are smaller than its error. The height of such a sensor is therefore
 //! held until it has changed by more than [`HELD_WITHIN_M`].
 
-use std::collections::VecDeque;
 use std::ops::AddAssign;
 
 use frames::SystemFrame;
@@ -18,8 +13,9 @@ use observations::{Detection, DetectionKind};
 use crate::carried::{Carried, Refusal};
 use crate::history::History;
 use crate::mount::Mount;
-use crate::persistence::{LookInterval, variance_factor};
-use crate::pose::{NoState, Pose};
+use crate::persistence::LookInterval;
+use crate::pose::NoState;
+use crate::state_queue::StateQueue;
 
 /// Change of its height up to which the height of a sensor without elevation is held, metres.
 pub const HELD_WITHIN_M: f64 = 50.0;
@@ -89,15 +85,9 @@ pub struct Departure<T> {
 pub struct WaitingRoom<T> {
     mount: Mount,
     default_sigmas: Option<[f64; 4]>,
-    wait_ns: i64,
-    waiting: VecDeque<(Detection, T)>,
-    waiting_max: usize,
-    /// Latest time of the sensor's data, nanoseconds.
-    reached_ns: i64,
+    queue: StateQueue<Detection, T>,
     /// Height in which a sensor without elevation is held, metres.
     held_m: Option<f64>,
-    looks: LookInterval,
-    counts: WaitingCounts,
 }
 
 impl<T> WaitingRoom<T> {
@@ -107,93 +97,57 @@ impl<T> WaitingRoom<T> {
         Self {
             mount,
             default_sigmas,
-            wait_ns,
-            waiting: VecDeque::with_capacity(waiting_max),
-            waiting_max,
-            reached_ns: i64::MIN,
+            queue: StateQueue::new(wait_ns, waiting_max),
             held_m: None,
-            looks: LookInterval::default(),
-            counts: WaitingCounts::default(),
         }
     }
 
     /// With the interval between two looks of the sensor as configured, nanoseconds; otherwise the data show it.
     #[must_use]
-    pub fn with_looks(self, interval_ns: Option<i64>) -> Self {
-        Self {
-            looks: LookInterval::new(interval_ns),
-            ..self
-        }
+    pub fn with_looks(mut self, interval_ns: Option<i64>) -> Self {
+        self.queue.looks = LookInterval::new(interval_ns);
+        self
     }
 
     /// A turn of the sensor begins at this time, nanoseconds.
     pub fn turned(&mut self, time_ns: i64) {
-        self.looks.turned(time_ns);
+        self.queue.looks.turned(time_ns);
     }
 
     /// Takes a detection. A detection without room comes back as a departure.
     pub fn take(&mut self, detection: Detection, with_it: T) -> Option<Departure<T>> {
-        self.passed(detection.time_of_measurement_ns);
-        self.looks.detected(detection.scan, detection.time_of_measurement_ns);
-        if self.waiting.len() == self.waiting_max {
-            self.counts.count(Refusal::Full);
-            return Some(Departure {
-                outcome: Err(Refusal::Full),
-                measured: detection,
-                with_it,
-            });
-        }
-        self.waiting.push_back((detection, with_it));
-        None
-    }
-
-    /// The sensor's data have come to this time, nanoseconds.
-    pub fn passed(&mut self, time_ns: i64) {
-        self.reached_ns = self.reached_ns.max(time_ns);
-    }
-
-    /// The sensor's data have ended: what still waits for a state is refused at the next call of [`Self::next`].
-    pub fn end(&mut self) {
-        self.reached_ns = i64::MAX;
-    }
-
-    /// The next detection that need not wait any longer; `None` if the first one must wait.
-    pub fn next(&mut self, history: &History, frame: Option<&SystemFrame>) -> Option<Departure<T>> {
-        let (detection, _) = self.waiting.front()?;
         let time_ns = detection.time_of_measurement_ns;
-        let outcome = history
-            .at(time_ns)
-            .map_err(Refusal::Position)
-            .map(|pose| self.persisting(pose, history))
-            .and_then(|pose| self.mount.carry(detection, &pose, self.default_sigmas, frame));
-        let may_come = matches!(
-            outcome,
-            Err(Refusal::Position(state) | Refusal::Heading(state) | Refusal::Tilt(state))
-                if matches!(state, NoState::NotYet | NoState::None)
-        );
-        if may_come && self.reached_ns.saturating_sub(time_ns) <= self.wait_ns {
-            return None;
-        }
-        let outcome = outcome.map(|carried| self.held(carried));
-        match outcome {
-            Ok(_) => self.counts.carried += 1,
-            Err(refusal) => self.counts.count(refusal),
-        }
-        let (measured, with_it) = self.waiting.pop_front()?;
+        self.passed(time_ns);
+        self.queue.looks.detected(detection.scan, time_ns);
+        let (measured, with_it) = self.queue.push(time_ns, detection, with_it)?;
         Some(Departure {
-            outcome,
+            outcome: Err(Refusal::Full),
             measured,
             with_it,
         })
     }
 
-    /// The pose with standard deviations for errors that persist from look to look.
-    fn persisting(&self, pose: Pose, history: &History) -> Pose {
-        let correlation_s = history.assumed().attitude_correlation_s.s();
-        match variance_factor(self.looks.s(), correlation_s) {
-            1.0 => pose,
-            factor => pose.with_angle_sigmas(factor.sqrt()),
-        }
+    /// The sensor's data have come to this time, nanoseconds.
+    pub fn passed(&mut self, time_ns: i64) {
+        self.queue.reached_ns = self.queue.reached_ns.max(time_ns);
+    }
+
+    /// The sensor's data have ended: what still waits for a state is refused at the next call of [`Self::next`].
+    pub fn end(&mut self) {
+        self.queue.reached_ns = i64::MAX;
+    }
+
+    /// The next detection that need not wait any longer; `None` if the first one must wait.
+    pub fn next(&mut self, history: &History, frame: Option<&SystemFrame>) -> Option<Departure<T>> {
+        let (mount, sigmas) = (&self.mount, self.default_sigmas);
+        let (outcome, measured, with_it) = self
+            .queue
+            .next(history, |detection, pose| mount.carry(detection, pose, sigmas, frame))?;
+        Some(Departure {
+            outcome: outcome.map(|carried| self.held(carried)),
+            measured,
+            with_it,
+        })
     }
 
     /// A detection without elevation, from the height in which its sensor is held.
@@ -209,11 +163,11 @@ impl<T> WaitingRoom<T> {
 
     /// Number of waiting detections.
     pub fn waiting(&self) -> usize {
-        self.waiting.len()
+        self.queue.len()
     }
 
     /// Numbers of detections by what became of them.
     pub fn counts(&self) -> WaitingCounts {
-        self.counts
+        self.queue.counts
     }
 }
