@@ -1,5 +1,6 @@
 //! The rules of ARCHITECTURE.md that a program can check.
 
+mod mechanisms;
 mod modules;
 pub(crate) mod prose;
 mod rebuilds;

@@ -12,8 +12,7 @@ use observations::Bearing;
 
 use crate::history::History;
 use crate::mount::Mount;
-use crate::state_queue::StateQueue;
-use crate::waiting::WaitingCounts;
+use crate::state_queue::{StateQueue, WaitingCounts};
 
 /// Bearings of one finder that wait, each with what came with it.
 #[derive(Clone, Debug)]

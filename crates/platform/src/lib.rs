@@ -60,4 +60,5 @@ pub use pose::{AngleAt, NoState, Pose};
 pub use rotation::Attitude;
 pub use settings::Assumed;
 pub use state::State;
-pub use waiting::{Departure, HELD_WITHIN_M, WaitingCounts, WaitingRoom};
+pub use state_queue::WaitingCounts;
+pub use waiting::{Departure, HELD_WITHIN_M, WaitingRoom};

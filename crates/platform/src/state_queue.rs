@@ -5,12 +5,61 @@
 //! wait, the measurement is refused and counted. Measurements leave in the order in which they came.
 
 use std::collections::VecDeque;
+use std::ops::AddAssign;
 
 use crate::carried::Refusal;
 use crate::history::History;
 use crate::persistence::{LookInterval, variance_factor};
 use crate::pose::{NoState, Pose};
-use crate::waiting::WaitingCounts;
+
+/// Numbers of measurements by what became of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct WaitingCounts {
+    /// Carried into the system's terms.
+    pub carried: u64,
+    /// Refused: the platform's states did not reach the time within the wait, or none has come.
+    pub no_state: u64,
+    /// Refused: the states around the time are too far apart.
+    pub gap: u64,
+    /// Refused: the time is before the oldest kept state.
+    pub too_old: u64,
+    /// Refused: no room to wait.
+    pub full: u64,
+    /// Refused: without standard deviations, or without a direction.
+    pub unusable: u64,
+}
+
+impl WaitingCounts {
+    /// Number of refused measurements.
+    pub fn refused(&self) -> u64 {
+        self.no_state + self.gap + self.too_old + self.full + self.unusable
+    }
+
+    /// Counts a refusal.
+    pub fn count(&mut self, refusal: Refusal) {
+        let counter = match refusal {
+            Refusal::Position(state) | Refusal::Heading(state) | Refusal::Tilt(state) => match state {
+                NoState::None | NoState::NotYet => &mut self.no_state,
+                NoState::Gap => &mut self.gap,
+                NoState::TooOld => &mut self.too_old,
+            },
+            Refusal::NoSigmas | Refusal::NoDirection => &mut self.unusable,
+            Refusal::Full => &mut self.full,
+        };
+        *counter += 1;
+    }
+}
+
+impl AddAssign for WaitingCounts {
+    fn add_assign(&mut self, other: Self) {
+        self.carried += other.carried;
+        self.no_state += other.no_state;
+        self.gap += other.gap;
+        self.too_old += other.too_old;
+        self.full += other.full;
+        self.unusable += other.unusable;
+    }
+}
 
 /// Measurements of one sensor that wait, each with what came with it.
 #[derive(Clone, Debug)]

@@ -5,8 +5,6 @@
 //! heights, by changes of the slant range that are smaller than its error. The height of such a sensor is therefore
 //! held until it has changed by more than [`HELD_WITHIN_M`].
 
-use std::ops::AddAssign;
-
 use frames::SystemFrame;
 use observations::{Detection, DetectionKind};
 
@@ -14,60 +12,10 @@ use crate::carried::{Carried, Refusal};
 use crate::history::History;
 use crate::mount::Mount;
 use crate::persistence::LookInterval;
-use crate::pose::NoState;
-use crate::state_queue::StateQueue;
+use crate::state_queue::{StateQueue, WaitingCounts};
 
 /// Change of its height up to which the height of a sensor without elevation is held, metres.
 pub const HELD_WITHIN_M: f64 = 50.0;
-
-/// Numbers of detections by what became of them.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct WaitingCounts {
-    /// Carried into the system's terms.
-    pub carried: u64,
-    /// Refused: the platform's states did not reach the time within the wait, or none has come.
-    pub no_state: u64,
-    /// Refused: the states around the time are too far apart.
-    pub gap: u64,
-    /// Refused: the time is before the oldest kept state.
-    pub too_old: u64,
-    /// Refused: no room to wait.
-    pub full: u64,
-    /// Refused: without standard deviations, or without a direction.
-    pub unusable: u64,
-}
-
-impl WaitingCounts {
-    /// Number of refused detections.
-    pub fn refused(&self) -> u64 {
-        self.no_state + self.gap + self.too_old + self.full + self.unusable
-    }
-
-    /// Counts a refusal.
-    pub fn count(&mut self, refusal: Refusal) {
-        let counter = match refusal {
-            Refusal::Position(state) | Refusal::Heading(state) | Refusal::Tilt(state) => match state {
-                NoState::None | NoState::NotYet => &mut self.no_state,
-                NoState::Gap => &mut self.gap,
-                NoState::TooOld => &mut self.too_old,
-            },
-            Refusal::NoSigmas | Refusal::NoDirection => &mut self.unusable,
-            Refusal::Full => &mut self.full,
-        };
-        *counter += 1;
-    }
-}
-
-impl AddAssign for WaitingCounts {
-    fn add_assign(&mut self, other: Self) {
-        self.carried += other.carried;
-        self.no_state += other.no_state;
-        self.gap += other.gap;
-        self.too_old += other.too_old;
-        self.full += other.full;
-        self.unusable += other.unusable;
-    }
-}
 
 /// A detection that leaves, with what came with it.
 #[derive(Clone, Copy, Debug, PartialEq)]

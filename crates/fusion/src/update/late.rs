@@ -1,7 +1,7 @@
 //! Reports that come late: used in their place, or carried forward.
 //!
 //! A report older than its track's state is *late*. Within the window of late reports it is used where it belongs, see
-//! [`kept_measurements`](crate::update::kept_measurements): the state becomes that of the order of measurement. Associations
+//! [`kept_measurements`](super::kept_measurements): the state becomes that of the order of measurement. Associations
 //! are not decided again, and known errors of sources stay as they were taken off. A later report carries more than its
 //! time: what sources are worth, how targets move and whether they exist is learned from each report once, as it comes.
 //!
