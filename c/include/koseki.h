@@ -48,7 +48,7 @@ typedef struct {
   const KosekiBatchHeader *header; /* Publisher's statement about the samples. */
   uint64_t lost;             /* Samples missing between the slice before and this slice. */
   int starts_epoch;          /* 1: fusion has started anew (of recorded inputs: numbers begin again), or the first slice. */
-  void *kept;                /* The library's own. */
+  void *handle;              /* Of the slice, for koseki_release(). */
 } koseki_slice;
 
 /* Counts of a subscription since its opening. */
@@ -103,11 +103,9 @@ int koseki_publish(koseki_publisher *publisher, const void *samples, size_t coun
 typedef struct {
   size_t size;           /* Of this struct: filled in by the functions below. */
   int64_t time_ns;       /* Time of measurement, UTC, nanoseconds since 1970; 0: now. */
-  int64_t scan;         /* Number of the scan; -1: detections with the same time form a scan. */
-  int32_t unused;        /* Keeps the layout of a track report. */
+  int64_t scan;          /* Number of the scan; -1: detections with the same time form a scan. */
   uint32_t address;      /* 24-bit address of ICAO; 0: unknown. */
   uint32_t mmsi;         /* 0: unknown. */
-  uint32_t reserved;
   char callsign[16];     /* Up to eight characters; "": unknown. */
   double latitude;                /* Latitude of the target, WGS-84, degrees, from -90 to 90, north positive. */
   double longitude;               /* Longitude of the target, WGS-84, degrees, from -180 to 180, east positive. */
@@ -139,10 +137,9 @@ typedef struct {
   size_t size;           /* Of this struct: filled in by the functions below. */
   int64_t time_ns;       /* Time of measurement, UTC, nanoseconds since 1970; 0: now. */
   int64_t track;         /* Number of the track at the sensor. */
-  int32_t state;         /* KOSEKI_STATE_…; -1: confirmed. */
+  int64_t state;         /* KOSEKI_STATE_…; -1: confirmed. */
   uint32_t address;      /* 24-bit address of ICAO; 0: unknown. */
   uint32_t mmsi;         /* 0: unknown. */
-  uint32_t reserved;
   char callsign[16];     /* Up to eight characters; "": unknown. */
   double latitude;                /* Latitude of the target, WGS-84, degrees, from -90 to 90, north positive. */
   double longitude;               /* Longitude of the target, WGS-84, degrees, from -180 to 180, east positive. */

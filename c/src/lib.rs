@@ -37,7 +37,7 @@ pub struct KosekiSlice {
     header: *const BatchHeader,
     lost: u64,
     starts_epoch: c_int,
-    kept: *mut Box<dyn AnySlice>,
+    handle: *mut Box<dyn AnySlice>,
 }
 
 /// Counts of a subscription.
@@ -198,7 +198,7 @@ pub unsafe extern "C" fn koseki_receive(
         header: ptr::null(),
         lost: 0,
         starts_epoch: 0,
-        kept: ptr::null_mut(),
+        handle: ptr::null_mut(),
     };
     // SAFETY: as above; the overwritten value needs no drop.
     unsafe { slice.write(empty) };
@@ -214,7 +214,7 @@ pub unsafe extern "C" fn koseki_receive(
                 header: next.header(),
                 lost: next.lost(),
                 starts_epoch: next.starts_epoch().into(),
-                kept: Box::into_raw(Box::new(next)),
+                handle: Box::into_raw(Box::new(next)),
             };
             // SAFETY: as above.
             unsafe { slice.write(taken) };
@@ -233,11 +233,11 @@ pub unsafe extern "C" fn koseki_release(slice: *mut KosekiSlice) {
     let Some(slice) = (unsafe { slice.as_mut() }) else {
         return;
     };
-    let kept = std::mem::replace(&mut slice.kept, ptr::null_mut());
+    let handle = std::mem::replace(&mut slice.handle, ptr::null_mut());
     (slice.samples, slice.header, slice.count) = (ptr::null(), ptr::null(), 0);
-    if !kept.is_null() {
+    if !handle.is_null() {
         // SAFETY: the pointer comes from `Box::into_raw`, and has just been taken out of its only place.
-        drop(unsafe { Box::from_raw(kept) });
+        drop(unsafe { Box::from_raw(handle) });
     }
 }
 

@@ -1,6 +1,7 @@
 //! Observations in degrees or metres: the structs `koseki_detection` and `koseki_track_report` of the header.
 //!
-//! Both have the same head, and then their numbers in the order of [`Fields::NUMBERS`]. NaN stands for a number that is
+//! Both have the same head, a track report with its state in it, and then their numbers in the order of
+//! [`Fields::NUMBERS`]. NaN stands for a number that is
 //! not stated. The first member is the size in the caller's header, which shows a header of another version.
 
 use std::ffi::{c_char, c_int};
@@ -17,41 +18,53 @@ use crate::{KosekiPublisher, OK, code, failed, open};
 /// Characters of a callsign, with its zero.
 const CALLSIGN: usize = 16;
 
-/// An observation with `N` numbers.
+/// A state that an observation may have: `()` for none, else its code.
+pub trait StateCode: Copy {
+    /// Not stated.
+    const UNKNOWN: Self;
+}
+
+impl StateCode for () {
+    const UNKNOWN: Self = ();
+}
+
+impl StateCode for i64 {
+    const UNKNOWN: Self = -1;
+}
+
+/// An observation with `N` numbers, and a state `S`.
 #[derive(Debug)]
 #[repr(C)]
-pub struct Stated<const N: usize> {
+pub struct Stated<const N: usize, S> {
     size: usize,
     /// 0: now.
     time_ns: i64,
     /// Scan or track; -1: not stated.
     ordinal: i64,
     /// Of a track; -1: confirmed.
-    state: i32,
+    state: S,
     /// 0: unknown, like the MMSI.
     address: u32,
     mmsi: u32,
-    reserved: u32,
     /// Ends with a zero; empty: unknown.
     callsign: [u8; CALLSIGN],
     numbers: [f64; N],
 }
 
 /// `koseki_detection` of the header.
-pub type KosekiDetection = Stated<22>;
+pub type KosekiDetection = Stated<22, ()>;
 /// `koseki_track_report` of the header.
-pub type KosekiTrackReport = Stated<15>;
+pub type KosekiTrackReport = Stated<15, i64>;
 const _: () = assert!(Detection::NUMBERS.len() == 22 && TrackReport::NUMBERS.len() == 15);
 
-impl<const N: usize> Stated<N> {
+impl<const N: usize, S: StateCode> Stated<N, S> {
     const UNKNOWN: Self = Self {
         size: size_of::<Self>(),
         time_ns: 0,
         ordinal: -1,
-        state: -1,
+        state: S::UNKNOWN,
         address: 0,
         mmsi: 0,
-        reserved: 0,
         callsign: [0; CALLSIGN],
         numbers: [f64::NAN; N],
     };
@@ -112,13 +125,13 @@ fn report(stated: &KosekiTrackReport) -> Result<TrackReport, Fault> {
 ///
 /// # Safety
 /// `place` is null or has `size` bytes that can be written to.
-unsafe fn begin<const N: usize>(place: *mut Stated<N>, size: usize) {
+unsafe fn begin<const N: usize, S: StateCode>(place: *mut Stated<N, S>, size: usize) {
     if place.is_null() || size < size_of::<usize>() {
         return;
     }
     // SAFETY: guaranteed by the caller, as stated above.
     unsafe {
-        if size == size_of::<Stated<N>>() {
+        if size == size_of::<Stated<N, S>>() {
             place.write(Stated::UNKNOWN);
         } else {
             // Of another header: sending refuses it by its size.
@@ -132,11 +145,11 @@ unsafe fn begin<const N: usize>(place: *mut Stated<N>, size: usize) {
 ///
 /// # Safety
 /// `publisher` is null or an open handle, used by one thread at a time; `stated` is null or has `count` structs.
-unsafe fn send<const N: usize, O>(
+unsafe fn send<const N: usize, S, O>(
     publisher: *mut KosekiPublisher,
-    stated: *const Stated<N>,
+    stated: *const Stated<N, S>,
     count: usize,
-    convert: fn(&Stated<N>) -> Result<O, Fault>,
+    convert: fn(&Stated<N, S>) -> Result<O, Fault>,
     send: fn(&mut dyn AnyPublisher, &[O]) -> Result<(), Error>,
 ) -> c_int {
     // SAFETY: guaranteed by the caller, as stated above.
@@ -148,11 +161,11 @@ unsafe fn send<const N: usize, O>(
     }
     // SAFETY: the first member of the first struct, of which there is one.
     let size = unsafe { stated.cast::<usize>().read() };
-    if size != size_of::<Stated<N>>() {
+    if size != size_of::<Stated<N, S>>() {
         let text = format!(
             "the observation has {size} bytes, and {} in this library: make it with the functions of koseki.h, and \
              compile with the library's own koseki.h",
-            size_of::<Stated<N>>()
+            size_of::<Stated<N, S>>()
         );
         return failed(ErrorKind::Schema, text);
     }
