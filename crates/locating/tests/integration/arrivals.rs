@@ -465,6 +465,76 @@ fn clocks_are_estimated_from_a_reference_emitter() {
     }
 }
 
+/// Distance of the last fix from the truth, metres, by clocks that are estimated for three minutes; infinite without a
+/// fix.
+fn error_with_clocks_m(seed: u64, set: fn(&mut locating::settings::ArrivalSettings)) -> f64 {
+    let (reference, place) = ([2e3, -1e3], [3e3, -6e3]);
+    let mut network = Network::new(&CORNERS, seed).with_clocks();
+    let mut settings = Settings::default();
+    settings.arrivals.clocks = locating::settings::ClockChoice::Estimated;
+    set(&mut settings.arrivals);
+    settings.motion.filter = FilterChoice::Fixed;
+    let mut locator = Locator::new(settings).unwrap();
+    let mut report = None;
+    for second in 0..180 {
+        let time_s = f64::from(second);
+        let rows = network.times(REFERENCE, time_s, reference);
+        last(&mut locator, rows);
+        if second >= 150 {
+            let rows = network.times(EMITTER, time_s + 0.5, place);
+            report = last(&mut locator, rows).or(report);
+        }
+    }
+    report.map_or(f64::INFINITY, |report| {
+        distance([report.raw.position_m[0], report.raw.position_m[1]], place)
+    })
+}
+
+#[test]
+fn a_drift_is_followed_as_far_as_its_keys_permit() {
+    let error_m = |set: fn(&mut locating::settings::ArrivalSettings)| {
+        let errors = (1..=10).map(|seed| error_with_clocks_m(seed, set));
+        errors.sum::<f64>() / 10.0
+    };
+    // Drifts of 1e-7 are unknown to clocks that are said to have none.
+    let free_m = error_m(|_| {});
+    let held_m = error_m(|arrivals| arrivals.drift_sigma = 1e-13);
+    assert!(free_m < 10.0 && held_m > 5.0 * free_m, "{free_m} {held_m}");
+    // Clocks that are said to wander are averaged over a shorter time.
+    let wandering_m = error_m(|arrivals| arrivals.drift_noise_per_root_s = 1e-7);
+    assert!(wandering_m > 2.0 * free_m, "{wandering_m} {free_m}");
+}
+
+#[test]
+fn waves_propagate_as_fast_as_their_key_states() {
+    let place = [3e3, -6e3];
+    let error_m = |propagation_mps: f64| {
+        let mut settings = Settings::default();
+        settings.arrivals.propagation_mps = propagation_mps;
+        settings.arrivals.together_max_s = 10.0;
+        settings.motion.filter = FilterChoice::Fixed;
+        let mut network = Network::new(&CORNERS, 3);
+        let slower = |mut arrival: Arrival| {
+            let begun_s = arrival.time_of_measurement_ns as f64 / S as f64;
+            if let ArrivalTime::At { t_s, .. } = &mut arrival.time {
+                *t_s = begun_s + 1.25 * (*t_s - begun_s);
+            }
+            arrival.sigma_s *= 1.25;
+            arrival
+        };
+        let rows: Vec<_> = (0..10)
+            .flat_map(|k| network.times(EMITTER, 60.0 * f64::from(k), place))
+            .map(slower)
+            .collect();
+        let report = last(&mut Locator::new(settings).unwrap(), rows);
+        report.map_or(f64::INFINITY, |report| {
+            distance([report.raw.position_m[0], report.raw.position_m[1]], place)
+        })
+    };
+    let (true_m, false_m) = (error_m(C / 1.25), error_m(C));
+    assert!(true_m < 30.0 && false_m > 300.0, "{true_m} {false_m}");
+}
+
 #[test]
 fn a_moving_emitter_is_followed() {
     for (velocity, motion) in [([25.0, -10.0], MotionModel::Straight), ([0.0, 0.0], MotionModel::Fixed)] {
