@@ -718,6 +718,9 @@ fn states_that_are_off_the_clock_are_told() {
         states(&mut site, -7_500),
         ["The newest system tracks are -8.0 s off this machine's clock."]
     );
+    let mut lenient = Site::new(&["monitor.alarms.data_off_s=8"]);
+    assert_eq!(states(&mut lenient, 7_800), none);
+    assert_eq!(states(&mut lenient, 8_800).len(), 1);
 }
 
 #[test]
