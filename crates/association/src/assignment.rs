@@ -1,24 +1,24 @@
-//! Association of a scan's reports with tracks, decided for all of them together (BF-2).
+//! Association of all reports of a scan together with tracks (BF-2).
 //!
-//! The obvious way gives each report the nearest track. It fails where targets keep company. Two aircraft fly 300 m
-//! apart, and a sensor shows both 200 m too far along: the report of the rear one lies 100 m from the track of the
-//! front one, and takes it. The front report finds its track taken, and the rear track is left without a report.
-//! Decided together the matter is plain: both reports are off by 200 m, which is more likely than that one is off by
-//! 100 m and the other belongs to a new target. (Of a hundred aircraft in line it would be less likely: a common shift
-//! must be taken out beforehand, not here.)
+//! The obvious method gives each report the nearest track, and fails for targets close together. Two aircraft fly 300
+//! m apart, and a sensor shows both 200 m too far along: the report of the rear aircraft lies 100 m from the track of
+//! the front aircraft, and takes it. The front report finds its track taken, and the rear track is left without a
+//! report. Decided together the matter is plain: both reports are off by 200 m, which is more likely than a single
+//! report off by 100 m and a new target. (Of a hundred aircraft in line it would be less likely: a common shift must
+//! be taken out beforehand, not here.)
 //!
 //! Each row (report) gets at most one column (track), and each column at most one row. The minimised sum consists of
-//! the costs of the chosen pairs and a fixed cost for each unassigned row. Costs are statistical distances or
-//! negative logarithms of likelihoods, and may be negative.
+//! the costs of the chosen pairs and a fixed cost for each unassigned row. Costs are statistical distances or negative
+//! logarithms of likelihoods, and may be negative.
 //!
 //! Rows that share no column, not even through others, do not concern each other. A union-find structure splits the
 //! scan into such components, which away from crowds have one or two rows. Within a component the method is that of
-//! shortest augmenting paths ([`crate::augmenting`]), where being alone is a choice of the row's own.
+//! shortest augmenting paths ([`crate::augmenting`]), where being alone is an own choice of the row.
 //!
 //! Limits: time must be bounded, and the worst case of an exact solution grows with the cube of the crowd. Crowds of
-//! real targets are far from this case, because nearly every chain is short. The steps of a component are counted;
-//! if they exceed [`STEPS_PER_PAIR_MAX`] per pair, the component is decided greedily, the cheapest pair first, and
-//! counted. So time grows with the number of pairs (and its logarithm, for sorting) in all cases. Among solutions of
+//! real targets are far from this case, because nearly every chain is short. The steps of a component are counted.
+//! Above [`STEPS_PER_PAIR_MAX`] steps per pair, the component is decided greedily, the cheapest pair first, and
+//! counted. Thus time grows with the number of pairs (and its logarithm, for sorting) in all cases. Among solutions of
 //! equal sum the labels decide, never the order of the pairs: the same scan always has the same result.
 
 use std::ops::Range;
@@ -26,11 +26,11 @@ use std::ops::Range;
 use crate::augmenting::{AugmentingPaths, Choice, NONE, Problem, StopReason};
 use crate::components::{join, representative};
 
-/// Most steps of an exact solution, for each pair of the component: looks at a pair or a column.
+/// Most steps of an exact solution, for each pair of the component: accesses to a pair or a column.
 ///
-/// Components of up to 20 rows never need more, nor do 250 rows of which each may have each of 250 columns. Of 2500
-/// vehicles, 30 m apart and seen with 30 m of noise, all in one component, each pair needs 15; of the hardest crowd
-/// measured (20 m apart, every eighth without a track) 158.
+/// Components of up to 20 rows never need more, nor do 250 rows with 250 possible columns each. Of 2500 vehicles, 30 m
+/// apart and seen with 30 m of noise, all in one component, each pair needs 15; of the hardest crowd measured (20 m
+/// apart, every eighth without a track) 158.
 pub const STEPS_PER_PAIR_MAX: usize = 300;
 
 /// A row and a column that may be put together.
@@ -47,11 +47,11 @@ pub struct Pair {
 /// Summary of a solution.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Outcome {
-    /// Pairs that were chosen.
+    /// Number of chosen pairs.
     pub assigned: usize,
-    /// Components decided greedily because the exact solution would have taken too long.
+    /// Components decided greedily because of the step limit of the exact solution.
     pub greedy_components: usize,
-    /// Pairs that were not considered: their labels are out of range, or there was no room for them.
+    /// Pairs ignored because of labels out of range, or for lack of room.
     pub ignored_pairs: usize,
 }
 
@@ -61,12 +61,12 @@ pub struct Assignment {
     pairs_max: usize,
     /// Admissible pairs, sorted by component, row and column.
     pairs: Vec<Pair>,
-    /// By row, then by column: a member of the same component with a smaller place, or itself.
+    /// By row, then by column: a member of the same component with a smaller place, or the row or column itself.
     parent: Vec<u32>,
     /// By row: places of its pairs in the sorted list.
     rows: Vec<Range<u32>>,
     columns_max: usize,
-    /// Rows that have pairs, sorted by component and label.
+    /// Rows with pairs, sorted by component and label.
     order: Vec<u32>,
     paths: AugmentingPaths,
 }
@@ -79,7 +79,7 @@ struct Sparse<'a> {
 }
 
 impl Problem for Sparse<'_> {
-    /// A pair that costs no more than leaving its row alone is admissible.
+    /// A pair with at most the cost of leaving its row alone is admissible.
     const OWN_FIRST: bool = false;
 
     fn show_choices(&self, row: u32, mut each: impl FnMut(u32, u32, f64)) {
@@ -118,9 +118,10 @@ impl Assignment {
     /// `unassigned_cost` for each row left alone is smallest. Calls `chosen(row, column, cost)` in ascending order of
     /// rows.
     ///
-    /// A pair that costs more than leaving its row alone, or no finite number, is never chosen; nor is any if
+    /// A pair with more cost than leaving its row alone, or without a finite cost, is never chosen; nor is any if
     /// `unassigned_cost` is not finite. Of pairs of the same row and column the cheapest counts. If there are more
-    /// admissible pairs than there is room for, the later ones are ignored: only then does their order matter.
+    /// admissible pairs than there is room for, the later pairs are ignored: only then does the order of the pairs
+    /// matter.
     pub fn solve(&mut self, pairs: &[Pair], unassigned_cost: f64, mut chosen: impl FnMut(u32, u32, f64)) -> Outcome {
         let mut outcome = Outcome {
             ignored_pairs: self.admit(pairs, unassigned_cost),
@@ -149,7 +150,7 @@ impl Assignment {
         outcome
     }
 
-    /// Takes over the admissible pairs. Returns how many were ignored.
+    /// Takes over the admissible pairs. Returns the number of ignored pairs.
     fn admit(&mut self, pairs: &[Pair], unassigned_cost: f64) -> usize {
         self.pairs.clear();
         let mut ignored = 0;
@@ -181,7 +182,7 @@ impl Assignment {
         }
     }
 
-    /// Sorts the pairs and notes where each row's are.
+    /// Sorts the pairs and notes the range of each row's pairs.
     fn index(&mut self) {
         let parent = &self.parent;
         self.pairs.sort_unstable_by(|one, other| {
@@ -216,7 +217,7 @@ impl Assignment {
         self.rows[first as usize].start..self.rows[last as usize].end
     }
 
-    /// Brings in the rows at `begin..end` of the order, in a number of steps that depends on the number of their pairs.
+    /// Brings in the rows at `begin..end` of the order, with a step limit that depends on the number of their pairs.
     fn choose_exactly(&mut self, begin: usize, end: usize, unassigned_cost: f64) -> Result<(), StopReason> {
         let mut steps_left = STEPS_PER_PAIR_MAX * self.places(begin, end).len();
         let sparse = Sparse {
@@ -267,14 +268,14 @@ mod tests {
         (chosen, outcome)
     }
 
-    /// Chosen pairs of a problem that has no more than eight rows and columns.
+    /// Chosen pairs of a problem with at most eight rows and columns.
     fn solution(listed: &[(u32, u32, f64)], unassigned_cost: f64) -> Vec<(u32, u32, f64)> {
         let (chosen, outcome) = solve(&mut Assignment::new(8, 8, 64), &pairs(listed), unassigned_cost);
         assert_eq!((outcome.greedy_components, outcome.ignored_pairs), (0, 0));
         chosen
     }
 
-    /// The smallest sum that `rows` rows from `row` on can come to, by trying everything.
+    /// The smallest possible sum for `rows` rows from `row` on, by trying everything.
     fn smallest(pairs: &[Pair], unassigned_cost: f64, row: u32, rows: u32, taken: &mut Vec<u32>) -> f64 {
         if row == rows {
             return 0.0;
@@ -335,8 +336,8 @@ mod tests {
         }
     }
 
-    /// A line of `length` rows that may each have their own column or the next, and half as many late rows that want
-    /// the first column: each of these looks through all of the line, in vain.
+    /// A line of `length` rows, each with its own column or the next, and half as many late rows with the first
+    /// column: the search of each late row covers all of the line, in vain.
     fn hard(length: u32) -> Vec<Pair> {
         let own = (0..length).map(|row| (row, row, 0.0));
         let next = (1..length).map(|column| (column - 1, column, 0.0));
@@ -359,7 +360,7 @@ mod tests {
 
     #[test]
     fn components_are_decided_apart() {
-        // A hard component from row and column 1 on, and two rows, before and after it, that compete for column 0.
+        // A hard component from row and column 1 on, and two rows, before and after it, in competition for column 0.
         let moved = |pair: Pair| Pair {
             row: pair.row + 1,
             column: pair.column + 1,
@@ -461,7 +462,7 @@ mod tests {
     proptest! {
         #[test]
         fn no_other_choice_costs_less(problems in prop::collection::vec((problem(7, 24), -1.0..8.0f64), 1..4)) {
-            // The same memory for all: one problem must leave nothing behind for the next.
+            // The same memory for all: a problem must leave nothing behind for the next.
             let mut memory = Assignment::new(7, 7, 24);
             for ((rows, _, pairs), unassigned_cost) in problems {
                 let (chosen, outcome) = solve(&mut memory, &pairs, unassigned_cost);

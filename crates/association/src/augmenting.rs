@@ -1,11 +1,11 @@
 //! Shortest augmenting paths: the solver of every assignment problem.
 //!
-//! Rows are added one by one. A row may displace the holder of a column to another column, whose holder moves to yet
-//! another, and so on, until the chain ends at a free column, or at a row with a choice of its own that bars no
+//! Rows are added in turn. A row may displace the holder of a column to another column, the holder of that column
+//! moves to yet another, and so on, until the chain ends at a free column, or at a row with an own choice that bars no
 //! other row. Dijkstra's search finds the cheapest such chain. Prices on the columns keep the results of earlier
 //! searches, so that no step of a chain but the first has a negative cost and the result is exact.
 //!
-//! The search visits only the choices of a row. So the cost grows with the crowding, and hardly with the number of
+//! The search visits only the choices of a row. Thus the cost grows with the crowding, and hardly with the number of
 //! columns. The worst case grows with the cube of the crowd, so callers with a time bound pass a maximum of steps.
 //! Among columns reached at the same cost the lowest number comes first.
 //!
@@ -20,19 +20,19 @@ pub const NONE: u32 = u32::MAX;
 /// Choice of a row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Choice {
-    /// Row that has the choice.
+    /// Row of the choice.
     pub row: u32,
     /// Column of the choice; [`NONE`] for the row's own choice.
     pub column: u32,
-    /// Cost, a finite number; it may be negative.
+    /// Cost, a finite number, possibly negative.
     pub cost: f64,
 }
 
-/// A sparse assignment problem: each row takes one of its choices, no column is taken twice, and the sum of the costs
-/// is smallest.
+/// A sparse assignment problem: each row takes a choice, no column is taken twice, and the sum of the costs is
+/// smallest.
 pub trait Problem {
-    /// Tie rule for two chains of the same cost: the one that ends at a row's own choice is made (`true`), or at a
-    /// column (`false`).
+    /// Tie rule for two chains of the same cost: the chain that ends at a row's own choice is made (`true`), or the
+    /// chain that ends at a column (`false`).
     const OWN_FIRST: bool;
 
     /// Shows `each` every choice of a row, as label, column (or [`NONE`]) and cost.
@@ -45,22 +45,22 @@ pub trait Problem {
 /// Reason why a row could not be brought in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StopReason {
-    /// Every change leaves some row without a choice.
+    /// Every change leaves a row without a choice.
     NoChoice,
-    /// The search takes more steps than were left.
+    /// The search takes more steps than permitted.
     NoSteps,
 }
 
-/// Choices made so far, prices, and the working memory of one search.
+/// Choices made so far, prices, and the working memory of a search.
 #[derive(Clone, Debug)]
 pub struct AugmentingPaths {
     columns: Vec<ColumnState>,
-    /// By row: label of the choice that it has taken, or [`NONE`].
+    /// By row: label of the taken choice, or [`NONE`].
     held: Vec<u32>,
-    /// Columns that the search has reached and may still reach more cheaply, with the costs of the chains to them, as
-    /// [`ordered`]: side by side, since all of them are looked at time and again.
+    /// Columns reached by the search that may still be reached more cheaply, with the costs of the chains to these
+    /// columns, as [`ordered`]: side by side, because of the repeated access to all of them.
     frontier: Vec<(i64, u32)>,
-    /// Columns that the search has passed.
+    /// Columns passed by the search.
     passed: Vec<u32>,
 }
 
@@ -96,7 +96,7 @@ impl ColumnState {
     }
 }
 
-/// Number of the same order as a cost, that of [`f64::total_cmp`].
+/// Number with the same order as a cost under [`f64::total_cmp`].
 #[inline]
 fn ordered(cost: f64) -> i64 {
     let bits = cost.to_bits() as i64;
@@ -145,13 +145,13 @@ impl AugmentingPaths {
         self.columns[column as usize].passed = true;
     }
 
-    /// Label of the choice that a row has taken; [`NONE`] before it is brought in.
+    /// Label of the choice taken by a row; [`NONE`] before the row is brought in.
     #[inline]
     pub fn held(&self, row: u32) -> u32 {
         self.held[row as usize]
     }
 
-    /// Lets a row take a choice for good, if neither the row nor the column is taken.
+    /// Gives a row a final choice, if neither the row nor the column is taken.
     pub fn take_free(&mut self, label: u32, choice: Choice) {
         let (held, column) = (
             &mut self.held[choice.row as usize],
@@ -162,11 +162,11 @@ impl AugmentingPaths {
         }
     }
 
-    /// Makes the cheapest chain of changes by which `start` gets a choice, and takes off `steps_left` how many choices
-    /// and columns were looked at.
+    /// Makes the cheapest chain of changes that gives `start` a choice, and subtracts the number of visited choices
+    /// and columns from `steps_left`.
     ///
     /// # Errors
-    /// [`StopReason`], if there is no such chain, or finding it takes more than `steps_left`.
+    /// [`StopReason`], if there is no such chain, or the search takes more than `steps_left`.
     #[inline]
     pub fn bring_in<P: Problem>(&mut self, problem: &P, start: u32, steps_left: &mut usize) -> Result<(), StopReason> {
         let (end, end_cost) = self.cheapest_chain(problem, start, steps_left)?;
@@ -184,7 +184,7 @@ impl AugmentingPaths {
         Ok(())
     }
 
-    /// Lets a row take another choice, and returns the column that it gives up.
+    /// Gives a row another choice, and returns the released column.
     #[inline]
     fn exchange(&mut self, problem: &impl Problem, row: u32, label: u32) -> u32 {
         let held = std::mem::replace(&mut self.held[row as usize], label);
@@ -195,8 +195,7 @@ impl AugmentingPaths {
         }
     }
 
-    /// Dijkstra's search from `start` over columns and the rows that hold them: the end of the cheapest chain and its
-    /// cost.
+    /// Dijkstra's search from `start` over columns and their holders: the end of the cheapest chain and its cost.
     #[inline]
     fn cheapest_chain<P: Problem>(
         &mut self,
@@ -258,15 +257,15 @@ impl AugmentingPaths {
         }
     }
 
-    /// Place in the frontier of the column that is reached most cheaply; of equal ones, the one of the lowest number.
+    /// Place in the frontier of the column reached most cheaply; among equal columns, the lowest number.
     #[inline]
     fn nearest(&self) -> Option<usize> {
         let nearest = self.frontier.iter().enumerate().min_by_key(|(_, column)| **column);
         nearest.map(|(place, _)| place)
     }
 
-    /// Raises the price of each column passed by as much as it was reached more cheaply than the end, and forgets the
-    /// search.
+    /// Raises the price of each passed column by the difference between the costs of the end and of the column, and
+    /// clears the search.
     #[inline]
     fn close_search(&mut self, end_cost: f64) {
         for &number in &self.passed {
@@ -286,7 +285,8 @@ impl AugmentingPaths {
 mod tests {
     use super::*;
 
-    /// Choices (row, column, cost); of two chains of the same cost, those that end at a row's own go first.
+    /// Choices (row, column, cost); of two chains of the same cost, the chain that ends at a row's own choice goes
+    /// first.
     struct Listed(Vec<Choice>);
 
     impl Problem for Listed {
@@ -345,7 +345,7 @@ mod tests {
 
     #[test]
     fn a_search_ends_when_its_steps_do() {
-        // Row 1 visits its choice and the column reached, then the choices of the row that holds the column.
+        // Row 1 visits its choice and the column reached, then the choices of the holder of the column.
         let chain = listed(&[(0, 0, 1.0), (0, 1, 2.0), (1, 0, 1.0)]);
         let needed = 4 + 2 + 3;
         assert!(bring_in(&mut AugmentingPaths::new(2, 2), &chain, 2, needed).is_ok());

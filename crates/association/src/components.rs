@@ -1,9 +1,9 @@
 //! Connected components of pairs, found by a union-find structure over numbers.
 //!
-//! Each member points to another member of its component, or to itself; a member that points to itself represents
-//! the component. Components are joined by their smallest members, so that the result does not depend on the order.
+//! Each member points to another member of its component, or to itself; a member that points to itself represents the
+//! component. Components are joined by the smallest members, so that the result does not depend on the order.
 
-/// The member that represents the component of `member`; shortens the way there for the next time.
+/// The member that represents the component of `member`; shortens the path there for the next time.
 pub fn representative(parents: &mut [u32], mut member: u32) -> u32 {
     while parents[member as usize] != member {
         let above = parents[parents[member as usize] as usize];

@@ -1,9 +1,9 @@
 //! Statistical distance, the quantity compared with a gate.
 //!
-//! 50 m apart is much for two accurate sensors and nothing for two coarse ones. The statistical (Mahalanobis)
+//! 50 m apart is much for two accurate sensors and nothing for two coarse sensors. The statistical (Mahalanobis)
 //! distance measures a difference in units of its own standard deviation: d² = Δᵀ S⁻¹ Δ with S the covariance of the
-//! difference. If report and track are of one target, d² follows a chi-square distribution with as many degrees of
-//! freedom as Δ has components, so one gate serves all sensors.
+//! difference. If report and track are of the same target, d² follows a chi-square distribution with as many degrees
+//! of freedom as Δ has components, so one gate serves all sensors.
 
 /// Symmetric 2×2 matrix: (xx, xy, yy).
 pub type Symmetric2 = [f64; 3];
@@ -20,14 +20,14 @@ pub fn squared2(delta: [f64; 2], s: Symmetric2) -> f64 {
     (yy * dx * dx - 2.0 * xy * dx * dy + xx * dy * dy) / determinant
 }
 
-/// Largest standard deviation of `s` in any direction: the root of its larger eigenvalue.
+/// Largest standard deviation of `s` in any direction: the root of the larger eigenvalue.
 pub fn largest_sigma2(s: Symmetric2) -> f64 {
     let [xx, xy, yy] = s;
     let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
     (mean + half.hypot(xy)).max(0.0).sqrt()
 }
 
-/// The value that chi-square with two degrees of freedom exceeds with probability `tail` (its inverse is elementary).
+/// Value exceeded by chi-square with two degrees of freedom with probability `tail` (the inverse is elementary).
 pub fn gate2(tail: f64) -> f64 {
     -2.0 * tail.ln()
 }

@@ -1,9 +1,9 @@
 //! Neighbourhood search in a plane, without allocation.
 //!
-//! The plane is cut into square cells; each cell has a doubly linked list of its items, and a hash table of fixed
-//! size finds the cells. Items are small integers (table slots), so the lists are arrays. Moving an item costs a few
-//! writes, and only when the item has left its cell; a search visits the cells that its square touches. Several
-//! cells may share a table entry: the stored cell distinguishes their items.
+//! The plane is cut into square cells; each cell has a doubly linked list of its items, and a hash table of fixed size
+//! finds the cells. Items are small integers (table slots), so the lists are arrays. A move of an item costs a few
+//! writes, and only when the item has left its cell; a search visits the cells touched by its square. Several cells
+//! may share a table entry: the stored cell distinguishes their items.
 
 use serde::{Deserialize, Serialize};
 
@@ -20,9 +20,8 @@ struct CellLink {
     present: bool,
 }
 
-/// Returns the largest whole number that is not above `value`, as an index of cells. Far-away places share the
-/// outermost cells instead of wrapping round. `f64::floor` is a call where the processor need not have an instruction
-/// for it.
+/// Returns the largest whole number not above `value`, as an index of cells. Far-away places share the outermost cells
+/// instead of wrapping round. `f64::floor` is a call if the processor need not have an instruction for the operation.
 #[inline]
 pub fn floor(value: f64) -> i32 {
     let whole = value as i32;
@@ -57,7 +56,7 @@ impl Grid {
         }
     }
 
-    /// Puts `item` at (x, y), metres, or moves it there.
+    /// Puts or moves `item` to (x, y), metres.
     pub fn place(&mut self, item: u32, x: f64, y: f64) {
         let cell = self.cell(x, y);
         let link = self.links[item as usize];
@@ -99,10 +98,10 @@ impl Grid {
         self.links[item as usize].present = false;
     }
 
-    /// Calls `visit` for every item in a cell that the square of half-width `reach_m` around (x, y) touches.
+    /// Calls `visit` for every item in a cell touched by the square of half-width `reach_m` around (x, y).
     ///
-    /// The order depends on the history of placements, so callers must choose by value, not by order. At most
-    /// `cells_max` cells are searched: a reach beyond that is cut, so that one absurd accuracy cannot stall the rest.
+    /// The order depends on the history of placements, so callers must choose by value, not by order. The square is at
+    /// most `cells_max` cells wide: a larger reach is cut, so that an absurd accuracy cannot stall the rest.
     pub fn near(&self, x: f64, y: f64, reach_m: f64, cells_max: i32, mut visit: impl FnMut(u32)) {
         let reach_m = reach_m.min(0.5 * f64::from(cells_max) * self.cell_m);
         let (low, high) = (self.cell(x - reach_m, y - reach_m), self.cell(x + reach_m, y + reach_m));

@@ -1,20 +1,20 @@
 //! The engine: processes one report at a time and hands out the states of the system tracks that change.
 //!
-//! A report passes six steps, each with a folder of its own but the second:
+//! A report passes six steps, each but the second with a separate folder:
 //!
-//! 1. *Admit*: the report is checked and completed ([`inlet`]). Time passes up to it, and the known errors of its
-//!    source's clock and frame are taken off. A late report takes its own way from here (`update::late`).
-//! 2. *Measure*: the measurement behind the report is found, freed of its source's biases, and stored with its sensor
-//!    track ([`Sources`] knows how).
+//! 1. *Admit*: the report is checked and completed ([`inlet`]). Time passes up to the report, and the known errors of
+//!    the source's clock and frame are taken off. A late report takes a separate path from here (`update::late`).
+//! 2. *Measure*: the measurement behind the report is found and freed of the source's biases (by [`Sources`]), and
+//!    stored with the sensor track.
 //! 3. *Associate*: [`Linking`] and [`Scans`] find the system track that the sensor track belongs to
 //!    (`association_step` holds the gates). A report that the others contradict goes no further (`admit::admitting`).
 //! 4. *Update*: the filter of the system track takes the measurement (`update::filtering`), about the point of the
-//!    target that its source sees (`reference_point`).
+//!    target seen by the source (`reference_point`).
 //! 5. *Judge*: [`Life`] confirms, coasts, suspends and ends system tracks.
 //! 6. *Publish*: [`TrackPublisher`] weighs the contributions and hands out the state.
 //!
-//! The engine learns nothing of the sources. What a report shows of its source is a [`Fact`], handed to
-//! [`Sources::learn`] where it arises. Evidence of one target stays in the tables of [`Tracks`].
+//! The engine learns nothing of the sources. The evidence of a report on the source is a [`Fact`], handed to
+//! [`Sources::learn`] at its origin. Evidence of one target stays in the tables of [`Tracks`].
 
 use messages::{Counter, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 use settings::SettingsError;
@@ -69,7 +69,7 @@ impl Engine {
         settings.check()?;
         let capacity = settings.capacity;
         let sources = settings.sources.len();
-        // A rule that takes its state from the filter needs neither history nor memory.
+        // A rule based on the filter's state needs neither history nor memory.
         let rule = rules::entry(settings.rule.name.0);
         let mut settings = settings;
         let remembers = !rule.is_from_filter() || settings.accuracy_values();
@@ -126,7 +126,7 @@ impl Engine {
         self.schedule.now_ns()
     }
 
-    /// Returns what is known of the sources.
+    /// Returns the models of the sources.
     pub fn sources(&self) -> &Sources {
         &self.tracks.sources
     }
@@ -148,9 +148,9 @@ impl Engine {
         self.tracks.sources.set_clock(&self.settings.sources, source, offset_s);
     }
 
-    /// Advances the engine's time to `now_ns`; no report measured earlier may follow. System tracks whose
-    /// contributions are too old coast, then terminate; each change is handed to `sink`. If a refresh time is set,
-    /// the state of every system track is also handed out at each whole multiple of it.
+    /// Advances the engine's time to `now_ns`; no report measured earlier may follow. System tracks with too old
+    /// contributions coast, then terminate; each change is handed to `sink`. If a refresh time is set, the state of
+    /// every system track is also handed out at each whole multiple of it.
     ///
     /// All events take place at times that reports have set, in the order of these times. The number and size of the
     /// steps therefore does not change the result.
@@ -241,8 +241,8 @@ impl Engine {
             self.learn_lateness(report, now_ns);
         }
         if report.state == TrackState::Coasted as u8 {
-            // An extrapolated report contains no observation. Its extrapolation agrees perfectly with itself, so a
-            // score as observation would favour it. It therefore counts as a missing report (TI-4).
+            // An extrapolated report contains no observation. An extrapolation agrees perfectly with itself, so a score
+            // as observation would favour the report. The report therefore counts as missing (TI-4).
             self.outbox.counts.add(report.source, Counter::RejectedExtrapolated);
             self.miss(report, sink);
             return;
@@ -297,8 +297,8 @@ impl Engine {
         None
     }
 
-    /// Stores a report, free of its source's known errors, as the latest of its sensor track. Returns the sensor
-    /// track and the new measurement in the report; `None` if the report is out of order or the table is full.
+    /// Stores a report, free of the source's known errors, as the latest of its sensor track. Returns the sensor track
+    /// and the new measurement in the report; `None` if the report is out of order or the table is full.
     fn store(
         &mut self,
         report: &SensorTrack,
@@ -348,8 +348,8 @@ impl Engine {
         Some((sensor, content.measurement))
     }
 
-    /// Returns the entry of the report's sensor track and the seconds since its latest report; `Some(None)` if there
-    /// is no entry yet; `None` if the report is older.
+    /// Returns the entry of the report's sensor track and the seconds since the latest report; `Some(None)` if there is
+    /// no entry yet; `None` if the report is older.
     fn earlier(&mut self, report: &SensorTrack, known: Option<SensorSlot>) -> Option<Option<(SensorSlot, f64)>> {
         let time_ns = report.time_of_measurement_ns;
         if known.is_none() && self.is_outdated(report) {
@@ -400,7 +400,7 @@ impl Engine {
             }),
         );
         let system = self.tracks.sensors.get(sensor).system;
-        // The gaps of a slow target are its own.
+        // The gaps of a slow target are no property of the source.
         if system == NO_SYSTEM || !self.tracks.systems.get(system).rhythm.is_slow() {
             self.tracks.sources.learn(
                 &self.settings,
@@ -413,8 +413,8 @@ impl Engine {
         Some(Some((sensor, age_ns as f64 / NS_PER_S)))
     }
 
-    /// Returns whether a report is older than a track without further reports becomes. Brought to the present, it would
-    /// fit any target.
+    /// Returns whether a report is older than the lifetime of a track without further reports. Extrapolated to the
+    /// present, such a report would fit any target.
     #[inline]
     fn is_outdated(&self, report: &SensorTrack) -> bool {
         let sources = &self.tracks.sources;
@@ -488,8 +488,8 @@ impl Engine {
         }
     }
 
-    /// Excludes a sensor track that other sources contradict from the estimate. Its reports are still compared with
-    /// theirs.
+    /// Excludes a sensor track contradicted by other sources from the estimate. The reports are still compared with the
+    /// reports of the other sources.
     #[cold]
     fn set_aside(&mut self, sensor: SensorSlot, measurement: Option<&Measurement>) {
         let entry = self.tracks.sensors.get_mut(sensor);
@@ -502,7 +502,7 @@ impl Engine {
         self.compare(sensor, measurement);
     }
 
-    /// Lets the models learn from a measurement that is not used since others contradict it.
+    /// Lets the models learn from an unused measurement, contradicted by other sources.
     fn learn_of_contradiction(&mut self, sensor: SensorSlot, measurement: &Measurement) {
         let entry = self.tracks.sensors.get(sensor);
         let target = self.tracks.systems.get(entry.system);
@@ -526,8 +526,8 @@ impl Engine {
         );
     }
 
-    /// Updates the system track of a primary sensor track whose `report` has just been stored; `measurement` is the
-    /// new information in the report.
+    /// Updates the system track of a primary sensor track after its `report` has been stored; `measurement` is the new
+    /// information in the report.
     pub(crate) fn update(
         &mut self,
         sensor: SensorSlot,
@@ -641,7 +641,7 @@ impl Engine {
         }
     }
 
-    /// Drops a sensor track that its source has terminated.
+    /// Drops a sensor track terminated by the source.
     #[cold]
     fn end_sensor_track(&mut self, sensor: SensorSlot, now_ns: i64, sink: &mut impl Sink) {
         let system = self.tracks.sensors.get(sensor).system;

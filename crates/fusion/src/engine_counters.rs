@@ -18,7 +18,7 @@ impl EngineCounters {
         }
     }
 
-    /// One more of `counter`, for the whole and, if it exists, for `source`.
+    /// Increments `counter`, for the whole and, if present, for `source`.
     pub fn add(&mut self, source: u16, counter: Counter) {
         self.total[counter] += 1;
         if let Some(counters) = self.sources.get_mut(usize::from(source)) {
@@ -31,12 +31,12 @@ impl EngineCounters {
         &self.total
     }
 
-    /// Counters of one source, indexed by [`Counter`].
+    /// Counters of a source, indexed by [`Counter`].
     pub fn source(&self, source: u16) -> Option<&Counters> {
         self.sources.get(usize::from(source))
     }
 
-    /// One counter of the whole.
+    /// A counter of the whole.
     pub fn get(&self, counter: Counter) -> u64 {
         self.total[counter]
     }

@@ -1,19 +1,19 @@
 //! Fusion: many sensors' tracks in, one system track per target out.
 //!
-//! A sensor track arrives; [`Engine::take`] finds the system track it belongs to (or starts one), stores the report
-//! in that source's history, asks the rule how much each source counts, combines them at the reference time, and hands
-//! the new state of the system track to the caller. [`Engine::advance`] lets time pass: tracks without reports coast
-//! and end.
+//! [`Engine::take`] finds the system track of an arriving sensor track, or starts a new system track, and stores the
+//! report in the source's history. The rule gives the weight of each source; the engine combines the sources at the
+//! reference time, and hands the new state of the system track to the caller. [`Engine::advance`] lets time pass:
+//! tracks without reports coast and end.
 //!
-//! What a source says of the time is a claim. Live, [`Engine::take_at`] is told when a report came, and time passes by
-//! that alone; in order of time, it passes to where all sources have got.
+//! The time in a report is a claim of the source. Live, [`Engine::take_at`] receives the time of arrival, and time
+//! passes by that time alone. In order of time, time passes up to the point reached by all sources.
 //!
 //! A [`Driver`] makes these calls, and writes the [event log](event_log) from which another driver repeats them.
 //!
 //! With recorded inputs, [`Merger`] first puts the reports of all sources into the order of their times.
 //!
-//! Architecture invariants: no clock, no thread, no file, no shared memory; the same reports with the same settings
-//! give the same states, bit for bit; after construction nothing is allocated; no hash map is iterated.
+//! Architecture invariants: no clock, no thread, no file, no shared memory. The same reports with the same settings
+//! give the same states, bit for bit. After construction nothing is allocated; no hash map is iterated.
 
 #![forbid(unsafe_code)]
 

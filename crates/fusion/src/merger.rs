@@ -1,10 +1,10 @@
 //! Merging the sources by time (order of work `time`, PL-12).
 //!
-//! Reports of several recorded sources reach fusion in an order that depends on scheduling and replay speed.
-//! Processing in this order would make the result depend on it. Therefore each source also publishes its *watermark*:
-//! no older report will follow. The earliest waiting report is processed when no other source can deliver an earlier
-//! report: every source has a waiting report, or a watermark beyond the report, or has ended. The price is latency
-//! (the slowest source sets the pace), acceptable for recorded inputs but not for live inputs, which use order
+//! Reports of several recorded sources reach fusion in an order that depends on scheduling and replay speed. Processing
+//! in this order would make the result depend on scheduling and speed. Therefore each source also publishes its
+//! *watermark*: no older report will follow. The earliest waiting report is processed when no other source can deliver
+//! an earlier report: every source has a waiting report, or a watermark beyond the report, or has ended. The price is
+//! latency (the slowest source sets the pace), acceptable for recorded inputs but not for live inputs, which use order
 //! `arrival` without a merger.
 
 use std::collections::VecDeque;
@@ -34,9 +34,9 @@ pub enum PushOutcome {
     Waiting,
     /// The report waits, and the source's oldest waiting report was dropped because its queue was full.
     DroppedOldest,
-    /// The report is older than one already worked off, and was rejected.
+    /// The report is older than a report already worked off, and was rejected.
     OutOfOrder,
-    /// The report has been handed in before (its publisher was restarted and repeats itself).
+    /// The report has been handed in before (a restarted publisher repeats reports).
     Repeated,
 }
 
@@ -56,7 +56,7 @@ impl Merger {
         }
     }
 
-    /// How many more reports of `source` fit without dropping one.
+    /// Number of further reports of `source` that fit without a drop.
     pub fn room(&self, source: usize) -> usize {
         self.capacity - self.sources[source].queue.len()
     }
@@ -85,13 +85,13 @@ impl Merger {
         result
     }
 
-    /// Notes a source's watermark: it will deliver nothing measured before `watermark_ns`.
+    /// Notes a source's watermark: no further report was measured before `watermark_ns`.
     pub fn set_watermark(&mut self, source: usize, watermark_ns: i64) {
         let waiting = &mut self.sources[source];
         waiting.watermark_ns = waiting.watermark_ns.max(watermark_ns);
     }
 
-    /// Notes that nothing follows from `source`.
+    /// Notes the end of `source`.
     pub fn end(&mut self, source: usize) {
         self.sources[source].ended = true;
     }
@@ -118,7 +118,7 @@ impl Merger {
             .filter_map(|(index, waiting)| Some((index, waiting.queue.front()?.time_of_measurement_ns)))
             .min_by_key(|(index, time_ns)| (*time_ns, *index))?;
         let safe = self.sources.iter().enumerate().all(|(index, waiting)| {
-            // A source with a smaller number would go first at an equal time, so its watermark must lie beyond.
+            // A source with a smaller number would go first at an equal time, so the watermark must lie beyond.
             let bound_ns = if index < first {
                 time_ns.saturating_add(1)
             } else {
@@ -195,7 +195,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever the interleaving of deliveries, the merged order is the same.
+        /// The merged order is the same with any interleaving of deliveries.
         #[test]
         fn the_result_does_not_depend_on_the_interleaving(
             steps in prop::array::uniform3(prop::collection::vec(0i64..5, 0..40)),

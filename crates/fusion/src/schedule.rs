@@ -1,8 +1,8 @@
-//! When something is due: refreshes at whole multiples of their period, and a look at the sources once a second.
+//! Due times: refreshes at whole multiples of the period, and a look at the sources once a second.
 
 use serde::{Deserialize, Serialize};
 
-/// Time between two looks at what was learned of the sources, nanoseconds.
+/// Time between two looks at the learned properties of the sources, nanoseconds.
 pub(crate) const TICK_NS: i64 = 1_000_000_000;
 
 /// The engine's time, UTC, nanoseconds.
@@ -20,7 +20,7 @@ pub(crate) struct Schedule {
 #[derive(Debug, Serialize, Deserialize)]
 struct Refresh {
     period_ns: i64,
-    /// How much later than its time a refresh is due.
+    /// Delay of a refresh after the time of its states.
     delay_ns: i64,
     /// The next whole multiple of the period; `None` while nothing lives.
     next_ns: Option<i64>,
@@ -51,7 +51,7 @@ impl Schedule {
         self.now_ns
     }
 
-    /// Lets time pass up to `time_ns`; it never goes back.
+    /// Lets time pass up to `time_ns`; time never goes back.
     pub(crate) fn pass(&mut self, time_ns: i64) {
         self.now_ns = self.now_ns.max(time_ns);
     }
@@ -77,7 +77,7 @@ impl Schedule {
         next_ns.saturating_add(delay_ns).min(self.orders_due_ns)
     }
 
-    /// The time of the refresh that is due, which is thereby done; `None` where there is none.
+    /// Returns the time of the due refresh, and counts the refresh as done; `None` without a due refresh.
     pub(crate) fn take_refresh(&mut self) -> Option<i64> {
         let refresh = self.refresh.as_mut()?;
         let time_ns = refresh.next_ns?;

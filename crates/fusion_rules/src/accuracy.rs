@@ -9,20 +9,20 @@ use serde::{Deserialize, Serialize};
 pub struct Accuracies {
     /// Factors of the present condition, per source.
     factors: Vec<ConditionFactors>,
-    /// Running mean square of residuals, per source, m²; used where the accuracy is estimated.
+    /// Running mean square of residuals, per source, m²; used if the accuracy is estimated.
     mean_squares: Vec<Option<f64>>,
 }
 
-/// Factors of the present condition for one source.
+/// Factors of the present condition for a source.
 #[derive(Debug, Serialize, Deserialize)]
 struct ConditionFactors {
     source: f64,
-    /// Numbers of the source's methods of observation, each with its factor, which replaces the source's.
+    /// Numbers of the source's methods of observation, each with a factor in place of the source's factor.
     methods: Vec<(u8, f64)>,
 }
 
 impl ConditionFactors {
-    /// Factors under the condition `name`: 1 where the condition is not named.
+    /// Factors under the condition `name`: 1 if the condition is not named.
     fn under(accuracy: &Accuracy, name: &str) -> Self {
         let named = accuracy.conditions.iter().find(|(condition, _)| condition == name);
         let source = named.map_or(1.0, |(_, factor)| *factor);
@@ -42,17 +42,17 @@ impl ConditionFactors {
     }
 }
 
-/// What a report states about its own accuracy.
+/// Stated accuracy of a report.
 #[derive(Clone, Copy, Debug)]
 pub struct StatedAccuracy<'a> {
-    /// Its covariance.
+    /// Covariance of the report.
     pub covariance: &'a Covariance,
     /// Method of observation; 0 for a single method.
     pub method: u8,
 }
 
 impl Accuracies {
-    /// The accuracy values that the settings of the sources state.
+    /// The accuracy values from the settings of the sources.
     pub fn new(sources: &[SourceSettings]) -> Self {
         Self {
             factors: sources
@@ -68,7 +68,7 @@ impl Accuracies {
         &mut self.mean_squares[source]
     }
 
-    /// Sets the condition `name` for one source, or for all sources (TI-7). Sources that do not name the condition have
+    /// Sets the condition `name` for a single source, or for all sources (TI-7). Sources without this condition have
     /// factor 1.
     pub fn set_condition(&mut self, sources: &[SourceSettings], name: &str, only: Option<u16>) {
         for (index, (factor, source)) in self.factors.iter_mut().zip(sources).enumerate() {
@@ -79,7 +79,7 @@ impl Accuracies {
         }
     }
 
-    /// Learns from a residual of `source` (horizontal, metres) where its accuracy is to be estimated.
+    /// Learns from a residual of `source` (horizontal, metres), if the accuracy of `source` is to be estimated.
     #[inline]
     pub fn learn(&mut self, sources: &[SourceSettings], source: u16, residual: [f64; 3]) {
         let index = usize::from(source);
@@ -91,8 +91,8 @@ impl Accuracies {
         *mean += (square - *mean) / memory;
     }
 
-    /// alpha of `source` (TI-8) for a target at this place, metres, that has this velocity, m/s, and of which the
-    /// source states this accuracy.
+    /// alpha of `source` (TI-8) for a target at this place, metres, with this velocity, m/s, and with this accuracy
+    /// stated by the source.
     #[inline]
     pub fn alpha(
         &self,
@@ -108,7 +108,7 @@ impl Accuracies {
             settings.adjustment * self.s(&settings.accuracy, of, target, StatedAccuracy { method, ..stated })
         };
         match settings.rule.reference_source.as_ref().map(|source| source.number) {
-            // A reference that is without error now, by its condition or as estimated, can be no unit.
+            // A reference that is without error now, by its condition or as estimated, cannot be a unit.
             Some(reference) if alpha(reference) > 0.0 => alpha(source) / alpha(reference),
             _ => alpha(source),
         }
@@ -147,7 +147,7 @@ mod tests {
     use crate::testing::test_settings;
     use messages::COVARIANCE_LEN;
 
-    /// Accuracy of a report that states none, by the only method of its source.
+    /// Accuracy of a report without a stated accuracy, by the only method of its source.
     const STATED: StatedAccuracy<'_> = StatedAccuracy {
         covariance: &Covariance {
             upper: [0.0; COVARIANCE_LEN],

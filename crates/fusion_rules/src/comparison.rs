@@ -1,8 +1,8 @@
 //! Results of all rules for one target, for readers of the reports outside of fusion.
 //!
-//! An operator asks what another rule would give now. A second engine per rule would need all reports of all targets.
-//! The rules themselves need the last reports of one target only, and those are on the topics. [`compare`] makes the
-//! same candidates as the engine, and calls the same rules.
+//! An operator asks for the present result of another rule. A second engine per rule would need all reports of all
+//! targets. The rules themselves need the last reports of a single target only, available on the topics. [`compare`]
+//! makes the same candidates as the engine, and calls the same rules.
 //!
 //! Three things remain unknown outside of the engine. Rules begin without memory, so that no hand-over is in progress.
 //! Estimated accuracies (TI-7) have their initial values, and the condition is `normal`. Rules on the target's filter
@@ -19,7 +19,7 @@ use crate::rules::{self, Candidate, REGISTRY, RuleEntry, RuleMemory, RuleMethod,
 use crate::settings::{Settings, SourceSettings};
 use crate::state::State;
 
-/// Result of one rule for one target.
+/// Result of a rule for a target.
 #[derive(Clone, Debug)]
 pub struct RuleResult {
     /// The rule.
@@ -33,20 +33,20 @@ pub struct RuleResult {
 /// Comparison of the rules.
 #[derive(Clone, Debug, Default)]
 pub struct Comparison {
-    /// Contributions at the reference time, in the order of their sources.
+    /// Contributions at the reference time, in the order of the sources.
     pub candidates: Vec<Candidate>,
-    /// A result per rule that works on candidates.
+    /// A result per rule on candidates.
     pub results: Vec<RuleResult>,
 }
 
-/// Returns the report without the configured and the estimated biases of its source. `now_ns`: reference time, UTC,
+/// Returns the report without the configured and the estimated biases of the source. `now_ns`: reference time, UTC,
 /// nanoseconds.
 pub fn without_errors(report: &SensorTrack, source: &SourceSettings, known: &Registration, now_ns: i64) -> SensorTrack {
     let correction = source.correction.unwrap_or_default().with_estimated(known);
     gross::without_biases(report, (&correction, source.place_m), now_ns)
 }
 
-/// Lets every rule weigh the contributions to one target at `reference_ns` (UTC, nanoseconds).
+/// Applies every rule to the contributions to a target at `reference_ns` (UTC, nanoseconds).
 ///
 /// `tracks` has the last reports of each contributing sensor track, the oldest first, at most one track per source;
 /// tracks without reports or of unknown sources are ignored. `last` is the system track's state.
@@ -131,7 +131,7 @@ mod tests {
     use super::*;
     use crate::testing::test_settings;
 
-    /// Three reports, a second apart, of a target at 100 m/s east; the last one is `off_m` farther east.
+    /// Three reports, a second apart, of a target at 100 m/s east; the last report is `off_m` farther east.
     fn reports(source: u16, sigma_m: f64, off_m: f64) -> Vec<SensorTrack> {
         let report = |second: i64| SensorTrack {
             source,

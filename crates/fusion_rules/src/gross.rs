@@ -1,4 +1,4 @@
-//! Gross biases: reports without a bias, and the bias that would bring two tracks together.
+//! Gross biases: reports without a bias, and the bias that would make two tracks coincide.
 
 use fusion_settings::CorrectionTable;
 use messages::{AXES, BiasKind, Covariance, NS_PER_S, SensorTrack, sensor_track_bits};
@@ -11,12 +11,12 @@ pub struct TrackMotion {
     pub position_m: [f64; 2],
     /// East and north.
     pub velocity_mps: [f64; 2],
-    /// Where the sensor stands, east and north.
+    /// Place of the sensor, east and north.
     pub place_m: Option<[f64; 2]>,
 }
 
 impl TrackMotion {
-    /// The motion without an error of its source; the same if the error needs a place that is not known.
+    /// The motion without an error of the source; unchanged if the error needs an unknown place.
     pub fn without(mut self, kind: BiasKind, value: [f64; 2]) -> Self {
         let ([x, y], [vx, vy]) = (self.position_m, self.velocity_mps);
         match (kind, self.place_m) {
@@ -84,7 +84,7 @@ pub struct Sigma {
 }
 
 impl Sigma {
-    /// Returns the deviations after removal of the bias from one of the two; a report moved along its velocity has an
+    /// Returns the deviations after removal of the bias from either motion; a report moved along its velocity has an
     /// additional error of the velocity.
     pub fn without(mut self, kind: BiasKind, value: [f64; 2]) -> Self {
         if kind == BiasKind::Time {
@@ -104,7 +104,7 @@ pub fn corrected(
     place_m: Option<[f64; 2]>,
     now_ns: i64,
 ) -> SensorTrack {
-    /// Times that lie so near the present are those of the reports, nanoseconds.
+    /// Times so near the present are times of reports, nanoseconds.
     const PRESENT_NS: i64 = 5_000_000_000;
     let mut report = *report;
     if kind == BiasKind::Time {
@@ -169,7 +169,7 @@ mod tests {
             (BiasKind::Position, [900.0, -300.0]),
         ];
         for (kind, value) in errors {
-            // To have the contrary error taken off is to get this one; but for the length of an arc that is exact.
+            // Removal of the contrary error yields this error; but for the length of an arc that is exact.
             let seen = target.without(kind, value.map(|part| -part));
             let implied = seen.implied(&target, kind, SIGMA).unwrap();
             assert!(

@@ -1,4 +1,4 @@
-//! The last N reports of each sensor track, and the residual V they yield (TI-4 … TI-6).
+//! The last N reports of each sensor track, and the resulting residual V (TI-4 … TI-6).
 //!
 //! The accuracy of a track is estimated from the track alone: its latest report (the *first position*) and each of up
 //! to N earlier reports (the *second positions*) are moved to a common reference time, each with its own velocity.
@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use crate::places::{self, TablePlace};
 use crate::settings::ResidualKind;
 
-/// The part of a report that is kept.
+/// The stored part of a report.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct StoredReport {
     time_ns: i64,
@@ -53,25 +53,25 @@ pub struct Histories {
     recency: f64,
 }
 
-/// Octets that a ring of `length` reports takes.
+/// Size of a ring of `length` reports, octets.
 pub fn bytes_per_track(length: usize) -> usize {
     length * size_of::<StoredReport>() + size_of::<RingHead>()
 }
 
-/// Where one ring stands.
+/// State of a ring.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct RingHead {
     newest: usize,
     count: usize,
-    /// Measured minus predicted position of the newest report, where there was a measurement.
+    /// Measured minus predicted position of the newest report, if measured.
     innovation: Option<[f64; 3]>,
-    /// First minus mean second position at the newest report's time, metres, and by how much that grows, metres per
-    /// second: worked out once for all reference times. `None` without an earlier report.
+    /// First minus mean second position at the newest report's time, metres, and the growth of this difference, metres
+    /// per second: computed once for all reference times. `None` without an earlier report.
     apart: Option<([f64; 3], [f64; 3])>,
 }
 
 impl Histories {
-    /// Empty histories of so many sensor tracks, each of so many reports; see `RuleSettings::recency`.
+    /// Empty histories of `slots` sensor tracks, each of `length` reports; see `RuleSettings::recency`.
     pub fn new(slots: usize, length: usize, recency: f64) -> Self {
         Self {
             stored: vec![StoredReport::default(); slots * length],
@@ -81,12 +81,12 @@ impl Histories {
         }
     }
 
-    /// Forgets the reports of a sensor track.
+    /// Clears the reports of a sensor track.
     pub fn clear(&mut self, slot: usize) {
         self.heads[slot] = RingHead::default();
     }
 
-    /// Adds a report of a sensor track; the oldest makes room.
+    /// Adds a report of a sensor track in place of the oldest.
     #[inline]
     pub fn push(&mut self, slot: usize, report: &SensorTrack) {
         let innovation = self.innovation_of(slot, report);
@@ -149,8 +149,7 @@ impl Histories {
         Some(&self.stored[slot * self.length + index])
     }
 
-    /// Position and velocity at `time_ns` between the two reports on either side of it (QF-6); `None` where there are
-    /// none.
+    /// Position and velocity at `time_ns` between the reports before and after (QF-6); `None` without such reports.
     #[inline]
     pub fn interpolated(&self, slot: usize, time_ns: i64) -> Option<([f64; 3], [f64; 3])> {
         let earlier = (1..self.length).find(|back| self.nth(slot, *back).is_some_and(|r| r.time_ns <= time_ns))?;
@@ -213,14 +212,15 @@ mod tests {
     fn the_residual_is_first_minus_mean_of_second_positions() {
         let mut histories = Histories::new(1, 3, 1.0);
         let mut newer_count_more = Histories::new(1, 3, 0.5);
-        // Moved to t = 4: 0 + 4·1 = 4 (dropped: only three are kept), 6 + 3·2 = 12, 10 + 2·0 = 10, first 20 + 1·5 = 25.
+        // Moved to t = 4: 0 + 4·1 = 4 (dropped: only three are kept), 6 + 3·2 = 12, 10 + 2·0 = 10, first 20 + 1·5 =
+        // 25.
         for (time, x, vx) in [(0, 0.0, 1.0), (1, 6.0, 2.0), (2, 10.0, 0.0), (3, 20.0, 5.0)] {
             histories.push(0, &report(time, x, vx));
             newer_count_more.push(0, &report(time, x, vx));
         }
         let plain = histories.residual(0, ResidualKind::Position, 4 * S).unwrap();
         assert!((plain[0] - (25.0 - 11.0)).abs() < 1e-12);
-        // Newer ones count more: weights 1 and 1/2 on 10 and 12.
+        // Newer reports count more: weights 1 and 1/2 on 10 and 12.
         let weighted = newer_count_more.residual(0, ResidualKind::Position, 4 * S).unwrap();
         assert!((weighted[0] - (25.0 - (10.0 + 0.5 * 12.0) / 1.5)).abs() < 1e-12);
         let velocity = histories.residual(0, ResidualKind::Velocity, 4 * S).unwrap();

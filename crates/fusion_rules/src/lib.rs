@@ -1,8 +1,8 @@
-//! Rules that weigh the contributions to a target, and what the rules read: states, histories of reports, accuracy
-//! values and quality indices (TI-4 to TI-7, QF).
+//! Rules for weighing the contributions to a target, and the inputs of the rules: states, histories of reports,
+//! accuracy values and quality indices (TI-4 to TI-7, QF).
 //!
-//! The engine lets the configured rule weigh; the display lets all of them weigh the same contributions
-//! ([`comparison`]). No rule knows a track of the engine.
+//! The engine applies the configured rule; the display applies all rules to the same contributions ([`comparison`]).
+//! No rule has access to a track of the engine.
 
 #![forbid(unsafe_code)]
 

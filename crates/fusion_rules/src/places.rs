@@ -4,17 +4,17 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// A place of a table.
 pub trait TablePlace: Sized {
-    /// Whether something has taken it.
+    /// Whether the place is taken.
     fn is_taken(&self) -> bool;
 
-    /// A place that nothing has taken.
+    /// A free place.
     fn free() -> Self;
 }
 
 /// Writes a table.
 ///
 /// # Errors
-/// Those of the serializer.
+/// Errors of the serializer.
 pub fn serialize<T: TablePlace + Serialize, S: Serializer>(places: &[T], serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_seq(places.iter().map(|place| place.is_taken().then_some(place)))
 }
@@ -22,7 +22,7 @@ pub fn serialize<T: TablePlace + Serialize, S: Serializer>(places: &[T], seriali
 /// Reads a table.
 ///
 /// # Errors
-/// Those of the deserializer.
+/// Errors of the deserializer.
 pub fn deserialize<'de, T, D>(deserializer: D) -> Result<Vec<T>, D::Error>
 where
     T: TablePlace + Deserialize<'de>,

@@ -14,24 +14,24 @@ pub struct Qualities {
     scans: Vec<ScanHistory>,
 }
 
-/// The last scans of one sensor track.
+/// The last scans of a sensor track.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct ScanHistory {
-    /// Bit 0 is the latest scan with a report; 1 if it confirmed the track.
+    /// Bit 0 is the latest scan with a report; 1 if that scan confirmed the track.
     confirmed: u64,
-    /// When that scan began, nanoseconds; `None` before the first report.
+    /// Beginning of that scan, nanoseconds; `None` before the first report.
     began_ns: Option<i64>,
 }
 
 impl Qualities {
-    /// Of so many sensor tracks, without reports.
+    /// Qualities of `slots` sensor tracks, without reports.
     pub fn new(slots: usize) -> Self {
         Self {
             scans: vec![ScanHistory::default(); slots],
         }
     }
 
-    /// Forgets the reports of a sensor track.
+    /// Clears the reports of a sensor track.
     pub fn clear(&mut self, slot: usize) {
         self.scans[slot] = ScanHistory::default();
     }
@@ -51,7 +51,7 @@ impl Qualities {
         scans.began_ns = Some(time_ns);
     }
 
-    /// M: how many of the last `count` due scans confirmed the track, as of `now_ns`.
+    /// M: number of scans, of the last `count` due scans, that confirmed the track, as of `now_ns`.
     #[inline]
     pub fn index(&self, slot: usize, now_ns: i64, period_ns: i64, count: u32) -> u32 {
         let scans = &self.scans[slot];

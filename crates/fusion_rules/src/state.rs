@@ -1,4 +1,4 @@
-//! A position, a velocity and their covariance, carried through time.
+//! A position, a velocity and the covariance of both, extrapolated in time.
 
 use estimation::{AxisNoise, Gaussian};
 use messages::{AXES, Covariance, SensorTrack, sensor_track_bits};
@@ -20,7 +20,7 @@ pub struct State {
 }
 
 impl State {
-    /// That of a report.
+    /// State of a report.
     #[inline]
     pub fn of_report(report: &SensorTrack) -> Self {
         Self {
@@ -32,7 +32,7 @@ impl State {
         }
     }
 
-    /// That of an estimate at its time.
+    /// State of an estimate at its time.
     #[inline]
     pub fn of_estimate(time_ns: i64, estimate: &Gaussian, has_height: bool) -> Self {
         Self {
@@ -57,7 +57,7 @@ impl State {
         Self::of_estimate(time_ns, &now.moved(seconds, noise), self.has_height)
     }
 
-    /// Sum of the position variances over east and north, m²: what traces are compared by (TI-16).
+    /// Sum of the position variances over east and north, m², for comparisons of traces (TI-16).
     #[inline]
     pub fn horizontal_trace_m2(&self) -> f64 {
         self.covariance.get(0, 0) + self.covariance.get(1, 1)

@@ -1,4 +1,4 @@
-//! Horizontal vectors in the frame of a target's course, given as its direction: sine and cosine from north.
+//! Horizontal vectors in the frame of a target's course, given as the direction: sine and cosine from north.
 
 /// A horizontal vector in the frame of a course: along, across to the right.
 #[inline]

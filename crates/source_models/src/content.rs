@@ -1,4 +1,4 @@
-//! What a report contains: the measurement behind it, found as the source's tracker is learned.
+//! Content of a report: the recovered measurement, with the learned tracker of the source.
 
 use estimation::Gaussian;
 use messages::{AXES, SensorTrack, sensor_track_bits};
@@ -15,9 +15,9 @@ use crate::tracker_gain::{self, Change, GainEvidence};
 const OLD_REPORTS: u32 = 32;
 
 impl Sources {
-    /// Writes the content of a report that follows a sensor track's latest report, `earlier`, that many seconds later,
-    /// into an empty one. A track without an earlier report `goes_on` if it had some before a restart. Learns how the
-    /// source filters, unless the report's covariance had to be repaired.
+    /// Writes the content of a report into an empty `Content`. The report follows `earlier`, the latest report of the
+    /// sensor track, after that many seconds. A track without an earlier report `goes_on` if the track had reports
+    /// before a restart. Learns the filter of the source, unless the report's covariance was repaired.
     #[inline]
     pub fn read_content(
         &mut self,
@@ -53,7 +53,7 @@ impl Sources {
         }
     }
 
-    /// The content of a report whose covariance shows no filter.
+    /// Content of a report with a covariance without indication of a filter.
     #[inline(never)]
     fn read_unfiltered(
         &mut self,
@@ -84,8 +84,8 @@ impl Sources {
         self.doubt(report, (measurement, unfiltered));
     }
 
-    /// Takes the covariance of a report for as wrong as those of the sources that are known, while the report's own
-    /// source is not.
+    /// Assumes the covariance of a report to be as wrong as the covariances of known sources, while the report's own
+    /// source is unknown.
     fn doubt(
         &self,
         report: &SensorTrack,
@@ -107,7 +107,7 @@ impl Sources {
         }
     }
 
-    /// The content of a report whose covariance shows no filter, if its source's tracker can be undone.
+    /// Content of a report with a covariance without indication of a filter, if its source's tracker can be undone.
     fn undo_tracker(
         &mut self,
         report: &SensorTrack,
@@ -142,8 +142,8 @@ impl Sources {
         });
     }
 
-    /// The measurement that led from a state of a sensor track of `source`, so many seconds before, to another one;
-    /// `None` if none can have. `evidence` is what the track has shown of its tracker. Learns nothing.
+    /// The measurement between two states of a sensor track of `source`, the first so many seconds earlier; `None` if
+    /// no measurement explains the change. `evidence` is the track's evidence of its tracker. Learns nothing.
     pub fn measurement_between(
         &self,
         (source, evidence): (u16, &GainEvidence),
@@ -172,7 +172,7 @@ impl Sources {
     }
 }
 
-/// Returns the change between a state, so many seconds before, and a later one.
+/// Returns the change between a state and a later state, `seconds` apart.
 fn change_between((before, seconds): (&Gaussian, f64), (after, has_height): (&Gaussian, bool)) -> Change {
     let (foretold, place) = (foretold_m(before, seconds), after.position_m());
     let (former, velocity) = (before.velocity_mps(), after.velocity_mps());
@@ -184,7 +184,7 @@ fn change_between((before, seconds): (&Gaussian, f64), (after, has_height): (&Ga
     }
 }
 
-/// Returns the position that a state foretells for `seconds` later, metres.
+/// Returns the predicted position `seconds` after a state, metres.
 fn foretold_m(state: &Gaussian, seconds: f64) -> [f64; AXES] {
     let (place, velocity) = (state.position_m(), state.velocity_mps());
     std::array::from_fn(|axis| place[axis] + velocity[axis] * seconds)

@@ -1,22 +1,22 @@
-//! Credibility: a source that contradicts the others is set aside before it moves a track.
+//! Credibility: a contradictory source is set aside before any effect on a track.
 //!
-//! A source may be wrong within all limits: its clock is some seconds off, or it reports every target 300 m aside
-//! with a high stated accuracy. A filter trusts covariances, so that such a source moves every track. Learned
-//! corrections (registration, covariance scaling) take half a minute; until then the tracks are wrong. But other
-//! sources see the same targets. Of three sources on a target, if two agree and the third contradicts both, the third
-//! is wrong. Of two sources, the source with a clock offset relative to the times of receipt is wrong.
+//! A source may be wrong within all limits: a clock offset of some seconds, or a bias of 300 m with a high stated
+//! accuracy. A filter trusts covariances, so such a source moves every track. Learned corrections (registration,
+//! covariance scaling) take half a minute; until then the tracks are wrong. But other sources observe the same targets.
+//! Of three sources on a target, if two agree and the third contradicts both, the third is wrong. Of two sources, the
+//! source with a clock offset relative to the times of receipt is wrong.
 //!
-//! Therefore each report far from its track is compared with the latest reports of the others for this target. A
-//! contradicted report is not used. The share of contradicted reports of each source is tracked; a source with mostly
-//! contradicted reports is *set aside*: it contributes to no track with other contributors, until its reports agree
-//! again. A misled filter restarts from the others' reports. Registration continues its comparisons, so that a
-//! constant bias is found and removed, and the source returns.
+//! Therefore each report far from its track is compared with the latest reports of the other sources on this target. A
+//! contradicted report is not used. The share of contradicted reports of each source is tracked. A source with mostly
+//! contradicted reports is *set aside*: until its reports agree again, the source contributes to no track with other
+//! contributors. A misled filter restarts from the reports of the other sources. Registration continues its
+//! comparisons, so a constant bias is found and removed, and the source returns.
 //!
-//! Of two tracks that only a code or call sign joins, and that contradict each other, one is used until a third source
-//! decides or the bias between their sources is known.
+//! Of two contradictory tracks joined only by a code or call sign, a single track is used until a third source decides
+//! or the bias between the two sources is known.
 //!
-//! Limits: two other sources that contradict each other with sound clocks are both used, as are two pairs that agree
-//! among themselves. Differences below some five standard deviations are left to registration.
+//! Limits: two other sources with sound clocks and contradictory reports are both used, as are two pairs with agreement
+//! inside each pair. Differences below some five standard deviations are left to registration.
 
 use association::distance::{Symmetric2, squared2};
 use messages::{NS_PER_S, SensorTrack};
@@ -24,25 +24,25 @@ use serde::{Deserialize, Serialize};
 
 use crate::registration::ClockError;
 
-/// d² in the plane up to which two reports of one target agree: beyond in 0.3 % by chance.
+/// d² in the plane up to which two reports of a target agree: beyond in 0.3 % by chance.
 pub const AGREES: f64 = 12.0;
-/// d² in the plane beyond which they contradict each other: in 3 of ten million by chance.
+/// d² in the plane beyond which two reports contradict each other: in 3 of ten million by chance.
 pub const CONTRADICTS: f64 = 30.0;
 /// Unpredictable acceleration between two reports, metres per second squared.
 const ACCELERATION_MPS2: f64 = 5.0;
 /// Number of comparisons of a source before its share counts, and least weight of a new comparison.
 const SAMPLES_MIN: u32 = 3;
 const GAIN_MIN: f64 = 1.0 / 32.0;
-/// Share of contradicted reports from which a source is set aside, and below which it no longer is.
+/// Share of contradicted reports from which a source is set aside, and share below which the source returns.
 const SET_ASIDE_FROM: f64 = 0.5;
 const SET_ASIDE_UNTIL: f64 = 0.2;
-/// Difference of clock offsets, seconds, that identifies the wrong one of two sources.
+/// Difference of clock offsets, seconds, that identifies the wrong source of two.
 const CLOCK_WORSE_S: f64 = 0.5;
 
-/// Record of one source.
+/// Record of a source.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct SourceRecord {
-    /// Share of the reports compared that were contradicted, the latest ones first.
+    /// Share of contradicted reports among the compared reports, weighted towards the latest.
     share: f64,
     samples: u32,
     is_set_aside: bool,
@@ -58,24 +58,24 @@ pub(crate) struct Credibility {
     passed_over: u64,
 }
 
-/// Judgement of a report by the others of its target.
+/// Judgement of a report by the others of the same target.
 #[derive(Clone, Copy, Debug)]
 pub struct Judgement {
     source: u16,
     standing: Standing,
-    /// Other sources that are found wrong, and all that were compared, as bits.
+    /// Other sources found wrong, and all compared sources, as bits.
     wrong: u64,
     others: u64,
 }
 
 impl Judgement {
-    /// Whether it is open whether the report is wrong.
+    /// Whether the judgement of the report is open.
     pub fn is_open(&self) -> bool {
         self.standing == Standing::Open
     }
 }
 
-/// Result of the comparison of a report with the other sources' reports of its target.
+/// Result of the comparison of a report with other sources' reports of the target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Standing {
     /// Others agree, or there are no others.
@@ -107,8 +107,8 @@ impl Credibility {
         self.set_aside & (1 << source) != 0
     }
 
-    /// Passes over these sources, as bits: their states are known to lag behind a step of their errors, while their
-    /// measurements do not.
+    /// Excludes these sources, as bits, from comparison: after a step of the error their states lag, their measurements
+    /// do not.
     pub(crate) fn pass_over(&mut self, sources: u64) {
         let begun = sources & !self.passed_over;
         for source in 0..self.sources.len() as u16 {
@@ -135,8 +135,9 @@ impl Credibility {
         self.set_aside != 0
     }
 
-    /// Whether a report of a target, expected at `place_m`, is near enough to need no comparison: where sources see a
-    /// target with a variance per axis of `spread_m2`. Sources are compared anyway where one is set aside.
+    /// Whether a report is near enough to the expected `place_m` of the target to need no comparison. `spread_m2` is
+    /// the variance per axis of the detection points on a target. With any source set aside, sources are compared
+    /// anyway.
     #[inline]
     pub(crate) fn is_near(&self, (report, place_m): (&SensorTrack, [f64; 2]), spread_m2: f64) -> bool {
         self.set_aside == 0 && distance_from(place_m, report, spread_m2) <= AGREES
@@ -148,14 +149,14 @@ impl Credibility {
         self.passed_over != 0 && self.is_passed_over(source)
     }
 
-    /// Learns that a report needed no comparison.
+    /// Learns from a report without need of a comparison.
     #[inline]
     pub(crate) fn learn_nearness(&mut self, source: u16) {
         self.sources[usize::from(source)].learn(false);
     }
 
-    /// Judges a report that is far from its track, or where a source is set aside, by the `others`, the latest reports
-    /// of other sources on its target.
+    /// Judges a report far from its track, or any report while a source is set aside, by the `others`, the latest
+    /// reports of other sources on the target.
     #[cold]
     pub(crate) fn judge<'a, O: Iterator<Item = &'a SensorTrack>>(
         &self,
@@ -201,8 +202,8 @@ impl Credibility {
             };
         }
         if judgement.standing == Standing::Holds {
-            // Those whom the majority contradicts are wrong, though their own reports may be near the track that they
-            // have misled; so is one whose clock is.
+            // Sources contradicted by the majority are wrong, though their own reports may be near the misled track; a
+            // source with a wrong clock is wrong, too.
             let majority = agreeing >= 1;
             let wrong = others()
                 .filter(|other| distance(other) > CONTRADICTS && (majority || is_worse(other.source, report.source)));
@@ -211,8 +212,8 @@ impl Credibility {
         judgement
     }
 
-    /// Whether the one of two reports of which none can be found wrong, with a name alone in common, is to give way. Of
-    /// two sources alone, none would ever be found wrong, and the silent one no longer refute false tracks.
+    /// Whether a report joined by name alone yields to a contradictory report if neither can be found wrong. With two
+    /// sources alone, neither would ever be found wrong, and the unused source would no longer refute false tracks.
     #[inline]
     pub(crate) fn others_can_decide(&self) -> bool {
         self.sources.len() > 2
@@ -229,8 +230,7 @@ impl Credibility {
         }
     }
 
-    /// Whether a report may be used after such a judgement: it is not wrong, and its source is not set aside beside
-    /// others.
+    /// Whether a judged report may be used: the report is not wrong, and its source is not set aside beside others.
     pub(crate) fn admits(&self, judgement: &Judgement) -> bool {
         let is_alone = judgement.others & !self.set_aside == 0;
         judgement.standing != Standing::Contradicted && (!self.is_set_aside(judgement.source) || is_alone)
@@ -267,7 +267,7 @@ impl SourceRecord {
     }
 }
 
-/// d² in the plane of a report from the place where its target is expected, by the report's covariance alone.
+/// d² in the plane of a report from the expected place of the target, by the report's covariance alone.
 #[inline]
 pub fn distance_from(place_m: [f64; 2], report: &SensorTrack, spread_m2: f64) -> f64 {
     let apart = [report.position_m[0] - place_m[0], report.position_m[1] - place_m[1]];
@@ -275,7 +275,7 @@ pub fn distance_from(place_m: [f64; 2], report: &SensorTrack, spread_m2: f64) ->
     squared2(apart, [own(0, 0) + spread_m2, own(0, 1), own(1, 1) + spread_m2])
 }
 
-/// d² of two reports of one target at the time of the first one.
+/// d² of two reports of a target at the time of the first report.
 pub fn apart(report: &SensorTrack, other: &SensorTrack, spread_m2: f64) -> f64 {
     let seconds = (report.time_of_measurement_ns - other.time_of_measurement_ns) as f64 / NS_PER_S;
     let unforeseen_m = 0.5 * ACCELERATION_MPS2 * seconds * seconds;

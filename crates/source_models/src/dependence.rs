@@ -5,19 +5,19 @@
 //! reveal dependence:
 //! - **Copies.** Two measurements of a target are never equal. A report with the time and place of another source's
 //!   report is a copy; a source with mostly copies has no information of its own. The latest reports are kept in a
-//!   table by time and place, in which later reports replace earlier ones.
+//!   table by time and place; later reports replace earlier reports.
 //! - **Correlated errors.** Copies may have been rounded, delayed or filtered. The difference of two independent
-//!   estimates of a target at the same time has the sum of their covariances; for dependent estimates, twice the
-//!   covariance of their errors is subtracted. Therefore the normalised square of the difference of coinciding
-//!   reports of two sources is tracked; a mean far below 1 indicates mostly common errors. Pessimistic covariances
-//!   also reduce the mean; each covariance is therefore scaled by its source's normalised innovations, and nothing is
-//!   learned if both are far too pessimistic, or from standing and slow targets, on which sources agree by nature.
+//!   estimates of a target at the same time has the sum of the two covariances. For dependent estimates, twice the
+//!   covariance of the errors is subtracted. Therefore the normalised square of the difference of coinciding reports of
+//!   two sources is tracked; a mean far below 1 indicates mostly common errors. Pessimistic covariances also reduce the
+//!   mean; each covariance is therefore scaled by its source's normalised innovations. Nothing is learned if both are
+//!   far too pessimistic, or from standing and slow targets, on which sources agree by nature.
 //!
-//! Sources with a smaller part of their errors in common still share measurements, and therefore false tracks. The
-//! filter takes both, but for the question whether there is a target they are one witness.
+//! Sources with a smaller part of the errors in common still share measurements, and therefore false tracks. The filter
+//! uses both sources, but for the existence of a target both are a single witness.
 //!
-//! Sources with a smaller common part, such as a centre that uses many radars including ours, cannot be distinguished
-//! from good sources; they must be configured.
+//! Sources with a still smaller common part, such as a centre with many radars including ours, cannot be distinguished
+//! from good sources; the dependence must be configured.
 //!
 //! Dependent sources form a group; one source of the group at a time contributes to a target, as with several tracks
 //! of a single source.
@@ -28,35 +28,36 @@ use serde::{Deserialize, Serialize};
 
 use crate::settings::SourceSettings;
 
-/// Reports that are remembered.
+/// Number of reports in the table.
 const PLACES: usize = 4096;
 /// Places are the same to so many metres, times to so many nanoseconds.
 const SAME_M: f64 = 0.5;
 const SAME_NS: i64 = 1_000_000;
-/// Weight of a report in the share of copies, the share from which a source is dependent, and that below which it is
-/// not any more.
+/// Weight of a report in the share of copies, share from which a source is dependent, and share below which the
+/// dependence ends.
 const GAIN: f64 = 1.0 / 8.0;
 const DEPENDENT: f64 = 0.5;
 const INDEPENDENT: f64 = 0.2;
 /// Reports of two sources coincide if their times differ by no more than so many nanoseconds.
 const COINCIDENT_NS: i64 = 500_000_000;
-/// Least time between two reports of a sensor track that are compared, nanoseconds: its errors have changed by then.
+/// Least time between two compared reports of a sensor track, nanoseconds: the errors have changed by then.
 const COMPARED_EVERY_NS: i64 = 4_000_000_000;
-/// Weight of a new value in means of normalised squares, and the largest that counts.
+/// Weight of a new value in means of normalised squares, and upper bound of a value.
 const SQUARE_GAIN: f64 = 1.0 / 64.0;
 const SQUARE_MAX: f64 = 4.0;
 /// Mean normalised innovation squared below which a source's covariances are no measure: two precise sources with
-/// pessimistic covariances agree better than stated. That of a copy is small by itself; therefore one of two is
-/// enough.
+/// pessimistic covariances agree better than stated. The mean of a copy is small by itself; therefore a value above
+/// this limit for either source is enough.
 const HONEST: f64 = 0.5;
-/// Mean of normalised squares of differences below which two sources are dependent, and above which not any more.
+/// Mean of normalised squares of differences below which two sources are dependent, and above which the dependence
+/// ends.
 const SAME_ERRORS: f64 = 0.12;
 const OWN_ERRORS: f64 = 0.25;
-/// Mean below which sources have so much of their errors in common that the false tracks of one are the other's too.
+/// Mean below which the common errors of two sources are so large that the false tracks of both are the same.
 const SHARED_ERRORS: f64 = 0.65;
 
-/// Returns the nearest whole number, of two the one away from 0. `f64::round` is a call where the processor need not
-/// have an instruction for it.
+/// Returns the nearest whole number, ties away from 0. `f64::round` is a call on processors without an instruction for
+/// rounding.
 fn rounded(value: f64) -> i64 {
     let whole = value as i64;
     let rest = value - whole as f64;
@@ -67,10 +68,11 @@ fn rounded(value: f64) -> i64 {
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Dependence {
     recent: Vec<(u64, u16)>,
-    /// Share of each source's reports that repeat those of each other source.
+    /// Share of each source's reports that repeat reports of each other source.
     copies: Vec<f64>,
-    /// Mean normalised squares of the difference of coinciding reports for each pair of sources, per axis: with the
-    /// second report moved to the time of the first, and unmoved, in case only its stamp differs.
+    /// Mean normalised squares of the difference of coinciding reports for each pair of sources, per axis. The first
+    /// value has the second report moved to the time of the first, the second value unmoved, in case only the time
+    /// stamp differs.
     differences: Vec<[f64; 2]>,
     /// Mean normalised innovation squared of each source, per axis, at most 1.
     innovations: Vec<f64>,
@@ -78,7 +80,7 @@ pub(crate) struct Dependence {
     may_depend: Vec<bool>,
     stated: Vec<bool>,
     learned: Vec<bool>,
-    /// The first source of each one's group.
+    /// The first source of each source's group.
     groups: Vec<u16>,
 }
 
@@ -140,8 +142,8 @@ impl Dependence {
         self.groups[usize::from(source)]
     }
 
-    /// Returns the sources that are dependent on `source` or on which it depends, with the correlation of the errors,
-    /// in (0, 1]: the first `N` by number; the rest of the array has a correlation of 0.
+    /// Returns the sources that depend on `source` or on which `source` depends, with the correlation of the errors, in
+    /// (0, 1]: the first `N` by number. The rest of the array has a correlation of 0.
     pub(crate) fn partners<const N: usize>(&self, source: u16) -> [(u16, f64); N] {
         let (own, count) = (usize::from(source), self.groups.len());
         let mut partners = [(0, 0.0); N];
@@ -151,7 +153,7 @@ impl Dependence {
             let differences = both.iter().flat_map(|index| self.differences[*index]);
             let least = differences.fold(1.0, f64::min);
             let copied = both.iter().map(|index| self.copies[*index]).fold(0.0, f64::max);
-            // A stated dependence that no report has shown yet counts as complete.
+            // A configured dependence without evidence from reports counts as complete.
             let correlation = if least < 1.0 || copied > 0.0 {
                 (1.0 - least).max(copied)
             } else {
@@ -162,8 +164,8 @@ impl Dependence {
         partners
     }
 
-    /// Whether a source bears witness beside those in `others`, given as bits: one that shares errors with them repeats
-    /// their measurements, and their false tracks.
+    /// Whether a source is an independent witness beside the sources in `others`, given as bits: a source with shared
+    /// errors repeats the measurements and the false tracks of the others.
     pub(crate) fn is_witness_beside(&self, source: u16, others: u64) -> bool {
         let count = self.groups.len();
         let shares = |one: usize, other: usize| {
@@ -275,7 +277,7 @@ impl Dependence {
         }
     }
 
-    /// Finds the groups anew: sources that depend on each other, directly or by way of others.
+    /// Finds the groups anew: sources that depend on each other, directly or through other sources.
     fn regroup(&mut self) {
         let count = self.groups.len();
         for (source, group) in self.groups.iter_mut().enumerate() {
@@ -369,7 +371,7 @@ mod tests {
 
     #[test]
     fn sources_with_errors_partly_in_common_bear_witness_once() {
-        // Normalised squares of the differences: 1 where errors are independent, 1/2 where half of them is common.
+        // Normalised squares of the differences: 1 for independent errors, 1/2 if half of the errors is common.
         for (square, witnesses) in [(1.0, 2), (0.5, 1)] {
             let mut dependence = Dependence::new(&test_settings(3).sources);
             for step in 0..300 {

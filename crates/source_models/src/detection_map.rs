@@ -1,11 +1,11 @@
-//! Detection map: with which probability each source follows a target at a place, learned or configured (BF-2).
+//! Detection map: probability that each source follows a target at a place, learned or configured (BF-2).
 //!
-//! The map is a pyramid of square cells: small cells follow the edge of a coverage, large cells answer where the small
-//! ones have seen too few targets. A cell takes the probability of the cell above it as prior, worth
-//! [`GENERAL_WEIGHT`] targets; the top of the pyramid is the source in general.
+//! The map is a pyramid of square cells: small cells resolve the edge of a coverage, large cells answer in place of
+//! small cells with too few targets. A cell takes the probability of the cell above as prior, worth [`GENERAL_WEIGHT`]
+//! targets; the top of the pyramid is the source in general.
 //!
-//! Each target teaches the map with the probability of its existence as weight. A target that one source alone
-//! follows thus teaches where the other sources are blind, and a false track teaches little.
+//! Each target teaches the map with the probability of its existence as weight. A target of a single source thus
+//! teaches the blind areas of the other sources, and a false track teaches little.
 //!
 //! Source: X. R. Li, N. Li, *Integrated real-time estimation of clutter density for tracking*, IEEE Transactions on
 //! Signal Processing 48 (2000), for perceivability; D. Mušicki, R. Evans, S. Stankovic, *Integrated probabilistic data
@@ -27,9 +27,9 @@ const LEVELS: [f64; 3] = [1.0, 4.0, 16.0];
 const CELL_MEMORY: f64 = 64.0;
 /// Observations of a source in general are forgotten beyond this number.
 const GENERAL_MEMORY: f64 = 256.0;
-/// Largest probability that is believed: there is always a chance to be shadowed.
+/// Largest accepted probability: shadowing is always possible.
 const DETECTION_MAX: f64 = 0.98;
-/// Places of the table that are tried for one cell.
+/// Number of table places tried for a cell.
 const PROBES: usize = 8;
 
 kept! {
@@ -79,23 +79,23 @@ impl HitCount {
 /// Probability that a source follows a target at a place, in [0, 0.98].
 #[derive(Clone, Copy, Debug)]
 pub struct DetectionProbability {
-    /// With the prior that a source sees half of the targets: the probability that decides whether to wait for it.
+    /// With the prior that a source detects half of the targets: decides whether to wait for the source.
     pub assumed: f64,
-    /// With the prior that a source sees nothing: the probability that its silence is worth. A source that has not
-    /// shown that it covers a place contributes no evidence against a target there.
+    /// With the prior that a source detects nothing: the evidential weight of the source's silence. Without proven
+    /// coverage of a place, a source contributes no evidence against a target there.
     pub shown: f64,
 }
 
 /// A cell: its level in [`LEVELS`] and its column together, and its row.
 type MapCell = (i32, i32);
 
-/// Where each source follows targets: learned per cell, or configured.
+/// Coverage of each source: learned per cell, or configured.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct DetectionMap {
     sources: usize,
     /// Width of the smallest cells.
     cell_m: f64,
-    /// Which cell each place of the table holds.
+    /// Cell at each place of the table.
     cells: Vec<Option<MapCell>>,
     tallies: Vec<HitCount>,
     general: Vec<HitCount>,
@@ -103,7 +103,7 @@ pub(crate) struct DetectionMap {
 }
 
 impl DetectionMap {
-    /// For as many sources as `areas` has entries; `cells` cells, of which the smallest are `cell_m` metres wide.
+    /// For as many sources as `areas` has entries; `cells` cells, the smallest `cell_m` metres wide.
     pub(crate) fn new(areas: Vec<Option<CoverageArea>>, cells: usize, cell_m: f64) -> Self {
         let (sources, cells) = (areas.len(), cells.next_power_of_two());
         Self {
@@ -116,17 +116,17 @@ impl DetectionMap {
         }
     }
 
-    /// Words that a checkpoint keeps of a cell.
+    /// Words of a cell in a checkpoint.
     pub(crate) fn cell_words(&self) -> usize {
         MapCell::WORDS + self.sources * HitCount::WORDS
     }
 
-    /// Number of cells that the table has room for.
+    /// Number of cells in the table.
     pub(crate) fn places(&self) -> usize {
         self.cells.len()
     }
 
-    /// Keeps the cell at a place of the table; whether there is one.
+    /// Keeps the cell at a place of the table; `None` for an empty place.
     pub(crate) fn cell_at(&self, place: usize) -> Option<impl FnOnce(&mut Put<'_>)> {
         let cell = self.cells[place]?;
         let tallies = &self.tallies[place * self.sources..(place + 1) * self.sources];
@@ -136,7 +136,7 @@ impl DetectionMap {
         })
     }
 
-    /// Takes in a cell that was kept.
+    /// Restores a kept cell.
     pub(crate) fn resume_cell(&mut self, place: usize, from: &mut Get<'_>) {
         self.cells[place] = MapCell::get(from);
         for tally in &mut self.tallies[place * self.sources..(place + 1) * self.sources] {
@@ -155,7 +155,7 @@ impl DetectionMap {
         self.areas[source].as_ref()
     }
 
-    /// Forgets where a source detects targets.
+    /// Forgets the coverage of a source.
     pub(crate) fn forget(&mut self, source: usize) {
         self.general[source] = HitCount::default();
         for tally in self.tallies.iter_mut().skip(source).step_by(self.sources) {
@@ -163,10 +163,10 @@ impl DetectionMap {
         }
     }
 
-    /// Learns from a target at (x, y) that exists with the probability `existence`; `is_detected` states whether a
-    /// source follows the target; `None`: the source is not asked.
+    /// Learns from a target at (x, y) with the probability of existence `existence`; `is_detected` states whether a
+    /// source follows the target; `None`: the source is left out.
     pub(crate) fn learn(&mut self, [x, y]: [f64; 2], existence: f64, is_detected: impl Fn(u16) -> Option<bool>) {
-        // A track that may be false would teach its own small cells alone, and so speak for itself.
+        // A possibly false track would teach only its own small cells, and so support itself.
         let lowest = if existence < 1.0 { LEVELS.len() - 1 } else { 0 };
         let places: [Option<usize>; LEVELS.len()] =
             std::array::from_fn(|level| (level >= lowest).then(|| self.claim(level, x, y)).flatten());

@@ -1,11 +1,11 @@
-//! Shape of a source's errors: how much longer they are in one horizontal direction than its covariances state.
+//! Shape of a source's errors: elongation in a horizontal direction, relative to the stated covariances.
 //!
-//! A radar whose azimuth is worse than its range has errors in the form of long ellipses, but many trackers state one
-//! constant variance for both axes. Fusion would then weigh the long axis as if it were as good as the short one. One
-//! factor on the covariance does not help: it makes the short axis as bad.
+//! A radar with less accurate azimuth than range has errors in the form of long ellipses, but many trackers state a
+//! constant variance for both axes. Fusion would then weigh the long axis as much as the short axis. A single factor on
+//! the covariance does not help: the short axis becomes as bad.
 //!
-//! Innovations that are whitened by what is expected of them point in all directions alike. If they prefer a direction,
-//! the covariance is stretched along this direction, and shrunk across it, by a small step of the logarithm per
+//! Innovations whitened by the expected covariance point in all directions alike. If the innovations prefer a
+//! direction, the covariance is stretched along this direction, and shrunk across, by a small step of the logarithm per
 //! innovation. The length of the innovation has no influence, so no single report can spoil the shape (the fixed point
 //! is Tyler's estimator of shape). The size follows from the factor of covariance scaling.
 //!
@@ -30,7 +30,7 @@ const CLEAR: f64 = 0.6;
 const LOGARITHM_MAX: f64 = 3.0;
 
 kept! {
-    /// Shape of a source's errors, as learned.
+    /// Learned shape of a source's errors.
     #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
     pub(crate) struct ErrorShape {
         /// Logarithm of the stretch along the first axis, and along the diagonal between the axes.
@@ -86,8 +86,8 @@ impl ErrorShape {
         self.logarithm[0].hypot(self.logarithm[1])
     }
 
-    /// Returns the standard deviation across the line of sight over that along it, relative to the covariances; `None`
-    /// while no shape is clear.
+    /// Returns the ratio of the standard deviations across and along the line of sight, relative to the covariances;
+    /// `None` while no shape is clear.
     pub(crate) fn ratio(&self) -> Option<f64> {
         let is_used = self.innovations >= INNOVATIONS_MIN && self.length() >= CLEAR;
         is_used.then(|| (-self.logarithm[0]).exp())
@@ -122,14 +122,14 @@ pub struct Stretch {
 }
 
 impl Stretch {
-    /// Leaves errors as they are.
+    /// Stretch without effect.
     pub const NONE: Self = Self {
         east: 1.0,
         cross: 0.0,
         north: 1.0,
     };
 
-    /// Returns the stretch that reverses this one.
+    /// Returns the reverse stretch.
     pub fn inverse(self) -> Self {
         Self {
             east: self.north,

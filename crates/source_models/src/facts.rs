@@ -1,4 +1,4 @@
-//! What fusion finds out about the sources while it works: plain data, from which the models learn.
+//! Facts about the sources: plain data from fusion, from which the models learn.
 
 use estimation::Gaussian;
 use messages::{AXES, SensorTrack};
@@ -8,12 +8,12 @@ use crate::innovation::FilterInnovation;
 use crate::measurement::{Correction, Measurement, gaussian_of};
 use crate::tracker_gain::GainEvidence;
 
-/// The latest report of a sensor track, as fusion uses it, with what was taken off.
+/// The latest report of a sensor track, corrected as fusion uses the report.
 #[derive(Clone, Copy, Debug)]
 pub struct StatedState<'a> {
     /// The corrected report.
     pub report: &'a SensorTrack,
-    /// What was taken off.
+    /// The correction.
     pub correction: &'a Correction,
 }
 
@@ -36,40 +36,40 @@ impl StatedState<'_> {
 pub struct EarlierReport<'a> {
     /// The report.
     pub stated: StatedState<'a>,
-    /// What the reports of the track showed of the gain of the source's tracker.
+    /// Evidence of the track's reports on the gain of the source's tracker.
     pub evidence: &'a GainEvidence,
     /// Reports of the track so far.
     pub reports: u32,
 }
 
-/// What a measurement shows of its source, beside the prediction from all sources.
+/// A measurement beside the prediction from all sources.
 #[derive(Clone, Copy, Debug)]
 pub struct Innovation<'a> {
     /// Number of the source.
     pub source: u16,
     /// The corrected report.
     pub report: &'a SensorTrack,
-    /// Place of its target in the table of system tracks.
+    /// Place of the target in the table of system tracks.
     pub target: u32,
     /// The innovation, of the measured point.
     pub innovation: &'a FilterInnovation,
     /// Normalised innovation squared in the plane, finite.
     pub nis: f64,
-    /// The target's velocity, m/s, where the innovation shows how targets move.
+    /// Velocity of the target, m/s, if the innovation bears on the motion of targets.
     pub moves_mps: Option<[f64; AXES]>,
-    /// The innovation about the mean of its sensor track's, metres; `None` while that is not known.
+    /// The innovation about the mean innovation of the sensor track, metres; `None` before a mean is known.
     pub about_mean_m: Option<[f64; 2]>,
-    /// Whether it shows a change of the source's systematic errors.
+    /// Whether the innovation bears on the source's systematic errors.
     pub shows_errors: bool,
-    /// Whether it shows how true the source's covariances are.
+    /// Whether the innovation bears on the source's covariances.
     pub shows_accuracy: bool,
     /// Probability that the target flies straight.
     pub steadiness: f64,
-    /// The sensor track's mean beside those of others.
+    /// The mean innovation of the sensor track beside the means of others.
     pub apart: Option<MeanApart>,
 }
 
-/// How far the mean innovation of a sensor track lies from those of the others of its target.
+/// Distance of the mean innovation of a sensor track from the means of the other tracks of the target.
 #[derive(Clone, Copy, Debug)]
 pub struct MeanApart {
     /// East and north, metres.
@@ -97,7 +97,7 @@ pub struct ComparedStates<'a> {
     pub age_s: f64,
 }
 
-/// A target that is looked at for who follows it.
+/// A target, and the sources that follow the target.
 #[derive(Clone, Copy, Debug)]
 pub struct FollowedTarget {
     /// Time of the look, nanoseconds.
@@ -106,66 +106,66 @@ pub struct FollowedTarget {
     pub place_m: [f64; AXES],
     /// Probability that there is a target.
     pub existence: f64,
-    /// Sources that follow it, as bits.
+    /// Sources that follow the target, as bits.
     pub follows: u64,
-    /// Sources of which it is known whether they follow it, as bits.
+    /// Sources that can be expected to follow the target, or do, as bits.
     pub asked: u64,
 }
 
-/// What fusion finds out about the sources.
+/// A fact about the sources.
 #[derive(Clone, Copy, Debug)]
 pub enum Fact<'a> {
-    /// A report shows something by itself, or beside the one before.
+    /// A report by itself, or beside the report before.
     Report(ReportFact<'a>),
-    /// A measurement shows something beside the prediction from all sources.
+    /// A measurement beside the prediction from all sources.
     Innovation(InnovationFact<'a>),
-    /// Reports of several sources on one target show something beside each other.
+    /// Reports of several sources on a target, beside each other.
     Pair(PairFact<'a>),
-    /// A scan of the source has detected a target that the source tracks, or not.
+    /// A scan of the source has detected a tracked target, or missed the target.
     Scan {
         /// Number of the source.
         source: u16,
-        /// Whether it detected the target.
+        /// Whether the scan detected the target.
         is_detected: bool,
     },
-    /// A target shows who follows it, or a new track what it was.
+    /// The followers of a target, or the truth of a new track.
     Target(TargetFact),
-    /// An operator orders that a source begin anew.
+    /// An order to forget all knowledge of a source.
     Order {
         /// Number of the source.
         source: u16,
     },
 }
 
-/// What a report shows.
+/// A fact from a report.
 #[derive(Clone, Copy, Debug)]
 pub enum ReportFact<'a> {
-    /// A valid report has come at `now_ns`: where its source stands, and whether it has a gross error.
+    /// A valid report has come at `now_ns`: evidence on the place of a moving source, and on gross errors.
     Came {
-        /// The report, free of a gross error that is known.
+        /// The report, free of known gross errors.
         report: &'a SensorTrack,
         /// The engine's time, nanoseconds.
         now_ns: i64,
     },
-    /// So late, nanoseconds, a report of the source has come.
+    /// A report of the source has come late by `late_ns`.
     Late {
         /// Number of the source.
         source: u16,
         /// Delay, nanoseconds.
         late_ns: i64,
     },
-    /// A report, in its source's form, is one of a sensor: it may be a copy of another source's.
+    /// A report in the form of the source, which is a sensor: possibly a copy of another source's report.
     Original(&'a SensorTrack),
-    /// A report of a source with this period has this time; it may be the first of its sensor track.
+    /// The time of a report, which may be the first of a sensor track.
     Timed {
         /// Number of the source, and its period, nanoseconds.
         source: (u16, i64),
         /// Time of measurement, nanoseconds.
         time_ns: i64,
-        /// Whether its sensor track is new.
+        /// Whether the sensor track is new.
         is_first: bool,
     },
-    /// A report follows another one of its sensor track after so long, or begins a sensor track.
+    /// A report follows the report before of its sensor track, or begins a sensor track.
     Follows {
         /// Number of the source.
         source: u16,
@@ -174,7 +174,7 @@ pub enum ReportFact<'a> {
         /// Time since the report before, nanoseconds.
         since_ns: Option<i64>,
     },
-    /// The source was silent for so long about a target that goes on.
+    /// The source was silent about a target for `gap_ns`, and reported the target again.
     Gap {
         /// Number of the source.
         source: u16,
@@ -185,36 +185,36 @@ pub enum ReportFact<'a> {
     Pressure(&'a SensorTrack),
 }
 
-/// What a measurement shows beside the prediction.
+/// A fact from a measurement beside the prediction.
 #[derive(Clone, Copy, Debug)]
 pub enum InnovationFact<'a> {
-    /// It was used.
+    /// The measurement was used.
     Used(Innovation<'a>),
-    /// It was not used, since others contradict it.
+    /// The measurement was not used, since other sources contradict the measurement.
     Contradicted {
         /// Number of the source.
         source: u16,
-        /// Place of its target in the table of system tracks.
+        /// Place of the target in the table of system tracks.
         target: u32,
-        /// Where the target is, east and north, metres.
+        /// Place of the target, east and north, metres.
         place_m: [f64; 2],
         /// Velocity in the report, m/s.
         velocity_mps: [f64; AXES],
-        /// Distance of the measurement from there, metres, and its covariance (xx, xy, yy), m².
+        /// Distance of the measurement from `place_m`, metres, and the covariance (xx, xy, yy) of the distance, m².
         residual: ([f64; 2], [f64; 3]),
     },
-    /// The detection point of one of the source's targets has leapt.
+    /// The detection point of a target of the source has leapt.
     Leapt {
         /// Number of the source.
         source: u16,
         /// Time of measurement, nanoseconds.
         time_ns: i64,
-        /// Targets that the source follows.
+        /// Number of targets of the source.
         targets: usize,
     },
 }
 
-/// What reports on one target show beside each other.
+/// A fact from reports on a target beside each other.
 #[derive(Clone, Copy, Debug)]
 pub enum PairFact<'a> {
     /// The states of two sources: systematic errors.
@@ -228,19 +228,19 @@ pub enum PairFact<'a> {
     },
     /// A report was judged by the others of its target.
     Judged(&'a Judgement),
-    /// A position that a target reported was compared with those that sensors measured.
+    /// A position from the target itself was compared with positions from sensors.
     Verified {
         /// Number of the source.
         source: u16,
-        /// Whether they contradict it.
+        /// Whether the sensors contradict the position.
         is_contradicted: bool,
     },
 }
 
-/// What a target shows.
+/// A fact about a target.
 #[derive(Clone, Copy, Debug)]
 pub enum TargetFact {
-    /// Which sources follow it.
+    /// The sources that follow the target.
     Followed(FollowedTarget),
     /// A new track of the source turned out to be a target, or false.
     Proved {

@@ -1,29 +1,29 @@
-//! How long a source is silent about a target that goes on.
+//! Silence of a source about a continuing target.
 //!
-//! The period of a source says when the next report is due, not how late it may come: a centre that reports every five
-//! seconds leaves one target in a hundred for thirty. A track that ends, or is hidden, before its source surely reports
-//! it again does so without cause. The measure is the interval between two reports of one sensor track that only
-//! [`BEYOND`] of all intervals exceed. It follows each interval by a step upwards or downwards, as large as makes the
-//! steps cancel where that share exceeds it (H. Robbins and S. Monro, 1951), so that nothing is stored.
+//! The period of a source gives the due time of the next report, not its delay. A centre with a period of five seconds
+//! leaves one target in a hundred without reports for thirty. Ending or hiding a track before the source surely reports
+//! again has no cause. The measure is the quantile of the intervals between two reports of a sensor track: only
+//! [`BEYOND`] of all intervals are longer. The estimate follows each interval by a step upwards or downwards; the two
+//! step sizes balance at the quantile (H. Robbins and S. Monro, 1951), so nothing is stored.
 //!
-//! A silence after which the sensor track had been given up counts, too, once the source has taken its number up again.
+//! A silence after the end of the sensor track counts, too, once the source uses the track number again.
 
 use messages::NS_PER_S;
 use serde::{Deserialize, Serialize};
 
-/// Share of the intervals that are longer.
+/// Share of the longer intervals.
 const BEYOND: f64 = 0.01;
 /// Relative step after a longer interval.
 const STEP: f64 = 0.2;
-/// Part by which a silence may be longer: it is no exact figure.
+/// Margin on the silence, as a factor: the quantile is no exact figure.
 const MARGIN: f64 = 1.1;
-/// Longest silence in which a target is believed to go on, nanoseconds.
+/// Longest silence of a target assumed to continue, nanoseconds.
 const SILENCE_MAX_NS: i64 = 60 * NS_PER_S as i64;
 
 /// The intervals of one source.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Gaps {
-    /// Interval that few exceed, nanoseconds; 0 before the first one.
+    /// Interval exceeded by few, nanoseconds; 0 before the first interval.
     long_ns: i64,
 }
 
@@ -43,7 +43,7 @@ impl Gaps {
         self.long_ns = ((long_ns + step * long_ns) as i64).min(SILENCE_MAX_NS);
     }
 
-    /// Silence after which a target will not be reported again, nanoseconds; 0 if unknown.
+    /// Silence after which no further report of a target is expected, nanoseconds; 0 if unknown.
     #[inline]
     pub(crate) fn silence_ns(&self) -> i64 {
         ((MARGIN * self.long_ns as f64) as i64).min(SILENCE_MAX_NS)

@@ -1,6 +1,6 @@
-//! What a measurement shows beside its prediction: what the models of sources and motion learn from.
+//! Innovation of a measurement: input for learning the models of sources and motion.
 
-/// How well the model that surely held foretold a measurement: normalised innovation squared in the plane.
+/// Fit of the model that surely held: normalised innovation squared in the plane.
 #[derive(Clone, Copy, Debug)]
 pub enum Fit {
     /// The model of straight flight.
@@ -11,7 +11,7 @@ pub enum Fit {
     Undecided,
 }
 
-/// What a target does that surely does not fly straight.
+/// Manoeuvre of a target that surely does not fly straight.
 #[derive(Clone, Copy, Debug)]
 pub struct Manoeuvre {
     /// Probability of agile motion.
@@ -31,14 +31,14 @@ pub struct FilterInnovation {
     pub covariance_m2: [f64; 3],
     /// Squared statistical length of the residual.
     pub squared: f64,
-    /// Weight of the measurement in the new horizontal position, in [0, 1]; 0 if it was not used.
+    /// Weight of the measurement in the new horizontal position, in [0, 1]; 0 for an unused measurement.
     pub gain: f64,
-    /// How well the model that surely held foretold it.
+    /// Fit of the model that surely held.
     pub fit: Fit,
     /// `None` if the target may fly straight.
     pub manoeuvre: Option<Manoeuvre>,
-    /// Time for which the target is expected to have flown straight since the last measurement, s.
+    /// Expected time of straight flight since the last measurement, s.
     pub straight_s: f64,
-    /// Whether the target, which surely flew straight, surely turns.
+    /// Whether the target surely flew straight before and surely turns now.
     pub begins_turn: bool,
 }

@@ -1,4 +1,4 @@
-//! What outlives the process of the models: records of sources, of pairs, of classes of motion, of cells of coverage.
+//! Records of the models for a successor of the process: sources, pairs, classes of motion, cells of coverage.
 
 use kept::{Get, Put, kept};
 use messages::{Bias, BiasKind};
@@ -12,7 +12,7 @@ use crate::source_model::SourceModel;
 use crate::sources::Sources;
 
 kept! {
-    /// All that was learned of one source.
+    /// All knowledge of a source.
     #[derive(Clone, Copy, Debug)]
     pub struct KeptSource {
         model: SourceModel,
@@ -26,7 +26,7 @@ kept! {
 }
 
 kept! {
-    /// All that was learned of one ordered pair of sources.
+    /// All knowledge of an ordered pair of sources.
     #[derive(Clone, Copy, Debug)]
     pub struct KeptPair {
         sums: SourcePair,
@@ -37,7 +37,7 @@ kept! {
 }
 
 kept! {
-    /// All that was learned of the motion of a class of targets.
+    /// All knowledge of the motion of a class of targets.
     #[derive(Clone, Copy, Debug)]
     pub struct KeptClass {
         class: Class,
@@ -49,14 +49,14 @@ impl Sources {
     /// Number of classes of motion.
     pub const CLASSES: usize = CLASSES;
 
-    /// Number of cells of the learned coverage, and the words of one.
+    /// Number of cells of the learned coverage, and the words of a cell.
     pub fn kept_cells(&self) -> (usize, usize) {
         (self.coverage.places(), self.coverage.cell_words())
     }
 }
 
 impl Sources {
-    /// What is kept of a source.
+    /// The record of a source.
     pub fn kept_source(&mut self, source: usize) -> KeptSource {
         KeptSource {
             model: self.models[source],
@@ -68,7 +68,7 @@ impl Sources {
         }
     }
 
-    /// Continues with what was kept of a source.
+    /// Continues with the record of a source.
     pub fn resume_source(&mut self, source: usize, kept: &KeptSource) {
         self.models[source] = kept.model;
         self.registration.resume(source, &kept.errors);
@@ -78,7 +78,7 @@ impl Sources {
         self.alignment.resume(source, kept.gross);
     }
 
-    /// What is kept of a pair of sources.
+    /// The record of a pair of sources.
     pub fn kept_pair(&mut self, place: usize) -> KeptPair {
         KeptPair {
             sums: self.registration.pairs()[place],
@@ -87,21 +87,21 @@ impl Sources {
         }
     }
 
-    /// Continues with what was kept of a pair of sources.
+    /// Continues with the record of a pair of sources.
     pub fn resume_pair(&mut self, place: usize, kept: &KeptPair) {
         self.registration.resume_pair(place, kept.sums);
         *self.alignment.pair_mut(place) = kept.gross;
         self.dependence.resume(place, kept.dependence);
     }
 
-    /// What is kept of a class of motion.
+    /// The record of a class of motion.
     pub fn kept_class(&mut self, place: usize) -> KeptClass {
         KeptClass {
             class: self.manoeuvres.classes_mut()[place],
         }
     }
 
-    /// Continues with what was kept of a class of motion.
+    /// Continues with the record of a class of motion.
     pub fn resume_class(&mut self, place: usize, kept: &KeptClass) {
         self.manoeuvres.classes_mut()[place] = kept.class;
     }
@@ -176,7 +176,7 @@ mod tests {
         let learned = known(&models);
         assert!(learned.0[0] > 60.0 && learned.2 == [0, 0, 2], "{learned:?}");
         assert_eq!(known(&successor(&mut models, true)), learned);
-        // Who does not want errors removed any more gets reports as they are.
+        // Without removal, reports stay unchanged.
         let (believed, removed) = successor(&mut models, false).alignment.bias_of(2);
         assert!(removed.is_none() && believed.is_some_and(|error| !error.is_removed));
     }

@@ -1,4 +1,4 @@
-//! What fusion reads of the sources.
+//! Knowledge of the sources, as fusion reads the models.
 
 use messages::{NS_PER_S, SensorTrack};
 
@@ -18,16 +18,16 @@ use crate::sources::{Sources, place_of};
 /// Share of a self-reporting source's reports that measuring sensors contradict, from which the source is biased.
 const SHARE_MAX: f64 = 0.5;
 
-/// How a report lies to its target's estimate.
+/// Position of a report relative to the estimate of the target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Nearness {
-    /// Its source is not compared at present.
+    /// The source is exempt from comparison at present.
     Exempt,
-    /// It needs no comparison.
+    /// The report needs no comparison.
     Near,
-    /// It is to be compared with the others, where sources see a target with this variance per axis, m².
+    /// The report needs a comparison with other sources.
     Far {
-        /// The variance, m².
+        /// Variance per axis of the points of a target that sources see, m².
         spread_m2: f64,
     },
 }
@@ -123,8 +123,8 @@ impl Sources {
 
 /// Errors.
 impl Sources {
-    /// What is left of the biases of a report's source, metres, and the variance of the biases, m²; `None` while they
-    /// are not learned.
+    /// Rest of the biases of a report's source, metres, and the variance of the biases, m²; `None` before the biases
+    /// are learned.
     #[inline]
     fn bias_left(&self, sources: &[SourceSettings], report: &SensorTrack) -> Option<(f64, f64)> {
         let place_m = place_of(&sources[usize::from(report.source)]);
@@ -170,7 +170,7 @@ impl Sources {
         self.registration.of(source)
     }
 
-    /// What a source is suspected to err on all targets with this velocity, east and north, metres.
+    /// Suspected error of a source on all targets with this velocity, east and north, metres.
     #[inline]
     pub fn suspected_shift_m(&self, source: u16, velocity_mps: [f64; 3]) -> [f64; 2] {
         self.registration.suspected_shift(source, velocity_mps)
@@ -193,7 +193,7 @@ impl Sources {
         self.registration.is_acquainted(source)
     }
 
-    /// Whether the errors of a source changed so recently that its tracker's states lag behind.
+    /// Whether the errors of a source changed so recently that the states of the source's tracker lag behind.
     #[inline]
     pub fn is_young(&self, source: u16) -> bool {
         self.registration.is_young(source)
@@ -216,13 +216,13 @@ impl Sources {
         self.alignment.epoch_of(source)
     }
 
-    /// Whether the filter behind a source's reports, whose covariances show one, cannot be undone.
+    /// Whether the covariances of a source show a filter that cannot be undone.
     #[inline]
     pub fn cannot_be_undone(&self, source: u16) -> bool {
         self.models[usize::from(source)].cannot_be_undone()
     }
 
-    /// Whether few targets of a source tell where its detection points lie.
+    /// Whether few targets have shown the detection points of a source.
     #[inline]
     pub fn knows_spread_badly(&self, source: u16) -> bool {
         !self.models[usize::from(source)].knows_spread_well()
@@ -316,7 +316,7 @@ impl Sources {
         self.credibility.admits(judgement)
     }
 
-    /// Whether sources decide on a report that none contradicts for certain.
+    /// Whether there are enough sources to decide on an open judgement.
     pub fn others_can_decide(&self) -> bool {
         self.credibility.others_can_decide()
     }
@@ -344,7 +344,7 @@ impl Sources {
         self.dependence.group_of(source)
     }
 
-    /// Whether a source bears witness beside others (bits): it shares no errors with them.
+    /// Whether a source is a witness beside others (bits), without errors in common.
     pub fn is_witness_beside(&self, source: u16, others: u64) -> bool {
         self.dependence.is_witness_beside(source, others)
     }
@@ -383,7 +383,7 @@ impl Sources {
         Some(self.coverage.probability(source, place_m))
     }
 
-    /// Height less pressure altitude at a place and its standard deviation, metres; `None` if unknown.
+    /// Height less pressure altitude at a place, and the standard deviation, metres; `None` if unknown.
     pub fn pressure_offset_m(&self, place_m: [f64; 3]) -> Option<[f64; 2]> {
         self.pressure.at(place_m)
     }
@@ -396,8 +396,8 @@ pub(crate) fn is_aligned(settings: &Settings, report: &SensorTrack) -> bool {
     settings.registration.enabled && settings.sources.len() >= 2 && !source.is_centre && source.is_registered
 }
 
-/// The largest spread that was learned of any source, at least `least_m2`. One of several points, taken for the
-/// target's middle, is as far off as they are from each other.
+/// The largest learned spread of any source, at least `least_m2`. A point of the target, taken for the middle, is as
+/// far off as points are from each other.
 #[inline]
 fn learned_spread_m2(models: &[SourceModel], least_m2: f64) -> f64 {
     models.iter().map(SourceModel::spread_m2).fold(least_m2, f64::max)

@@ -1,6 +1,6 @@
-//! What the engine has learned of a source, beside its biases: for health messages, reports and people.
+//! The engine's estimates for a source, beside its biases: for health messages, reports and people.
 //!
-//! Nothing here takes part in fusion; the values are read from the models that do, once per health message.
+//! Nothing here takes part in fusion; the values are read once per health message from the models used in fusion.
 
 use messages::{Bias, ErrorModel, NS_PER_S};
 
@@ -8,31 +8,31 @@ use crate::registration::SourceErrors;
 use crate::source_model::SourceModel;
 use crate::sources::Sources;
 
-/// Most sources that [`Learned::dependent`] names.
+/// Maximum number of sources in [`Learned::dependent`].
 pub(crate) const DEPENDENT_MAX: usize = 4;
 /// New tracks of a source before the share of targets among them is stated.
 const NEW_TRACKS_MIN: f64 = 8.0;
 
-/// Knowledge of one source.
+/// Estimates for a source.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Learned {
-    /// Standard deviations of the measurements of a source whose tracker is undone, metres: along the long and the
-    /// short axis of the error ellipse, and of the height.
+    /// Standard deviations of the measurements of a source with an undone tracker, metres: along the long and the short
+    /// axis of the error ellipse, and of the height.
     pub measurement_sigma_m: Option<[f64; 2]>,
     /// See `measurement_sigma_m`.
     pub height_sigma_m: Option<f64>,
-    /// Standard deviation across the line of sight over that along it, both relative to the stated covariances.
+    /// Ratio of the standard deviations across and along the line of sight, both relative to the stated covariances.
     pub shape_ratio: Option<f64>,
     /// Share of the source's new tracks that turned out to be targets.
     pub target_share: Option<f64>,
-    /// Delay of the source's reports, exceeded by one report in ten, seconds.
+    /// Delay of the source's reports, exceeded by a tenth of the reports, seconds.
     pub lateness_s: f64,
-    /// Probability that a scan detects a target that the source tracks.
+    /// Probability that a scan detects a target tracked by the source.
     pub detection_probability: f64,
     /// Model of the systematic error with the best evidence.
     pub error_model: Option<ErrorModel>,
     /// Sources on which the source depends, with the correlation of the errors, in (0, 1], 0 for no source: the first
-    /// ones by number.
+    /// `DEPENDENT_MAX` by number.
     pub dependent: [(u16, f64); DEPENDENT_MAX],
 }
 
@@ -42,8 +42,8 @@ impl Sources {
         (usize::from(source) < self.models.len()).then(|| self.registration.of(source))
     }
 
-    /// Returns the gross error of `source` that unassociated tracks reveal; `None` if there is no error or no such
-    /// source, or if the error may be its partner's and a majority decides between the two.
+    /// Returns the gross error of `source` found from unassociated tracks. `None` if there is no error or no such
+    /// source, or if the error may belong to the partner and a majority decides between the two.
     pub fn gross_error(&self, source: u16) -> Option<Bias> {
         let is_off = |source: u16| self.contradiction(source).is_some_and(|error| error.is_certain);
         (usize::from(source) < self.models.len())
@@ -52,8 +52,8 @@ impl Sources {
             .filter(|error| error.is_certain || !(is_off(source) || is_off(error.partner)))
     }
 
-    /// Returns the error of `source` beside other sources that agree, or relative to one that it contradicts, of the
-    /// targets that they observe together; `None` if there is none or no such source.
+    /// Returns the error of `source` relative to other sources in agreement, or relative to a single contradicted
+    /// source, from jointly observed targets. `None` without an error or for an unknown source.
     pub fn contradiction(&self, source: u16) -> Option<Bias> {
         (usize::from(source) < self.models.len())
             .then(|| self.registration.contradiction(source))
@@ -69,19 +69,19 @@ impl Sources {
             .filter(|first| *first != source)
     }
 
-    /// Returns the factor of covariance scaling of `source`, whose covariances are too small (BF-5). The factor is 1
-    /// if the covariances are consistent; `None` if the source does not exist.
+    /// Returns the covariance scaling factor (BF-5) of `source` for covariances that are too small. The factor is 1 for
+    /// consistent covariances; `None` if the source does not exist.
     pub fn covariance_scale(&self, source: u16) -> Option<f64> {
         self.models.get(usize::from(source)).map(SourceModel::covariance_scale)
     }
 
-    /// Returns the learned probability that a scan of `source` detects a target it tracks; `None` if the source does
-    /// not exist.
+    /// Returns the learned probability that a scan of `source` detects a tracked target; `None` if the source does not
+    /// exist.
     pub fn detection_probability(&self, source: u16) -> Option<f64> {
         self.models.get(usize::from(source)).map(|model| model.detection)
     }
 
-    /// Returns what was learned of `source`; `None` if the source does not exist.
+    /// Returns the estimates for `source`; `None` if the source does not exist.
     pub fn learned(&self, source: u16) -> Option<Learned> {
         let model = self.models.get(usize::from(source))?;
         let tally = self.purity.tally(source);
@@ -97,7 +97,7 @@ impl Sources {
         })
     }
 
-    /// Model of the source's systematic error, among those that are in force; `None` where no error is removed.
+    /// Model of the source's systematic error in force; `None` if no error is removed.
     fn error_model(&self, source: u16) -> Option<ErrorModel> {
         let known = self.registration.of(source);
         let [east, north, _, time, range, azimuth] = known.removed;

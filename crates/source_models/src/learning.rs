@@ -17,7 +17,7 @@ const SHAPE_STEADY_MIN: f64 = 0.5;
 const SHARE_GAIN: f64 = 1.0 / 64.0;
 
 impl Sources {
-    /// Learns from a fact. Its place among the reports counts: what is learned holds for the next question.
+    /// Learns from a fact. The order of facts counts: the next read of the models already reflects this fact.
     #[inline(always)]
     pub fn learn(&mut self, settings: &Settings, fact: Fact<'_>) {
         match fact {
@@ -107,7 +107,7 @@ impl Sources {
             .alignment
             .take(report, now_ns, (&settings.sources, names), &self.clocks)
         {
-            // What was learned from the few tracks that joined is of another source.
+            // Estimates from the few joined tracks no longer hold.
             self.registration.forget(usize::from(source));
         }
     }
@@ -166,8 +166,8 @@ impl Sources {
         }
     }
 
-    /// Learns from a measurement that is not used since others contradict it: a step of its source's errors. It lies
-    /// `residual_m` from `place_m`, where its target is.
+    /// Learns from a measurement that other sources contradict: evidence of a step of the source's errors. The
+    /// measurement lies `residual` from `place_m`, the place of the target.
     fn learn_contradiction(
         &mut self,
         (source, velocity_mps): (u16, [f64; 3]),
@@ -221,7 +221,7 @@ impl Sources {
             return;
         }
         self.correct_late_clocks();
-        // The distances of a source's points from the others' are those of the others' points from its. The offset of
+        // The distances between the points of two sources are the same from either side. The offset of
         // few targets may be that of wrong joins, and offsets beside a source that is set aside may be due to that
         // source.
         let learned_m2 = self.possible_points_m2(0.0);
@@ -244,7 +244,7 @@ impl Sources {
     }
 
     /// Takes a tick of time: looks at points, motion and periods. Settings follow the learned periods; a rule may keep
-    /// one point of each target. Returns whether a period has changed.
+    /// a single point of each target. Returns whether a period has changed.
     pub fn tick(&mut self, settings: &mut Settings, now_ns: i64, may_keep_points: bool) -> bool {
         self.look_at_points(may_keep_points);
         self.look_at_motion();
@@ -258,7 +258,7 @@ impl Sources {
         self.points.look(&self.models, followed_m2, (may_keep, apart_m2));
     }
 
-    /// Takes over how the sources' own trackers let their targets move: the median of what they assume.
+    /// Takes over the process noise of the sources' own trackers: the median over the trackers.
     fn look_at_motion(&mut self) {
         self.look_at_claims();
         let mut known = [NearlyConstantVelocity::new(0.0, 0.0); SOURCES_MAX];

@@ -1,9 +1,8 @@
-//! What fusion learns of its sources while it works, and how targets move.
+//! Models of fusion's sources and of the motion of targets, learned while fusion works.
 //!
-//! The models know no table of tracks. Fusion's core hands them what it finds out as a [`Fact`], which is plain data:
-//! a report, an innovation, a pair of reports, a scan, a target, an order. At each tick, the models that need more
-//! work than a fact allows, such as the registration of systematic errors, do a part of it. What the models know is
-//! read from [`Sources`], by the number of the source.
+//! The models contain no table of tracks. Fusion's core passes each finding as a [`Fact`], which is plain data: a
+//! report, an innovation, a pair of reports, a scan, a target, an order. Work beyond a fact, such as the registration
+//! of systematic errors, is done in parts at ticks. [`Sources`] gives the knowledge by the number of the source.
 //!
 //! | model | file |
 //! |---|---|
@@ -21,8 +20,8 @@
 //! | how targets turn and climb | `manoeuvres`, `motion` |
 //! | height and pressure altitude | `pressure` |
 //!
-//! A late report teaches nothing: the state that it would be compared with has moved on. Evidence of one target stays
-//! with its sensor track, in the core; what it shows of the source is a fact.
+//! A late report teaches nothing: the estimate for a comparison has moved on. Evidence of a single target stays with
+//! the sensor track, in the core; the conclusion about the source is a fact.
 //!
 //! Architecture invariants: no clock, no file, no thread; no table of tracks; after construction nothing is allocated;
 //! the same facts in the same order lead to the same knowledge, bit for bit.
@@ -87,7 +86,7 @@ pub use source_model::{MEAN_GAIN, MEAN_VARIANCE};
 pub use sources::{Sources, place_of};
 pub use tracker_gain::GainEvidence;
 
-/// Returns the key of a call sign; 0 of an empty one.
+/// Returns the key of a call sign; 0 of an empty call sign.
 pub fn callsign_key(callsign: &str) -> u64 {
     let mut bytes = [0; size_of::<u64>()];
     for (byte, character) in bytes.iter_mut().zip(callsign.trim().bytes()) {

@@ -1,14 +1,14 @@
 //! Life times of reports and tracks, in multiples of their sources' periods.
 //!
-//! A track must live until the next report of its slowest source: with a radar turn of twelve seconds, tracks that
-//! end after six would restart at every turn. Life times without a configured value follow from the sources' periods,
-//! and an unknown period is learned: the median time between two reports of a sensor track. Before the second report
-//! of a source, the source may be slow, and tracks get sufficient time. A track also lives through the gaps that its
-//! sources leave now and then (module `gaps`). A target that is reported less often than its sources report others is
-//! measured by its own intervals instead (module `rhythm`), unless `fresh_s` or `life.terminate_s` is stated.
+//! A track must live until the next report of its slowest source. With a radar turn of twelve seconds, tracks with a
+//! life time of six would restart at every turn. Life times without a configured value follow from the sources'
+//! periods, and an unknown period is learned: the median time between two reports of a sensor track. Before the second
+//! report of a source, the source may be slow, and tracks get sufficient time. A track also survives the occasional
+//! gaps of its sources (module `gaps`). For a target with fewer reports than other targets of the same sources, the
+//! target's own intervals count instead (module `rhythm`), unless `fresh_s` or `life.terminate_s` is stated.
 //!
-//! Reports may be late (order `arrival`): what was measured some seconds ago may be the latest that can have come. How
-//! late most reports of a source are is learned, and added to the time for which they count.
+//! Reports may be late (order `arrival`): a measurement some seconds old may be the latest available. The usual
+//! lateness of a source's reports is learned, and added to the validity time of the reports.
 
 use messages::NS_PER_S;
 use serde::{Deserialize, Serialize};
@@ -19,11 +19,11 @@ use crate::rhythm::Rhythm;
 use crate::settings::{FRESH_PERIODS, LifeSettings, SourceSettings};
 use crate::source_model::Median;
 
-/// Time that a source is given to report a track a second time, nanoseconds: slower ones are rare.
+/// Time allowed for a source's second report of a track, nanoseconds: slower sources are rare.
 const PATIENCE_NS: i64 = 60_000_000_000;
 
-/// Binary logarithms of the parts by which a report changes what is known of its source's lateness: a report that is
-/// later than expected, and others. The result is exceeded by one report in ten or so.
+/// Binary logarithms of the step sizes of the lateness estimate: for a report later than expected, and for other
+/// reports. About one report in ten exceeds the estimate.
 const LATER: u32 = 2;
 const EARLIER: u32 = 5;
 
@@ -31,13 +31,13 @@ const EARLIER: u32 = 5;
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Lifetimes {
     learned: Vec<LearnedPeriod>,
-    /// Age up to which a report counts, per source, nanoseconds: for the periods of the source, and as late as it is.
+    /// Validity time of a report, per source, nanoseconds: the periods of the source plus the usual lateness.
     fresh_ns: Vec<i64>,
     /// How late most reports are, per source, nanoseconds; `None` before the first.
     late_ns: Vec<Option<i64>>,
-    /// The gaps of each source; empty where the configuration states the life time.
+    /// The gaps of each source; empty with a configured life time.
     gaps: Vec<Gaps>,
-    /// Sources whose reports count as long as the configuration states, as bits.
+    /// Sources with a configured validity time of reports, as bits.
     states_fresh: u64,
     /// Time without a report after which a tentative track ends, nanoseconds.
     pub(crate) tentative_ns: i64,
@@ -50,15 +50,15 @@ pub(crate) struct Lifetimes {
 /// Period of a source without a configured period.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct LearnedPeriod {
-    /// The shortest that is believed, nanoseconds; `None` if the source's period is stated.
+    /// The shortest accepted period, nanoseconds; `None` if the source's period is stated.
     least_ns: Option<i64>,
     interval_s: Median,
-    /// Time of its first report, nanoseconds.
+    /// Time of the source's first report, nanoseconds.
     first_ns: Option<i64>,
 }
 
 impl LearnedPeriod {
-    /// Whether the source may be one of which a second report is still to come at `now_ns`.
+    /// Whether a second report of the source may still be expected at `now_ns`.
     fn is_awaited(&self, now_ns: i64) -> bool {
         let has_begun = |first_ns: i64| now_ns.saturating_sub(first_ns) <= PATIENCE_NS;
         self.least_ns.is_some() && self.interval_s.is_unknown() && self.first_ns.is_some_and(has_begun)
@@ -92,14 +92,14 @@ impl Lifetimes {
         new
     }
 
-    /// Age up to which a report of `source` counts, nanoseconds.
+    /// Validity time of a report of `source`, nanoseconds.
     #[inline]
     pub(crate) fn fresh_ns(&self, source: u16) -> i64 {
         self.fresh_ns[usize::from(source)]
     }
 
-    /// Lets the rhythm of a target, which may have an address or MMSI, learn from a report of `source`, so long after
-    /// the one before.
+    /// Updates the rhythm of a target, with or without address or MMSI, from a report of `source`, `interval_ns` after
+    /// the previous report.
     #[inline]
     pub(crate) fn learn_rhythm(&self, rhythm: &mut Rhythm, (source, is_named): (u16, bool), interval_ns: i64) {
         if self.states_fresh & (1 << source) == 0 {
@@ -113,7 +113,7 @@ impl Lifetimes {
         self.late_ns[usize::from(source)].unwrap_or_default()
     }
 
-    /// Learns from a report of `source` that is so late, nanoseconds.
+    /// Learns from the lateness of a report of `source`, nanoseconds.
     #[inline]
     pub(crate) fn learn_lateness(&mut self, source: u16, late_ns: i64) {
         let known = &mut self.late_ns[usize::from(source)];
@@ -141,7 +141,7 @@ impl Lifetimes {
         gaps.map_or(0, Gaps::silence_ns).max(self.terminate_ns)
     }
 
-    /// The same of a target with this rhythm, where a track ends after `usual_ns` otherwise.
+    /// The same for a target with this rhythm; `usual_ns` is the life time otherwise.
     #[inline]
     pub(crate) fn silence_at(&self, rhythm: Rhythm, usual_ns: i64) -> i64 {
         match self.gaps.is_empty() {
@@ -261,7 +261,7 @@ mod tests {
             [0, 1].map(|source| lifetimes.fresh_ns(source)),
             [fresh_ns, fresh_ns + 3 * S]
         );
-        // Of the delays 0, 1, …, 9 s few are longer than what is expected.
+        // Few of the delays 0, 1, …, 9 s exceed the expected delay.
         for report in 0..1000 {
             lifetimes.learn_lateness(1, report * 7 % 10 * S);
         }
@@ -299,7 +299,7 @@ mod tests {
         lifetimes.learn(1, 100 * S, None);
         assert!(!lifetimes.follow(&settings.life, &mut settings.sources, 100 * S));
         assert_eq!(lifetimes.tentative_ns, PATIENCE_NS);
-        // Who reports nothing twice holds up the others no longer.
+        // A source without a second report no longer delays the others.
         assert!(!lifetimes.follow(&settings.life, &mut settings.sources, 161 * S));
         assert_eq!(lifetimes.tentative_ns, 6 * S);
         for report in 1..20 {

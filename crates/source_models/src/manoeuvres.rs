@@ -1,19 +1,19 @@
-//! How hard and how often targets manoeuvre, per class of targets, learned from innovations.
+//! Strength and frequency of manoeuvres, per class of targets, learned from innovations.
 //!
-//! A target with the usual turn rate of its kind has an acceleration in proportion to its speed: therefore slow
-//! targets (vessels, vehicles, taxiing aircraft) and fast targets (aircraft) are separate classes. Each class begins
-//! with the assumption of the sources' own trackers, if visible. A tracker with a single model compromises between
-//! straight flight and turns, so that real manoeuvres are harder. Otherwise the class begins with the default.
+//! A target with the usual turn rate of its kind has an acceleration in proportion to its speed. Therefore slow targets
+//! (vessels, vehicles, taxiing aircraft) and fast targets (aircraft) are separate classes. Each class begins with the
+//! assumption of the sources' own trackers, if visible. A tracker with a single model compromises between straight
+//! flight and turns, so real manoeuvres are harder. Otherwise the class begins with the default.
 //!
 //! Then four figures are learned:
 //!
 //! - *how long targets fly straight*, from the beginnings of certain manoeuvres;
 //! - *the usual lateral acceleration of turns*. During certain manoeuvres, turns of several accelerations compete in
-//!   the filter. The usual one moves towards those that are probable;
-//! - *the share of manoeuvres that are no turns*, from the probability of the agile model;
+//!   the filter. The usual acceleration moves towards the probable accelerations;
+//! - *the share of manoeuvres other than turns*, from the probability of the agile model;
 //! - *the noise of agile motion*. While the agile model certainly holds, its innovations should be as large, relative
-//!   to their covariances, as those of the steady model on straight legs. Because both are compared with each other,
-//!   wrong covariances of sources do not matter. Medians are compared, so that a wrong association has no influence.
+//!   to their covariances, as innovations of the steady model on straight legs. Because both are compared with each
+//!   other, wrong covariances of sources do not matter. Medians are compared, so wrong associations have no influence.
 
 use estimation::NearlyConstantVelocity;
 use kept::kept;
@@ -28,36 +28,37 @@ use crate::source_model::CHI2_MEDIAN_2;
 pub(crate) const CLASSES: usize = 2;
 /// Speed from which on a target is fast, metres per second.
 const FAST_MPS: f64 = 30.0;
-/// Process noise that a tracker with one model should at least assume of fast targets, m²/s³.
+/// Least process noise that a tracker with a single model should assume for fast targets, m²/s³.
 const FAST_M2PS3: f64 = 20.0;
-/// Process noise of turns relative to what a tracker with one model assumes, and logarithms of the limits between which
-/// it is sought, relative to that.
+/// Process noise of turns relative to the assumption of a tracker with a single model, and logarithms of the search
+/// limits, relative to that assumption.
 const TURNING: f64 = 2.5;
 const LEAST: f64 = -1.5;
 const MOST: f64 = 0.7;
-/// Time by which the process noise of turns is multiplied to give the square of their usual acceleration, s.
+/// Factor from the process noise of turns to the square of the usual acceleration, s.
 const LATERAL_S: f64 = 0.5;
-/// Limits of the logarithm of the usual acceleration, relative to that.
+/// Limits of the logarithm of the usual acceleration, relative to the assumed acceleration.
 const LATERAL_LEAST: f64 = -2.5;
 const LATERAL_MOST: f64 = 1.5;
 /// Hardest acceleration of turns of slow and of fast targets, m/s².
 const HARDEST_MPS2: [f64; CLASSES] = [8.0, 36.0];
 /// Speeds of both below which the rate of turns no longer rises, m/s.
 const SLOW_MPS: [f64; CLASSES] = [3.0, 20.0];
-/// Share of the manoeuvres that are no turns: assumed beforehand, and limits.
+/// Share of the manoeuvres other than turns: prior, and limits.
 const AGILE: f64 = 0.4;
 const AGILE_MIN: f64 = 0.1;
 const AGILE_MAX: f64 = 0.8;
 /// Process noise of changes of the rate of climb relative to that of turns assumed, and the least, m²/s³.
 const CLIMB_CHANGE: f64 = 0.2;
 const CLIMB_CHANGE_MIN_M2PS3: f64 = 1.0;
-/// Number of measurements in manoeuvres as which the assumptions count, and after which older ones fade.
+/// Worth of the assumptions, in measurements during manoeuvres, and number of measurements after which older values
+/// fade.
 const ASSUMED: f64 = 8.0;
 const REMEMBERED: f64 = 300.0;
-/// Mean time of straight flight that is assumed beforehand, s, as if so many turns had been seen.
+/// Prior mean time of straight flight, s, with the worth of so many observed turns.
 const STEADY_S: f64 = 200.0;
 const TURNS: f64 = 4.0;
-/// Number of turns beyond which the older ones count half.
+/// Number of turns beyond which older turns count half.
 const TURNS_MAX: f64 = 1000.0;
 /// Limits of the mean time of straight flight, s.
 const STEADY_MIN_S: f64 = 50.0;
@@ -70,17 +71,18 @@ const STEP: f64 = 0.02;
 /// One class of targets.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Class {
-    /// Process noise that a tracker with one model assumes.
+    /// Process noise assumed by a tracker with a single model.
     assumed: NearlyConstantVelocity,
-    /// Factor on that of turns.
+    /// Factor on the noise of turns.
     factor: Seeker,
     motion: Motion,
-    /// Time for which targets flew straight until they turned, s, and how often they did.
+    /// Total time of straight flight before turns, s, and number of turns.
     straight_s: f64,
     turns: f64,
     /// Median of the normalised innovations squared on the straight.
     straight: f64,
-    /// Logarithm of the usual acceleration of turns, relative to the assumed one, and its hardest, m/s².
+    /// Logarithm of the usual acceleration of turns, relative to the assumed acceleration, and the hardest
+    /// acceleration, m/s².
     lateral: f64,
     hardest_mps2: f64,
     /// Number of measurements in manoeuvres.
@@ -134,7 +136,7 @@ impl Class {
         self.motion.climb_change_m2ps3 = climb_m2ps3.max(CLIMB_CHANGE_MIN_M2PS3);
     }
 
-    /// Learns from what a target surely does that does not fly straight.
+    /// Learns from a certain manoeuvre of a target.
     fn learn_manoeuvre(&mut self, manoeuvre: &Manoeuvre) {
         let gain = 1.0 / (ASSUMED + self.seen);
         self.seen = (self.seen + 1.0).min(REMEMBERED);
@@ -153,7 +155,7 @@ pub(crate) struct Manoeuvres {
 }
 
 impl Manoeuvres {
-    /// Assumption where nothing is known: `density_m2ps3`, of fast targets at least [`FAST_M2PS3`].
+    /// Assumption without knowledge: `density_m2ps3`, for fast targets at least [`FAST_M2PS3`].
     pub(crate) fn new(density_m2ps3: f64) -> Self {
         Self {
             classes: std::array::from_fn(|class| {
@@ -163,7 +165,7 @@ impl Manoeuvres {
         }
     }
 
-    /// All classes, for what is kept of them.
+    /// All classes, for checkpoints.
     pub(crate) fn classes_mut(&mut self) -> &mut [Class; CLASSES] {
         &mut self.classes
     }
@@ -174,7 +176,7 @@ impl Manoeuvres {
         &self.classes[class_of(velocity_mps)].motion
     }
 
-    /// From now on it is known what the sources' own trackers assume of all targets.
+    /// Sets the common process noise assumed by the sources' own trackers for all targets.
     pub(crate) fn assume(&mut self, noise: NearlyConstantVelocity) {
         for class in self.classes.iter_mut().filter(|class| class.assumed != noise) {
             class.assumed = noise;
@@ -182,11 +184,11 @@ impl Manoeuvres {
         }
     }
 
-    /// Learns from how well a measurement of a target that flies at `velocity_mps` was foretold.
+    /// Learns from the innovation of a measurement of a target at `velocity_mps`.
     pub(crate) fn learn(&mut self, velocity_mps: [f64; 3], innovation: &FilterInnovation) {
         let class = &mut self.classes[class_of(velocity_mps)];
         let [east, north, _] = velocity_mps;
-        // Nothing can be seen of the turns of targets that stand.
+        // Standing targets show nothing of turns.
         if east * east + north * north > MOVING_MPS * MOVING_MPS {
             class.straight_s += innovation.straight_s;
         }
@@ -220,7 +222,7 @@ mod tests {
 
     const FAST: [f64; 3] = [100.0, 0.0, 0.0];
 
-    /// The noise of turns of fast targets whose innovations on the straight and in turns have these medians.
+    /// The noise of turns of fast targets with these medians of innovations on the straight and in turns.
     fn learned(straight: f64, turning: f64) -> f64 {
         let mut manoeuvres = Manoeuvres::new(1.0);
         let mut random = test_support::Random::new(1);

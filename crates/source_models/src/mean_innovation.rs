@@ -1,13 +1,13 @@
-//! Mean innovations of several sources, and the one that is apart from all others.
+//! Mean innovations of several sources, and the source with a mean apart from all others.
 //!
-//! All means contain what the sources have in common, such as the lag of a filter in a turn, and what the filter has
-//! absorbed of an error. The difference of one mean from those of the others contains the error of that source alone.
-//! No source weighs more than twice what the middle one weighs, however accurate it is: it may be the wrong one.
+//! All means contain the common part of the sources, such as the lag of a filter in a turn, and the part of an error
+//! absorbed by the filter. The difference of a mean from the other means contains the error of that source alone. No
+//! source weighs more than twice as much as the middle source, however accurate: an accurate source may be wrong.
 
 use association::distance::{Symmetric2, squared2};
 use serde::{Deserialize, Serialize};
 
-/// Share of the greatest squared length that a second source may have beside it.
+/// Largest squared length of a second source, relative to the greatest squared length.
 pub(crate) const SECOND_MAX: f64 = 0.6;
 
 /// Mean innovation of a source, east and north, metres, and its covariance.
@@ -45,7 +45,7 @@ pub(crate) struct Others {
 }
 
 impl Others {
-    /// Returns the sums of all; `None` of less than two. Changes the order of the means.
+    /// Returns the sums of all sources; `None` for less than two. Changes the order of the means.
     pub(crate) fn of(means: &mut [MeanInnovation]) -> Option<Self> {
         let middle = means.len() / 2;
         if means.len() < 2 {
@@ -75,7 +75,7 @@ impl Others {
         }
     }
 
-    /// Returns the mean of all but one, and its covariance.
+    /// Returns the mean of all sources but `own`, and its covariance.
     pub(crate) fn beside(mut self, own: &MeanInnovation) -> ([f64; 2], Symmetric2) {
         self.add(own, -1.0);
         let share = 1.0 / self.weight;
@@ -86,8 +86,8 @@ impl Others {
     }
 }
 
-/// Returns the place of the mean that is apart from all others, and its squared statistical length; `None` if a second
-/// one comes near it, or of two.
+/// Returns the source with a mean apart from all others, and the squared statistical length; `None` if a second source
+/// comes near, or for two sources.
 pub fn odd_one(means: &mut [MeanInnovation]) -> Option<(usize, f64)> {
     let others = Others::of(means).filter(|_| means.len() > 2)?;
     let length = |own: &MeanInnovation| {
@@ -123,7 +123,7 @@ mod tests {
     #[test]
     fn the_odd_one_is_apart_from_all_others_whatever_it_states() {
         for variance_m2 in [0.01, 4.0, 100.0] {
-            // The filter follows the odd one wholly, half, or not at all.
+            // The filter follows the outlier wholly, half, or not at all.
             for followed in [0.0, 0.5, 1.0] {
                 let others_m = -60.0 * followed;
                 let mut means = [

@@ -1,9 +1,9 @@
-//! The measurement that a report yields: recovered from the sensor track where the source's filter can be undone, else
-//! the report itself.
+//! The measurement behind a report: recovered from the sensor track if the source's filter can be undone, else the
+//! report itself.
 //!
-//! A report of a filter that cannot be undone repeats earlier information; its errors persist over some reports. Such
-//! a report stands for a measurement with three times its covariance. A covariance without correlation of position
-//! and velocity indicates no filter: the report is used directly.
+//! A report of a filter that cannot be undone repeats earlier information; its errors persist over some reports. Such a
+//! report stands for a measurement with three times the report's covariance. A covariance without correlation of
+//! position and velocity indicates no filter: the report is used directly.
 
 use estimation::{Gaussian, Recovered, Symmetric3, recovered};
 use messages::{AXES, Covariance, SensorTrack, sensor_track_bits};
@@ -15,11 +15,11 @@ use crate::tracker_gain::GainEvidence;
 
 /// Factor on the covariance of reports from a filter that cannot be undone.
 const SMOOTHED: f64 = 3.0;
-/// Correlation of position and velocity that shows a filter.
+/// Correlation of position and velocity from which a filter is assumed.
 const FILTERED: f64 = 0.2;
-/// Largest factor by which covariances are taken to be too small.
+/// Largest factor between true and stated covariances.
 pub const CLAIM_MAX: f64 = 100.0;
-/// Relative difference of the regression of velocity on position that rounding explains.
+/// Relative difference of the regression of velocity on position explained by rounding.
 const REGRESSION_TOLERANCE: f64 = 0.1;
 
 /// The state of a report.
@@ -28,7 +28,7 @@ pub fn gaussian_of(report: &SensorTrack) -> Gaussian {
     Gaussian::new(report.position_m, report.velocity_mps, &report.covariance)
 }
 
-/// Whether the source of a report states the target's velocity: not one that was derived from its positions.
+/// Whether the source of a report states a velocity of the target not derived from positions.
 #[inline]
 pub fn states_velocity(report: &SensorTrack) -> bool {
     report.has(sensor_track_bits::VELOCITY) && !report.has(sensor_track_bits::DERIVED_VELOCITY)
@@ -39,9 +39,9 @@ pub fn states_velocity(report: &SensorTrack) -> bool {
 pub struct Correction {
     /// Displacement by the known biases of the source, metres.
     pub shift_m: [f64; AXES],
-    /// By how much its covariance claims too much.
+    /// Factor between the true and the stated covariance.
     pub covariance_scale: f64,
-    /// Stretch that gives its covariance the shape of the source's errors.
+    /// Stretch of the covariance to the shape of the source's errors.
     pub stretch: Stretch,
 }
 
@@ -53,7 +53,7 @@ impl Correction {
         stretch: Stretch::NONE,
     };
 
-    /// A state as its source gave it, corrected.
+    /// The corrected state for a state of the source.
     pub fn made(&self, mut state: Gaussian) -> Gaussian {
         for (component, shift) in state.mean.iter_mut().zip(self.shift_m) {
             *component -= shift;
@@ -64,7 +64,7 @@ impl Correction {
         state
     }
 
-    /// A corrected state as its source gave it.
+    /// The uncorrected state for a corrected state.
     #[inline]
     pub fn undone(&self, mut state: Gaussian) -> Gaussian {
         for (component, shift) in state.mean.iter_mut().zip(self.shift_m) {
@@ -90,12 +90,13 @@ pub struct Measurement {
     pub covariance_m2: Symmetric3,
     /// Number of measured axes: 3, or 2 without observed height; the third then has no meaning.
     pub axes: usize,
-    /// Whether its report waited for the end of its scan: it came in time even if others have been used since.
+    /// Whether the measurement's report waited for the end of its scan: such a report is in time even after later
+    /// reports were used.
     pub has_waited: bool,
 }
 
 impl Measurement {
-    /// In place of one.
+    /// The absent measurement.
     pub const NONE: Self = Self {
         position_m: [0.0; AXES],
         covariance_m2: [0.0; 6],
@@ -130,7 +131,7 @@ impl Measurement {
         values.for_each(|value| *value /= correction.covariance_scale);
     }
 
-    /// Takes off where the source sees the target, relative to the target's reference point, with a variance per axis.
+    /// Subtracts the offset of the detection point from the target's reference point, with a variance per axis.
     #[inline]
     pub fn refer(&mut self, point_m: [f64; 2], variance_m2: f64) {
         for (position, point) in self.position_m.iter_mut().zip(point_m) {
@@ -147,7 +148,7 @@ impl Measurement {
     }
 }
 
-/// Returns all position information of a report: the contribution of a sensor track that has just joined.
+/// Returns all position information of a report: the contribution of a newly joined sensor track.
 #[inline]
 pub fn whole_report(report: &SensorTrack) -> Measurement {
     whole(
@@ -168,7 +169,7 @@ fn whole(position_m: [f64; AXES], covariance: &Covariance, has_height: bool) -> 
     }
 }
 
-/// Whether the covariance of a report shows that it comes from a filter.
+/// Whether the covariance of a report indicates a filter.
 #[inline]
 pub fn shows_filter(covariance: &Covariance) -> bool {
     let p = |row, column| covariance.get(row, column);
@@ -200,28 +201,28 @@ pub fn as_stated(position_m: [f64; AXES], covariance: &Covariance, has_height: b
     measurement
 }
 
-/// Where the covariance of a report comes from, in the order of what is known of its source.
+/// Origin of the covariance of a report, in the order of the knowledge of its source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum CovarianceBasis {
-    /// The source stated it.
+    /// Stated by the source.
     Stated,
-    /// It is taken for as wrong as those of other sources.
+    /// Assumed to be as wrong as the covariances of other sources.
     Doubted,
-    /// The gain of the source's tracker shows it.
+    /// Derived from the gain of the source's tracker.
     Gain,
 }
 
-/// What a report contains beside its state.
+/// Content of a report beside its state.
 #[derive(Clone, Copy, Debug)]
 pub struct Content {
-    /// The measurement behind it; `None` if there was none.
+    /// The measurement behind the report; `None` if there was none.
     pub measurement: Option<Measurement>,
     /// Present if the stated covariance shows no filter.
     pub unfiltered: Option<UnfilteredContent>,
 }
 
 impl Content {
-    /// Without any. Not a constant, which would be copied as a whole.
+    /// Empty content. Not a constant: a constant would be copied as a whole.
     #[inline]
     pub fn none() -> Self {
         Self {
@@ -231,14 +232,14 @@ impl Content {
     }
 }
 
-/// What a report contains whose covariance shows no filter. Apart, so that other reports pay nothing.
+/// Content of a report with a covariance without indication of a filter. Separate, so that other reports pay nothing.
 #[derive(Clone, Copy, Debug)]
 pub struct UnfilteredContent {
-    /// Its covariance, if it is not the stated one.
+    /// The covariance in place of the stated covariance, if any.
     pub covariance: Option<Covariance>,
-    /// Where the covariance comes from.
+    /// Origin of the covariance.
     pub basis: CovarianceBasis,
-    /// What the reports of the track showed of the gain of the source's tracker.
+    /// Evidence of the gain of the source's tracker from the reports of the track.
     pub evidence: GainEvidence,
 }
 
@@ -254,7 +255,7 @@ impl UnfilteredContent {
     }
 }
 
-/// The measurement that led from `predicted` to `updated`, the state of a report with or without height.
+/// The measurement between `predicted` and `updated`, the state of a report with or without height.
 pub fn recovered_measurement(predicted: &Gaussian, updated: &Gaussian, has_height: bool) -> Option<Measurement> {
     let (position_m, covariance) = (updated.position_m(), &updated.covariance);
     if !is_one_update(predicted, updated) {

@@ -1,25 +1,26 @@
-//! Motion: how the targets of a class move, as the filter assumes it.
+//! Motion model of a class of targets, as the filter assumes it.
 
 use estimation::NearlyConstantVelocity;
 use kept::kept;
 use serde::{Deserialize, Serialize};
 
-/// Number of lateral accelerations that turns are assumed to have.
+/// Number of assumed lateral accelerations of turns.
 pub const LEVELS: usize = 4;
-/// Process noise of steady motion, relative to that of turns: of fast targets, and of slow ones (aircraft on the
-/// ground, vessels, vehicles), which change their speed a little all the time.
+/// Process noise of steady motion, relative to the noise of turns: of fast targets, and of slow targets (aircraft on
+/// the ground, vessels, vehicles) with continual small changes of speed.
 const STEADY: f64 = 4e-4;
 const STEADY_SLOW: f64 = 2.4e-3;
-/// Speed below which the rate of a turn no longer rises, m/s, by which slow targets are known.
+/// Speed below which the rate of a turn no longer rises, m/s; identifies slow targets.
 const SLOW_MPS: f64 = 10.0;
 /// The same of agile motion along the course and across.
 const AGILE: [f64; 2] = [0.6, 0.12];
 /// Process noise of a turn relative to the square of its acceleration, over up to 1 s, s.
 const UNEVEN_S: f64 = 0.1;
-/// Time that it takes to notice a turn with 1 m/s², seconds: with more it takes less, as its root; and the least.
+/// Time to notice a turn with 1 m/s², seconds, shorter for harder turns by the root of the acceleration; and the least
+/// time.
 const UNNOTICED_S: f64 = 15.0;
 const UNNOTICED_MIN_S: f64 = 6.0;
-/// Time that it takes to notice a change of the rate of climb, and mean time between such changes, seconds.
+/// Time to notice a change of the rate of climb, and mean time between such changes, seconds.
 const CLIMB_UNNOTICED_S: f64 = 7.0;
 const CLIMB_STEADY_S: f64 = 80.0;
 
@@ -29,9 +30,9 @@ kept! {
     pub struct Motion {
         /// Process noise of turns.
         pub turns: NearlyConstantVelocity,
-        /// Mean time for which a target flies straight before it turns, s.
+        /// Mean time of straight flight before a turn, s.
         pub steady_s: f64,
-        /// Share of the manoeuvres that are no turns.
+        /// Share of the manoeuvres other than turns.
         pub agile_share: f64,
         /// Lateral accelerations of turns, m/s²: the usual one, less, more, and the hardest of the class.
         pub lateral_mps2: [f64; LEVELS],
@@ -60,8 +61,8 @@ impl Motion {
     /// White noise of a turn with this lateral acceleration over so many seconds, m²/s³.
     #[inline]
     pub fn turn_m2ps3(lateral_mps2: f64, seconds: f64) -> f64 {
-        // The acceleration lies anywhere between those of the models, and within long times the turn begins or ends:
-        // that is an unknown constant, which does as much as a white one in proportion to the time.
+        // The acceleration lies anywhere between the accelerations of the models, and over long times the turn begins
+        // or ends. This deviation is an unknown constant, equivalent to white noise in proportion to the time.
         UNEVEN_S * lateral_mps2 * lateral_mps2 * seconds.max(1.0)
     }
 
@@ -94,7 +95,7 @@ impl Motion {
     /// Variance of a rate of climb caused by changes not yet detected, m²/s².
     pub fn unnoticed_climb_m2ps2(&self) -> f64 {
         let share = CLIMB_UNNOTICED_S / CLIMB_STEADY_S;
-        // White noise of this density lasts for half of that time at most; on average half of that is unnoticed.
+        // White noise of this density lasts for half of that time at most; on average half of the noise is unnoticed.
         0.25 * share * CLIMB_UNNOTICED_S * self.climb_change_m2ps3
     }
 }
@@ -121,7 +122,7 @@ mod tests {
         assert!((motion(450.0, 4.0).unnoticed_m2ps2() - 2.5).abs() < 1e-9);
         // 16 m/s² for 6 s, the least: 96 m/s.
         assert!((motion(225.0, 16.0).unnoticed_m2ps2() - 96.0 * 96.0 / 225.0).abs() < 1e-9);
-        // 7 of 80 s, in half of which the variance becomes 3.5 · 5 m²/s²; half of that on average.
+        // 7 of 80 s; in half of that time, the variance becomes 3.5 · 5 m²/s²; half of that variance on average.
         assert!((motion(225.0, 4.0).unnoticed_climb_m2ps2() - 0.5 * 7.0 / 80.0 * 17.5).abs() < 1e-9);
     }
 

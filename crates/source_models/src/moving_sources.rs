@@ -1,13 +1,13 @@
-//! Sources whose sensors move: where a target is as such a source sees it (BF-2).
+//! Sources with moving sensors: places of targets relative to such a source (BF-2).
 //!
-//! The coverage of a radar on a ship lies around the ship. Learned by place, the coverage would stay where the ship has
-//! been: the ship's silence would count against targets that the ship can see no more, and not against what it should
-//! see now. Places of such a source are therefore relative to its platform, and turned by its heading where the sensors
-//! are fixed to the hull. The reports of the source's tracker state the platform's place
-//! ([`sensor_track_bits::PLATFORM`]), so the result depends on the reports alone.
+//! The coverage of a radar on a ship lies around the ship. Learned by place, the coverage would stay at the ship's
+//! former places: the ship's silence would count against targets out of its present sight, and not against targets in
+//! sight. Places of such a source are therefore relative to its platform, and turned by its heading for sensors fixed
+//! to the hull. The reports of the source's tracker state the platform's place ([`sensor_track_bits::PLATFORM`]), so
+//! the result depends on the reports alone.
 //!
-//! Limit: a source that has reported nothing for [`PLACE_HOLDS_NS`] is nowhere. Its silence then proves nothing, and
-//! teaches nothing.
+//! Limit: after [`PLACE_HOLDS_NS`] without a report, the place of a source is unknown. Its silence then proves nothing,
+//! and teaches nothing.
 
 use kept::kept;
 use messages::{SensorTrack, sensor_track_bits};
@@ -15,14 +15,14 @@ use serde::{Deserialize, Serialize};
 
 use crate::settings::CoverageArea;
 
-/// Time for which the latest stated place of a platform counts as its present place, nanoseconds: ships move less
-/// than a cell of the coverage meanwhile.
+/// Validity time of the latest stated place of a platform, nanoseconds: ships move less than a cell of the coverage
+/// meanwhile.
 const PLACE_HOLDS_NS: i64 = 60_000_000_000;
-/// Largest coordinate of a platform that is believed, metres.
+/// Largest accepted coordinate of a platform, metres.
 const PLACE_MAX_M: f64 = 1e7;
 
 kept! {
-    /// Platform of a source, as its latest report stated it.
+    /// Platform of a source, as stated by the latest report.
     #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
     pub(crate) struct SourcePose {
         place_m: [f64; 2],
@@ -31,22 +31,22 @@ kept! {
     }
 }
 
-/// Platforms of the sources that move.
+/// Platforms of the moving sources.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct MovingSources(Vec<Option<SourcePose>>);
 
 impl MovingSources {
-    /// For this number of sources, none of which has moved.
+    /// For this number of sources, without any movement so far.
     pub(crate) fn new(sources: usize) -> Self {
         Self(vec![None; sources])
     }
 
-    /// Platform of a source that moves.
+    /// Platform of a moving source.
     pub(crate) fn pose_mut(&mut self, source: usize) -> &mut Option<SourcePose> {
         &mut self.0[source]
     }
 
-    /// Notes the platform that a report states.
+    /// Stores the platform stated by a report.
     #[inline]
     pub(crate) fn note(&mut self, report: &SensorTrack) {
         if report.has(sensor_track_bits::PLATFORM) {
@@ -75,8 +75,8 @@ impl MovingSources {
         self.0[usize::from(source)].is_some()
     }
 
-    /// A place as `source`, with the coverage `area` if one is configured, sees it at `now_ns`; `None` if the source's
-    /// own place is not known. A source at rest sees places as they are.
+    /// A place relative to `source` at `now_ns`, with the configured coverage `area`, if any; `None` if the source's
+    /// own place is unknown. For a source at rest, the place is unchanged.
     #[inline]
     pub(crate) fn seen_from(
         &self,
@@ -145,7 +145,7 @@ mod tests {
         assert!(!sources.moves(1));
         sources.note(&stated(10, [1000.0, 400.0, 0.0]));
         assert_eq!(seen(&sources, 10), Some([1000, 100]));
-        // To the east, what lies north is on the left.
+        // To the east, places to the north are on the left.
         sources.note(&stated(11, [1000.0, 400.0, FRAC_PI_2]));
         assert_eq!(seen(&sources, 11), Some([-100, 1000]));
         for wrong in [

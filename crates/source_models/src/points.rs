@@ -1,7 +1,7 @@
-//! What is known of the points of targets that the sources see: whether they differ, and whether one is kept.
+//! Detection points of targets by source: whether the points differ, and whether a single point is kept.
 //!
-//! The evidence of one target stays with its sensor tracks, each of which has a [`DetectionPoint`]; see
-//! `reference_point` and `point_leaps` for how they are used.
+//! The evidence of a target stays with its sensor tracks, each with a [`DetectionPoint`]; see `reference_point` and
+//! `point_leaps` for the use.
 
 use serde::{Deserialize, Serialize};
 
@@ -15,35 +15,35 @@ const UNCERTAIN: f64 = 4.0;
 /// Smallest weight of a new innovation in the estimate of a detection point.
 const GAIN_MIN: f64 = 0.05;
 
-/// Time within which most targets of a source leap together if the source has changed, nanoseconds, and time for which
-/// no leaps of this source are looked for then.
+/// Time within which most targets of a changed source leap together, nanoseconds, and time without a further search for
+/// leaps of this source.
 const TOGETHER_NS: i64 = 2_000_000_000;
 const STEP_NS: i64 = 30_000_000_000;
 
-/// Where on a target a sensor track's detection point lies.
+/// Place of a sensor track's detection point on its target.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct DetectionPoint {
     /// Along and across the target's course, from its reference point, metres.
     pub offset_m: [f64; 2],
-    /// Reports from which that was estimated.
+    /// Reports used for the estimate.
     pub reports: u32,
-    /// Whether it is the reference point itself.
+    /// Whether the detection point is the reference point itself.
     pub is_reference: bool,
-    /// Whether it has leapt to another place on the target: see `point_leaps`.
+    /// Whether the detection point has leapt to another place on the target: see `point_leaps`.
     pub has_leapt: bool,
-    /// When that was estimated: see [`Points::follows`].
+    /// Epoch of the estimate: see [`Points::follows`].
     pub epoch: u32,
 }
 
-/// Whether the sources see different points, and whether one is kept.
+/// Whether the sources see different points, and whether a single point is kept.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub struct Points {
     /// Whether the sources see different points of the targets.
     sees_points: bool,
     /// Whether sources observe different points, and the rule keeps a single point per target.
     keeps_points: bool,
-    /// How far the point that a filter follows, one or the mean of all, lies from the target's middle, as a variance
-    /// per axis, m².
+    /// Variance per axis of the point followed by a filter (one point or the mean of all) about the target's middle,
+    /// m².
     spread_m2: f64,
     /// How far the points of two sources lie apart, as a variance per axis, m².
     apart_m2: f64,
@@ -63,7 +63,7 @@ struct SourceLeaps {
 }
 
 impl SourceLeaps {
-    /// Counts a leap of one of `targets`.
+    /// Counts a leap of one target out of `targets`.
     #[inline]
     fn add(&mut self, now_ns: i64, targets: usize) {
         if now_ns - self.since_ns > TOGETHER_NS {
@@ -75,7 +75,7 @@ impl SourceLeaps {
         }
     }
 
-    /// Returns whether a step of the source, not of the points of its targets, explains its leaps.
+    /// Returns whether the leaps of the targets come from a step of the source, not of the detection points.
     #[inline]
     fn has_changed(&self, now_ns: i64) -> bool {
         now_ns < self.until_ns
@@ -89,7 +89,7 @@ pub struct Referred {
     pub is_usable: bool,
     /// The detection point relative to the reference point, east and north, metres.
     pub point_m: [f64; 2],
-    /// Variance per axis of that, m².
+    /// Variance per axis of `point_m`, m².
     pub variance_m2: f64,
 }
 
@@ -116,20 +116,20 @@ impl Points {
         self.sees_points
     }
 
-    /// Whether one point of each target is kept.
+    /// Whether a single point of each target is kept.
     #[inline]
     pub fn keeps_points(&self) -> bool {
         self.keeps_points
     }
 
-    /// Variance per axis of the points that filters follow about the targets' middles, m².
+    /// Variance per axis of the points followed by filters about the targets' middles, m².
     #[inline]
     pub fn spread_m2(&self) -> f64 {
         self.spread_m2
     }
 
-    /// Looks whether some source's detection points lie well apart from the others', and keeps one if the rule
-    /// `may_keep`.
+    /// Checks whether some source's detection points lie well apart from the others', and keeps a single point if the
+    /// rule `may_keep`.
     pub(crate) fn look(&mut self, models: &[SourceModel], followed_m2: [f64; 2], (may_keep, apart_m2): (bool, f64)) {
         const BEGIN: f64 = 2.0;
         const END: f64 = 1.0;
@@ -150,8 +150,8 @@ impl Points {
         self.apart_m2
     }
 
-    /// Where a detection point lies, as far as it is known, on a target with this course. The variances per axis are
-    /// those of the measurement and of the target's place, m².
+    /// Known place of a detection point on a target with this course. The variances per axis are the variances of the
+    /// measurement and of the target's place, m².
     #[inline]
     pub fn known(&self, point: &DetectionPoint, course: [f64; 2], (measured_m2, place_m2): (f64, f64)) -> Referred {
         if !self.follows(point) || (point.epoch == self.epoch && point.is_reference) {
@@ -184,13 +184,13 @@ impl Points {
         self.keeps_points || (point.has_leapt && point.epoch == self.epoch)
     }
 
-    /// Whether it is known where a detection point lies.
+    /// Whether the place of a detection point is known.
     #[inline]
     pub fn is_known(&self, point: &DetectionPoint) -> bool {
         !self.follows(point) || (point.epoch == self.epoch && (point.is_reference || point.reports >= REPORTS_MIN))
     }
 
-    /// Forgets what was known of a detection point before points were last kept, or not.
+    /// Discards estimates of a detection point from before the latest change of `keeps_points`.
     #[inline]
     pub fn refresh(&self, point: &mut DetectionPoint) {
         if point.epoch != self.epoch {
@@ -198,7 +198,7 @@ impl Points {
         }
     }
 
-    /// A detection point of which nothing is known.
+    /// A detection point without knowledge.
     #[inline]
     pub fn unknown(&self) -> DetectionPoint {
         DetectionPoint {
@@ -213,14 +213,14 @@ impl Points {
         self.leaps[usize::from(source)].has_changed(now_ns)
     }
 
-    /// Learns that the detection point of one of a source's `targets` has leapt.
+    /// Learns from a leap of the detection point of one target out of a source's `targets`.
     pub fn learn_leap(&mut self, source: u16, now_ns: i64, targets: usize) {
         self.leaps[usize::from(source)].add(now_ns, targets);
     }
 }
 
 impl DetectionPoint {
-    /// Moves towards where an innovation, east and north, metres, shows it on a target with this course.
+    /// Moves towards the place shown by an innovation, east and north, metres, on a target with this course.
     #[inline]
     pub fn add(&mut self, residual_m: [f64; 2], course: [f64; 2]) {
         let seen = to_body(residual_m, course);

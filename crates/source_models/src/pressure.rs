@@ -1,8 +1,8 @@
-//! Pressure altitude and height: two quantities, and what lies between them by region.
+//! Pressure altitude and height: two quantities, and the difference between both by region.
 //!
 //! Transponders state a pressure altitude, receivers of satellite navigation a height above the ellipsoid. The weather
 //! separates both by up to some hundred metres, alike for all aircraft of a region and a layer of height. Reports with
-//! both teach the difference per cell of [`CELL_M`] and layer of [`LAYER_M`]; where a cell has shown too little, the
+//! both teach the difference per cell of [`CELL_M`] and layer of [`LAYER_M`]; without enough samples in a cell, the
 //! mean of the layer serves. Fusion itself works with the heights of positions, and only publishes the difference.
 //!
 //! Each difference counts up to three standard deviations, so that a wrong altimeter moves the mean little.
@@ -15,14 +15,14 @@ const CELL_M: f64 = 100e3;
 /// Height of a layer, metres: a day 10 °C too warm adds 70 m per layer.
 const LAYER_M: f64 = 2_000.0;
 const LAYERS: usize = 10;
-/// Cells that are remembered, and places of a cell that are looked at.
+/// Number of cells in the table, and number of places tried per cell.
 const CELLS: usize = 512;
 const PROBES: usize = 8;
-/// Differences before a mean is used, and the least weight of one.
+/// Differences before a mean is used, and least weight of a difference.
 const SAMPLES_MIN: u32 = 16;
 const GAIN_MIN: f64 = 1.0 / 256.0;
-/// Standard deviation of altimeters before it is known, metres; bound of a difference in standard deviations; largest
-/// difference that weather explains, metres.
+/// Prior standard deviation of altimeters, metres; bound of a difference in standard deviations; largest difference
+/// explained by weather, metres.
 const SIGMA_M: f64 = 40.0;
 const SIGMAS_MAX: f64 = 3.0;
 const DIFFERENCE_MAX_M: f64 = 1_500.0;
@@ -88,7 +88,7 @@ impl PressureOffsets {
         (cell(x), cell(y), Self::layer(position_m) as u8)
     }
 
-    /// Place of a cell, or of the free one where it would be; `None` if all places of the cell are taken by others.
+    /// Place of a cell, or the free place for the cell; `None` if other cells take all places.
     fn place(&self, key: CellKey) -> Option<usize> {
         let (column, row, layer) = key;
         let first = (i64::from(column) * 73 + i64::from(row) * 179 + i64::from(layer) * 29).rem_euclid(CELLS as i64);
@@ -116,8 +116,8 @@ impl PressureOffsets {
         self.layers[usize::from(key.2)].add(difference_m);
     }
 
-    /// Pressure altitude less height at `position_m`, and its standard deviation for one aircraft, metres; `None` where
-    /// too little was learned.
+    /// Pressure altitude less height at `position_m`, and its standard deviation for one aircraft, metres; `None`
+    /// without enough samples.
     pub(crate) fn at(&self, position_m: [f64; 3]) -> Option<[f64; 2]> {
         let layer = &self.layers[Self::layer(position_m)];
         // Without any report of both there is no cell to look for.

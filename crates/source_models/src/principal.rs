@@ -5,7 +5,7 @@
 pub(crate) struct Principal {
     /// Direction of the first axis.
     axis: [f64; 2],
-    /// Values along the first axis, the smaller one, and along the second.
+    /// Smaller value along the first axis, and larger value along the second.
     pub(crate) values: [f64; 2],
 }
 
@@ -32,7 +32,7 @@ impl Principal {
         }
     }
 
-    /// Returns the difference of the values relative to their sum.
+    /// Returns the difference of the values relative to the sum.
     pub(crate) fn contrast(&self) -> f64 {
         let [small, large] = self.values;
         (large - small) / (large + small).max(f64::MIN_POSITIVE)

@@ -1,17 +1,17 @@
-//! Purity of the new tracks of each source: how many of them turn out to be targets (BF-2).
+//! Purity of each source: share of targets among its new tracks (BF-2).
 //!
-//! A source with many false tracks deserves less belief where it stands alone. A new track is a target if a second
-//! source agrees, or if the track outlives what false tracks reach; it is false if it ends before.
+//! A source with many false tracks deserves less belief without support. A new track is a target if a second source
+//! agrees, or if the track outlives the usual length of false tracks; a track with an earlier end is false.
 
 use serde::{Deserialize, Serialize};
 
 use crate::detection_map::HitCount;
 
-/// Reports after which a track that one source alone follows is a target: false tracks seldom reach them.
+/// Reports after which a track of a single source is a target: false tracks seldom get as many.
 pub const LASTING_REPORTS: u32 = 12;
 /// New tracks of a source beyond this number are forgotten.
 const MEMORY: f64 = 64.0;
-/// Targets and false tracks that are assumed before anything was learned.
+/// Targets and false tracks assumed before learning.
 const PRIOR: f64 = 2.0;
 
 /// Counts of new tracks per source.
@@ -27,13 +27,13 @@ impl Purity {
         }
     }
 
-    /// Notes that a new track of a source has turned out to be a target, or false.
+    /// Counts a new track of a source as a target, or as false.
     pub(crate) fn learn(&mut self, source: u16, is_target: bool) {
         self.tallies[usize::from(source)].add(is_target, 1.0, MEMORY);
     }
 
-    /// Logarithm of the odds that a new track of the source is a target; at most 0, so that no source is believed for
-    /// its reputation alone.
+    /// Logarithm of the odds that a new track of the source is a target; at most 0, so that reputation alone is never
+    /// sufficient.
     pub(crate) fn log_odds(&self, source: u16) -> f64 {
         self.tallies[usize::from(source)].log_odds(PRIOR).min(0.0)
     }

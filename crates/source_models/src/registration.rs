@@ -18,25 +18,25 @@
 //! its offset as prior, and its source weighs less in the median.
 //!
 //! Errors may change. If the latest differences show a drift, only the differences of the last seconds count until the
-//! estimate has caught up (module `recent`). After a step, the estimate of the source that changed starts anew (modules
+//! estimate has caught up (module `recent`). After a step, the estimate of the changed source restarts (modules
 //! `changes` and `steps`). The published covariances include the remaining differences, the offsets that are not
 //! removed, and the unobservable error of the median itself.
 //!
-//! Sixty-four sources that all observe the same targets form four thousand pairs, a millisecond of work. No report
-//! may wait that long, so a solution proceeds in steps of bounded work, and the estimates change once it is complete.
-//! Four sources need a single step.
+//! Sixty-four sources that all observe the same targets form four thousand pairs, a millisecond of work. No report may
+//! wait that long, so a solution proceeds in steps of bounded work, and the estimates change after the last step. Four
+//! sources need a single step.
 //!
 //! Two effects make the estimate less certain than the formula: the errors of a track are correlated in time, and the
 //! sources detect different points of a target. Therefore a sample counts for a quarter, and the variance of the
-//! detection points, divided by the number of targets, is added. An error is removed from the reports once it is
-//! significant, until it becomes insignificant.
+//! detection points, divided by the number of targets, is added. A significant error is removed from the reports, until
+//! the error becomes insignificant.
 //!
-//! Absurd reports of one source must not spoil the estimates of the others. Reports with widely different velocities
-//! are not compared. An estimate that is out of bounds, or that most differences contradict, is dropped together with
-//! the sums behind it.
+//! Absurd reports of a source must not spoil the estimates of the others. Reports with widely different velocities are
+//! not compared. An estimate out of bounds, or contradicted by most differences, is dropped together with the
+//! underlying sums.
 //!
-//! An azimuth error, a range error and an offset look alike over a small area. Which of them a source has is decided by
-//! evidence (module `model`). A sensor whose position is not known gets a rotation and a shift instead.
+//! An azimuth error, a range error and an offset look alike over a small area. Evidence decides among these errors
+//! (module `model`). A sensor of unknown position gets a rotation and a shift instead.
 //!
 //! Source: Y. Bar-Shalom, P. Willett, X. Tian, *Tracking and Data Fusion* (YBS, 2011), chapter 9, for the model.
 
@@ -72,41 +72,43 @@ pub use crate::registration::errors::SourceErrors;
 pub(crate) use crate::registration::errors::{ClockError, TargetView};
 pub use crate::registration::rows::{ERRORS, Errors};
 
-/// Velocities of one target do not differ by more, metres per second.
+/// Largest difference between velocities of the same target, metres per second.
 const VELOCITY_GATE_MPS: f64 = 300.0;
-/// Weight of one sample: errors of tracks persist over several reports.
+/// Weight of a sample: errors of tracks persist over several reports.
 const SAMPLE_WEIGHT: f64 = 0.25;
-/// Targets from which on a difference of all targets is no wrong join of few.
+/// Least number of targets at which a common difference of all targets cannot come from a few wrong joins.
 pub(crate) const TARGETS_MIN: usize = 3;
-/// Mean square of the differences, and share of the contradicting ones, up to which an estimate explains them.
+/// Largest mean square of the differences, and largest share of contradicting differences, of an estimate that explains
+/// the differences.
 const LEARNED_FIT_MAX: f64 = 2.0;
 const LEARNED_CONTRADICTED_MAX: f64 = 0.25;
-/// Largest squared statistical length of a difference that is used.
+/// Largest squared statistical length of a used difference.
 const DIFFERENCE_GATE: f64 = 25.0;
-/// Largest variance per axis with which detection points may explain a difference, m², in the check for a wrong
-/// estimate. The bound prevents a wrong estimate from passing as ever larger targets.
+/// Largest variance per axis, m², by which detection points may explain a difference in the check for a wrong estimate.
+/// The bound prevents a wrong estimate from passing as ever larger targets.
 const POINTS_MAX_M2: f64 = 100.0 * 100.0;
-/// Sources that make a majority beside another one, and the squared share of its displacement that they have at most.
+/// Number of agreeing sources that outvote another source, and the largest squared displacement of each, relative to
+/// that source.
 const MAJORITY: usize = 2;
 const NEAR_2: f64 = 1.0 / 9.0;
-/// Probability that a source that agrees with a wrong one errs with it.
+/// Probability that a source errs together with a wrong source, if both agree.
 const ERR_TOGETHER: f64 = 0.27;
-/// Squared displacement by an error, m², whose removal shows that filters were misled.
+/// Squared displacement by a removed error, m², above which filters were misled.
 const MISLED_M2: f64 = 40.0 * 40.0;
-/// Ticks after which sources that are compared have joined their tracks.
+/// Ticks after which the tracks of compared sources are joined.
 const ACQUAINTED_TICKS: u32 = 20;
-/// Largest variance per axis of what a source may be off, m².
+/// Largest variance per axis of the possible displacement of an unsettled source, m².
 const DOUBT_MAX_M2: f64 = 100.0 * 100.0;
-/// Comparisons of one target within the memory of the latest differences, at most.
+/// Largest number of comparisons of a target within the memory of the latest differences.
 const RECENT_TIMES: f64 = 3.0;
-/// Weight of one difference in the mean of their squares, and the largest mean that a clear error may have caused.
+/// Weight of a difference in the mean square of the differences, and bound of each square per axis.
 const FIT_GAIN: f64 = 1.0 / 64.0;
 const FIT_MAX: f64 = 12.0;
-/// Weight of one difference in the share of contradicting differences.
+/// Weight of a difference in the share of contradicting differences.
 const CONTRADICTION_GAIN: f64 = 1.0 / 64.0;
 
 kept! {
-    /// Sums over one ordered pair of sources, from the view of the first.
+    /// Sums over an ordered pair of sources, from the view of the first.
     #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
     pub(crate) struct SourcePair {
         /// Σ HⱼᵀWHⱼ.
@@ -133,7 +135,7 @@ const EMPTY: SourcePair = SourcePair {
 };
 
 kept! {
-    /// Part of one source's errors that a checkpoint keeps, beside the [`SourcePair`]s.
+    /// State of a source's errors for the checkpoint, beside the [`SourcePair`]s.
     #[derive(Clone, Copy, Debug)]
     pub(crate) struct KeptErrors {
         known: SourceErrors,
@@ -149,15 +151,14 @@ kept! {
 pub(crate) struct Registration {
     sources: Vec<SourceErrors>,
     pairs: Vec<SourcePair>,
-    /// Sources with which each source has been compared, as bits.
+    /// Compared partners of each source, as bits.
     partners: Vec<u64>,
-    /// Share of each source's latest differences that contradict its estimate.
+    /// Share of contradicting differences among the latest differences of each source.
     contradicted: Vec<f64>,
-    /// Mean square of each source's latest differences, as the estimate leaves them, per axis and relative to what is
-    /// expected.
+    /// Mean square per axis of each source's latest residual differences, relative to the expected square.
     fits: Vec<f64>,
     reference: Option<u16>,
-    /// Number of targets that several sources observe; at least 1.
+    /// Number of targets observed by several sources; at least 1.
     targets: f64,
     /// Duration of a tick, seconds.
     tick_s: f64,
@@ -165,24 +166,24 @@ pub(crate) struct Registration {
     places_m: Vec<Option<[f64; 2]>>,
     /// Latest differences of each source.
     recents: Vec<Recent>,
-    /// Ticks of each source's present estimate, and number of its solutions, at most [`SOLUTIONS_MIN`].
+    /// Ticks and number of solutions of each source's present estimate; at most [`SOLUTIONS_MIN`] solutions.
     ticks: Vec<u32>,
     solutions: Vec<u8>,
-    /// Share of the sums that is left after one tick, and of those of sources that drift.
+    /// Factor on the sums per tick, and factor for drifting sources.
     keep: f64,
     keep_drifting: f64,
-    /// How far the errors of each source displace its reports.
+    /// Displacement of each source's reports by systematic errors.
     displacements: Vec<Displacement>,
     solution: SolutionProgress,
     steps: StepSearch,
-    /// Of each source: what its latest step revealed, its estimate before that, and for how many ticks more its states
-    /// lag behind the step.
+    /// Per source: information from the latest step, the estimate before the step (`formers`), and the remaining ticks
+    /// in which states lag behind the step (`young`).
     seeds: Vec<Seed>,
-    /// Variance per axis of what each source may be off beside the others, m².
+    /// Variance per axis of the possible displacement of each source relative to the others, m².
     doubts_m2: Vec<f64>,
     formers: Vec<Option<FormerErrors>>,
     young: Vec<u8>,
-    /// Ticks for which filters may still be misled by an error that is now removed.
+    /// Remaining ticks in which a removed error may still mislead filters.
     misled_ticks: u8,
 }
 
@@ -253,7 +254,7 @@ impl Registration {
         &self.sources[usize::from(source)]
     }
 
-    /// Returns the displacement of a report of `source` that the removed errors cause, metres.
+    /// Returns the displacement of a report of `source` by the removed errors, metres.
     #[inline]
     pub(crate) fn shift(
         &self,
@@ -266,7 +267,7 @@ impl Registration {
     }
 
     /// Returns the estimated horizontal displacement of a report of a target with this velocity by errors that are
-    /// *not* removed, as they are not significant yet, metres.
+    /// *not* removed, because not significant yet, metres.
     #[inline]
     pub(crate) fn suspected_shift(&self, source: u16, velocity_mps: [f64; AXES]) -> [f64; 2] {
         let known = self.of(source);
@@ -274,8 +275,8 @@ impl Registration {
         std::array::from_fn(|axis| suspected(axis) - suspected(TIME) * velocity_mps[axis])
     }
 
-    /// Returns what is left of the biases of `source` in a report after the removal, and the variance of all biases, m
-    /// and m²; `None` until an estimate explains the differences from other sources.
+    /// Returns the residual bias of a report of `source` after the removal, and the variance of all biases, m and m²;
+    /// `None` until an estimate explains the differences from other sources.
     pub(crate) fn left(
         &self,
         source: u16,
@@ -300,14 +301,14 @@ impl Registration {
         Some((left[0].hypot(left[1]), variance_m2.sum()))
     }
 
-    /// Returns the variance per axis of what the reports of `source` may be off beside those of others, m², while that
-    /// is not settled; 0 once it is.
+    /// Returns the variance per axis of the possible displacement of an unsettled `source` relative to the others, m²;
+    /// 0 once `source` is settled.
     #[inline]
     pub(crate) fn doubt_m2(&self, source: u16) -> f64 {
         self.doubts_m2[usize::from(source)]
     }
 
-    /// Follows [`Self::doubt_m2`]. Where less than two others are settled, the source may be the true one.
+    /// Updates [`Self::doubt_m2`]. With fewer than two other settled sources, the source itself may be true.
     fn doubt(&mut self) {
         let settled = (0..self.sources.len() as u16)
             .filter(|own| self.is_settled(*own))
@@ -321,8 +322,8 @@ impl Registration {
         }
     }
 
-    /// Returns whether a source has been compared for so long that what it is off no longer keeps its tracks apart from
-    /// those of others.
+    /// Returns whether a source has been compared for so long that a remaining error no longer keeps its tracks apart
+    /// from the tracks of others.
     pub(crate) fn is_acquainted(&self, source: u16) -> bool {
         self.is_settled(source) && self.ticks[usize::from(source)] >= ACQUAINTED_TICKS
     }
@@ -341,9 +342,9 @@ impl Registration {
     }
 
     /// Returns the variance per axis of the common part of the displacements, m²; 0 if a reference source is taken as
-    /// true. The common part shows in no difference, but if the displacements lie far apart, their median is hardly 0.
-    /// Few of them determine their spread poorly, so the variance is enlarged by `(n + 1)·n / (n − 1)²`. If some agree
-    /// beside another one, they may be the wrong ones; the fewer they are, the more the other one counts.
+    /// true. The common part shows in no difference, but if the displacements lie far apart, the median is hardly 0.
+    /// Few displacements determine the spread poorly, so the variance is enlarged by `(n + 1)·n / (n − 1)²`. Sources
+    /// that agree against another source may be wrong together; the fewer agree, the more the other source counts.
     fn common_offset_m2(&self) -> f64 {
         let known = || {
             let all = self.sources.iter().zip(&self.displacements);
@@ -373,8 +374,8 @@ impl Registration {
         (few * sum / (total * total) + together).max(0.0)
     }
 
-    /// Returns the mean square per axis of the horizontal offsets that are not removed, m²: not significant yet, or
-    /// drifted away from the estimate.
+    /// Returns the mean square per axis of the remaining horizontal offsets, m²: not significant yet, or drifted away
+    /// from the estimate.
     fn left_over_m2(&self) -> f64 {
         let (mut sum, mut count) = (0.0, 0.0);
         for (known, recent) in self.sources.iter().zip(&self.recents) {
@@ -386,13 +387,13 @@ impl Registration {
         if count < 2.0 { 0.0 } else { (sum / count).max(0.0) }
     }
 
-    /// Learns from two views of one target at one time. `points_m2` is the variance per axis between the detected
+    /// Learns from two simultaneous views of a target. `points_m2` is the variance per axis between the detected
     /// points, m²; `reports` is the number of reports of the target per source, in `age_s` seconds.
     pub(crate) fn learn(&mut self, a: &TargetView, b: &TargetView, points_m2: f64, (reports, age_s): (f64, f64)) {
         let (of_a_mps, of_b_mps) = (a.velocity_beside(b), b.velocity_beside(a));
         let apart_mps = |axis: usize| of_a_mps[axis] - of_b_mps[axis];
         let apart_m = |axis: usize| a.position_m[axis] - b.position_m[axis];
-        // Written so that NaN is rejected.
+        // This form of the condition rejects NaN.
         let may_be_one = is_within([apart_mps(0), apart_mps(1)], VELOCITY_GATE_MPS)
             && is_within([apart_m(0), apart_m(1)], ERROR_MAX_SIGMA * PRIOR_SIGMA[0]);
         if !may_be_one {
@@ -414,16 +415,16 @@ impl Registration {
             let [xx, xy, _, yy, ..] = covariance_m2;
             covariance_m2 = [xx, xy, 0.0, yy, 0.0, 1e12];
         }
-        // The points stay where they are. However often a target is compared, it yields no more than one pair of
-        // points: an aircraft at its stand must not outweigh all that pass.
+        // The detection points of a target persist, so repeated comparisons yield no more than a single pair of points:
+        // a parked aircraft must not outweigh all passing aircraft.
         let times = 1.0 + reports * (self.collected_s(a.source, b.source) / age_s).clamp(0.0, 1.0);
         let weight_of = |points_m2: f64| {
             let [xx, xy, xz, yy, yz, zz] = covariance_m2;
             inverse3([xx + points_m2, xy, xz, yy + points_m2, yz, zz])
         };
         let points_m2 = (times * points_m2, times.min(RECENT_TIMES) * points_m2);
-        // One velocity for both views: a common part of all clock errors then shows in no difference, and the
-        // solution does not run away when the part is subtracted.
+        // A common velocity for both views: a common part of all clock errors then shows in no difference, and the
+        // solution does not diverge when the part is subtracted.
         let velocity_mps = std::array::from_fn(|axis| 0.5 * (of_a_mps[axis] + of_b_mps[axis]));
         let (of_a, of_b) = (a.sensitivity(velocity_mps), b.sensitivity(velocity_mps));
         let (by_a, by_b) = (
@@ -491,7 +492,7 @@ impl Registration {
         self.add((b.source, a.source), &weighted_b, (&of_b, &of_a), &negative(difference));
     }
 
-    /// Returns the time since which the sums of two sources are collected, seconds.
+    /// Returns the age of the sums of two sources, seconds.
     fn collected_s(&self, a: u16, b: u16) -> f64 {
         f64::from(self.ticks[usize::from(a)].min(self.ticks[usize::from(b)])) * self.tick_s
     }
@@ -514,10 +515,10 @@ impl Registration {
 
     /// Decides the significance of the errors once a solution is complete. `spread_m2` returns the variance per axis of
     /// the detection points of a source, `None` if too little is known for a decision. `targets` is the number of
-    /// targets that several sources observe.
+    /// targets observed by several sources.
     ///
-    /// If detection points are known to lie `far_apart`, time offsets are left alone, unless the times of receipt
-    /// confirm them.
+    /// With detection points known to lie `far_apart`, a time offset is removed only if the times of receipt confirm a
+    /// clock error.
     pub(crate) fn decide(
         &mut self,
         clocks: &[ClockError],

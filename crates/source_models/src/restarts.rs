@@ -1,22 +1,23 @@
-//! Restarts of sources: a sensor that begins anew gives all its targets other tracks.
+//! Restarts of sources: after a restart, a sensor gives new tracks to all its targets.
 //!
-//! A sensor states its restart seldom, and its adapter goes on. The tracks show it: all that the source followed for
-//! some time are silent, and others come. Until its former tracks have ended, the source would otherwise speak twice
-//! for each target: its new track could not join the target's system track, since a source that has two tracks
-//! states that there are two targets, and two sources that restart together would agree on a second one.
+//! A sensor seldom states its restart, and its adapter keeps running. The tracks show the restart: all tracks followed
+//! for some time are silent, and new tracks begin. Until the end of the former tracks, the source would otherwise count
+//! twice for each target. The new track could not join the target's system track, since two tracks of a source mean two
+//! targets. Two sources with a common restart would agree on a second target.
 
 use messages::NS_PER_S;
 use serde::{Deserialize, Serialize};
 
-/// Reports of known tracks in two periods without which their silence means nothing, and first reports in a row.
+/// Least reports of known tracks in two periods for a meaningful silence, and least number of first reports in a row.
 const REPORTS_MIN: u32 = 5;
-/// Share of a period for which all known tracks are silent while others begin; those of one scan may follow each other.
+/// Share of a period with all known tracks silent while others begin; first reports of a single scan may follow each
+/// other.
 pub const SILENT: f64 = 0.75;
-/// Time after the last report before a restart in which its tracks come back, nanoseconds.
+/// Time after the last report before a restart for the return of its tracks, nanoseconds.
 const SHORTLY_NS: i64 = 60 * NS_PER_S as i64;
-/// Periods after its latest report from which a track is overdue.
+/// Age of its latest report, in periods, from which a track is overdue.
 const OVERDUE: f64 = 1.25;
-/// Silence after which all tracks have ended, so that it no longer matters, nanoseconds.
+/// Silence after which all tracks have ended and a restart no longer matters, nanoseconds.
 const LONG_NS: i64 = 300 * NS_PER_S as i64;
 
 /// The sources' latest restarts.
@@ -27,17 +28,18 @@ pub(crate) struct Restarts {
 
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct SourceRestarts {
-    /// Time of the latest report that was not the first of its track, nanoseconds.
+    /// Time of the latest report other than the first of a track, nanoseconds.
     known_ns: i64,
-    /// End of the present period of such reports, nanoseconds, and their number in the one before and in this one.
+    /// End of the present period of such reports, nanoseconds, and number of reports in the previous and the present
+    /// period.
     look_ns: i64,
     reports: [u32; 2],
-    /// First reports since the latest one, and the time of the first of them, nanoseconds.
+    /// First reports since the latest such report, and time of the earliest, nanoseconds.
     begun: u32,
     begun_ns: i64,
-    /// Latest time of a restart before which no track had come twice, nanoseconds; `i64::MAX` if there was none.
+    /// Latest time of a restart before which no track had a second report, nanoseconds; `i64::MAX` if there was none.
     unproved_ns: i64,
-    /// Tracks that have not been reported since then are of before a restart, nanoseconds.
+    /// Time of the restart, nanoseconds: tracks without a later report are from before the restart.
     restarted_ns: i64,
 }
 
@@ -57,19 +59,19 @@ impl Restarts {
         }
     }
 
-    /// Whether a track of `source` with its latest report at `time_ns` is of before a restart of the source.
+    /// Whether a track of `source` with its latest report at `time_ns` is from before a restart of the source.
     #[inline]
     pub(crate) fn is_before(&self, source: u16, time_ns: i64) -> bool {
         time_ns <= self.sources[usize::from(source)].restarted_ns
     }
 
-    /// Whether `source` has restarted shortly before a time, at which a track of it began.
+    /// Whether `source` restarted shortly before the beginning of a track of the source.
     pub(crate) fn is_shortly_before(&self, source: u16, began_ns: i64) -> bool {
         let restarted_ns = self.sources[usize::from(source)].restarted_ns;
         began_ns > restarted_ns && began_ns.saturating_sub(restarted_ns) < SHORTLY_NS
     }
 
-    /// Takes the time of a report of `source`, which may be the first of its track.
+    /// Takes the time of a report of `source`, possibly the first of its track.
     #[inline]
     pub(crate) fn take(&mut self, (source, period_ns): (u16, i64), time_ns: i64, is_first: bool) {
         let own = &mut self.sources[usize::from(source)];
@@ -100,7 +102,7 @@ impl SourceRestarts {
         if had_tracks && silence_ns as f64 >= SILENT * period_ns as f64 && silence_ns < LONG_NS {
             self.restarted_ns = self.known_ns;
         }
-        // A source that begins anew soon after a start: its first tracks are overdue, and none has come twice.
+        // A restart of a source soon after a start: its first tracks are overdue, and none has a second report.
         let overdue_ns = time_ns.saturating_sub((OVERDUE * period_ns as f64) as i64);
         if self.begun >= 2 * REPORTS_MIN && self.begun_ns <= overdue_ns {
             self.restarted_ns = self.restarted_ns.max(overdue_ns);

@@ -1,50 +1,49 @@
-//! How often one target is reported, where that is slower than its sources report others.
+//! Report interval of a single target, if longer than for other targets of the same sources.
 //!
 //! The period of a source is the time between two reports of most of its targets. A target at the edge of coverage,
-//! behind hills, with a weak transponder, or a ship at anchor among ships under way, is reported far less often: by the
-//! period it would be given up after each report. Each system track therefore learns the mean interval between its own
-//! reports. From the third report on, it holds in place of the period where it is longer than [`SLOW`] times that.
+//! behind hills, with a weak transponder, or a ship at anchor among ships under way, has far fewer reports. By the
+//! period, its track would end after each report. Each system track therefore learns the mean interval between its own
+//! reports. From the third report on, a mean longer than [`SLOW`] periods replaces the period.
 //!
-//! A target without an address or MMSI is slow only while most of its last intervals are long. With one, a single gap
-//! is taken for what is to be expected: the target comes back under its number in any case.
+//! A target without an address or MMSI is slow only while most of its last intervals are long. With an address or MMSI,
+//! a single gap sets the expectation: the target comes back under its number in any case.
 //!
-//! The mean follows the last few intervals, so that a ship that weighs anchor is soon measured by the period again.
-//! Reports of all sources count alike: a target that any source reports often is not slow.
+//! The mean follows the last few intervals, so the period soon holds again for a ship that weighs anchor. Reports of
+//! all sources count alike: a target with frequent reports of any source is not slow.
 
 use messages::NS_PER_S;
 use serde::{Deserialize, Serialize};
 
 use crate::settings::FRESH_PERIODS;
 
-/// How many times longer than the period the intervals of a slow target are, at least: gaps of one missed report or
-/// two are not a rhythm.
+/// Least ratio between the intervals of a slow target and the period: gaps of up to two missed reports are not a
+/// rhythm.
 const SLOW: f64 = 2.0;
-/// Intervals that the mean is taken over.
+/// Number of intervals in the mean.
 const MEMORY: u8 = 4;
-/// Intervals of which most must be long, without a name.
+/// Number of last intervals: without a name, most must be long.
 const LAST: u32 = 3;
-/// Intervals from which the mean holds.
+/// Number of intervals for a valid mean.
 const ENOUGH: u8 = 2;
-/// Mean intervals without a report after which a target has gone: of intervals that follow no rhythm at all, one in
-/// fifty is longer.
+/// Silence after which a target has gone, in mean intervals: of intervals without any rhythm, 2 % are longer.
 const SILENCE: f64 = 4.0;
 
-/// The rhythm of one target.
+/// The rhythm of a target.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Rhythm {
-    /// Age up to which reports of the target count, nanoseconds; 0 if that of its sources' reports holds.
+    /// Validity time of reports of the target, nanoseconds; 0 if the validity time of the sources' reports holds.
     fresh_ns: i64,
     /// Mean interval, seconds.
     interval_s: f32,
     /// Intervals so far, up to [`MEMORY`].
     intervals: u8,
-    /// Which of the last [`LAST`] intervals were long, as bits.
+    /// Long intervals among the last [`LAST`], as bits.
     long: u8,
 }
 
 impl Rhythm {
-    /// Learns from the time since the report before, where reports of the present source count for up to `usual_ns`.
-    /// Without a name, one gap is no rhythm: most of the last intervals must be long.
+    /// Learns from the time since the previous report; `usual_ns` is the validity time of reports of the present
+    /// source. Without a name, a single gap is no rhythm: most of the last intervals must be long.
     #[inline]
     pub fn learn(&mut self, interval_ns: i64, usual_ns: i64, is_named: bool) {
         let slow_ns = usual_ns as f64 * (SLOW / FRESH_PERIODS);
@@ -65,24 +64,24 @@ impl Rhythm {
         }
     }
 
-    /// Age up to which reports of the target count, nanoseconds; 0 if that of its sources' reports holds.
+    /// Validity time of reports of the target, nanoseconds; 0 if the validity time of the sources' reports holds.
     #[inline]
     pub fn fresh_ns(&self) -> i64 {
         self.fresh_ns
     }
 
-    /// Whether the target is reported less often than its sources report others.
+    /// Whether the target has fewer reports than other targets of the same sources.
     #[inline]
     pub fn is_slow(&self) -> bool {
         self.fresh_ns > 0
     }
 
-    /// Mean time between two reports of the target, nanoseconds; 0 if the period of its sources holds.
+    /// Mean time between two reports of the target, nanoseconds; 0 if the period of the sources holds.
     pub fn interval_ns(&self) -> i64 {
         (self.fresh_ns as f64 / FRESH_PERIODS) as i64
     }
 
-    /// Time without a report after which the target has gone, nanoseconds; 0 if that of its sources holds.
+    /// Silence after which the target has gone, nanoseconds; 0 if the silence limit of the sources holds.
     pub fn silence_ns(&self) -> i64 {
         (SILENCE / FRESH_PERIODS * self.fresh_ns as f64) as i64
     }

@@ -1,16 +1,16 @@
 //! Factor found by steps, from samples that only indicate "more" or "less".
 //!
-//! Each sample moves the logarithm by a bounded step, so that no sample can spoil the factor: it settles where as
-//! many samples ask for more as for less. While nearly all samples ask for the same, which is unlikely by chance,
-//! steps are longer.
+//! Each sample moves the logarithm by a bounded step, so that no sample can spoil the factor. The factor settles at
+//! equal numbers of samples for more and for less. While nearly all samples ask for the same, which is unlikely by
+//! chance, steps are longer.
 
 use kept::kept;
 use serde::{Deserialize, Serialize};
 
-/// Step of the logarithm per sample, and its largest factor while all samples ask for the same.
+/// Step of the logarithm per sample, and extension of the step by agreement of the samples.
 const STEP: f64 = 0.03;
 const STRIDE: f64 = 0.3;
-/// Agreement of the samples from which the step becomes longer: chance seldom reaches it.
+/// Agreement of the samples above which the step becomes longer: chance seldom reaches this agreement.
 const AGREEMENT: f64 = 0.5;
 
 kept! {
@@ -18,7 +18,7 @@ kept! {
     #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
     pub(crate) struct Seeker {
         logarithm: f64,
-        /// Mean over the last samples of whether they ask for more (1) or less (−1).
+        /// Mean of the wishes of the last samples: more (1) or less (−1).
         trend: f64,
     }
 }

@@ -1,17 +1,18 @@
-//! What fusion learns of a source while it runs: how it filters, whether its covariances are true, how often it sees.
+//! Model of a source, learned at run time: process noise, truth of the covariances, detection probability.
 //!
-//! Sources say little about themselves. Three things decide how their reports may be used, and all three show in the
+//! Sources state little about themselves. Three properties decide on the use of the reports, and all three show in the
 //! reports:
-//! - **Process noise.** Two successive covariances of a sensor track betray the noise its filter assumes
-//!   ([`estimation::implied_noise`]). Where they do, its measurements can be recovered, whose errors are independent.
+//! - **Process noise.** Two successive covariances of a sensor track show the process noise of the source's filter
+//!   ([`estimation::implied_noise`]). With known process noise, the measurements can be recovered, with independent
+//!   errors.
 //! - **Truth of the covariance** (BF-5). The normalised innovation squared of a true covariance follows chi-square. The
-//!   median is compared, not the mean: targets that manoeuvre, a minority at any time, hardly move it. A source whose
-//!   innovations are larger gets its covariance inflated until they fit.
-//! - **Detection points.** What remains of a source's innovations on the average over one target does not come from
-//!   noise: the source sees another point of the target than the others do. The spread of these means over the targets
-//!   says how large the targets are.
+//!   median is compared, not the mean: manoeuvring targets, a minority at any time, hardly move the median. If the
+//!   innovations are larger, the covariances of the source are inflated until the innovations fit.
+//! - **Detection points.** A mean innovation of a source over a target, other than 0, does not come from noise: the
+//!   source sees another point of the target than the other sources. The spread of these means over the targets shows
+//!   the size of the targets.
 //!
-//! Everything is tracked by medians that move by a bounded step, so that no single report can spoil them.
+//! All values are tracked by medians that move by a bounded step, so that no single report can spoil a value.
 
 use estimation::{NearlyConstantVelocity, implied_noise};
 use kept::kept;
@@ -24,18 +25,18 @@ use crate::tracker_gain::{Change, GainEvidence, TrackerGain, Undone};
 
 /// Median of chi-square with two degrees of freedom.
 pub(crate) const CHI2_MEDIAN_2: f64 = 1.386_294_361_119_890_6;
-/// Weight of a new innovation in the mean over one sensor track.
+/// Weight of a new innovation in the mean over a sensor track.
 pub const MEAN_GAIN: f64 = 0.25;
-/// Variance of such a mean relative to that of one innovation.
+/// Variance of such a mean relative to the variance of an innovation.
 pub const MEAN_VARIANCE: f64 = MEAN_GAIN / (2.0 - MEAN_GAIN);
-/// Reports whose covariances must have implied a process noise before it is believed.
+/// Number of reports with an implied process noise before the noise is used.
 const NOISE_SAMPLES_MIN: u32 = 8;
-/// Reports after which a filter whose noise is unknown is taken for one that cannot be undone.
+/// Number of reports after which a filter of unknown noise counts as impossible to undo.
 const REPEATED_FIRST: u32 = 32;
-/// Pairs of reports that are all looked at, and after that, every how many one is.
+/// Number of first pairs of reports that are all examined, and interval between examined pairs thereafter.
 const NOISE_SAMPLES_FIRST: u32 = 256;
 const NOISE_SAMPLE_EVERY: u32 = 64;
-/// Inflation below this is within what a consistent source shows by chance.
+/// Inflation below this value is within the chance of a consistent source.
 const COVARIANCE_SCALE_MIN: f64 = 1.3;
 /// `ln(COVARIANCE_SCALE_MIN)`, rounded down.
 const LOG_COVARIANCE_SCALE_MIN: f64 = 0.26;
@@ -43,13 +44,13 @@ const LOG_COVARIANCE_SCALE_MIN: f64 = 0.26;
 const COVARIANCE_SCALE_MAX: f64 = 1000.0;
 /// Weight of a new sample in the mean over all sensor tracks.
 const COMMON_GAIN: f64 = 1.0 / 64.0;
-/// Samples of detection points before their spread is believed.
+/// Number of samples of detection points before the spread is used.
 const SPREAD_SAMPLES_MIN: u32 = 30;
-/// Variance per axis of where detection points lie on a target before that, m².
+/// Variance per axis of detection points on a target before the spread is used, m².
 const SPREAD_PRIOR_M2: f64 = 6.0 * 6.0;
 
 kept! {
-    /// A median that follows its samples by steps of the logarithm.
+    /// A median that follows samples by steps of the logarithm.
     #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
     pub(crate) struct Median {
         logarithm: f64,
@@ -70,7 +71,7 @@ impl Median {
             .copysign(logarithm - self.logarithm);
     }
 
-    /// Whether there was no sample yet.
+    /// Whether no sample has been added yet.
     pub(crate) fn is_unknown(&self) -> bool {
         self.samples == 0
     }
@@ -81,12 +82,12 @@ impl Median {
 }
 
 kept! {
-    /// Knowledge of one source.
+    /// Learned properties of a source.
     #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
     pub(crate) struct SourceModel {
         horizontal_noise: Median,
         vertical_noise: Median,
-        /// Share of the looked-at reports that came from a filter as [`estimation::implied_noise`] knows it.
+        /// Share of the examined reports from a filter of the form of [`estimation::implied_noise`].
         filtered_share: f64,
         looked_at: u32,
         process_noise: Option<NearlyConstantVelocity>,
@@ -95,19 +96,19 @@ kept! {
         pub(crate) shape: ErrorShape,
         /// Gain of the source's tracker.
         gain: TrackerGain,
-        /// Mean innovation over all sensor tracks: what is left of the source's own errors, metres.
+        /// Mean innovation over all sensor tracks: remaining errors of the source, metres.
         mean_offset_m: [f64; 2],
-        /// Squared mean innovation over a sensor track, less that, relative to what noise explains.
+        /// Squared deviation of a track's mean innovation from that mean, relative to the part explained by noise.
         spread_ratio: Median,
-        /// Part of that which noise explains, m² per axis.
+        /// Part explained by noise, m² per axis.
         spread_noise_m2: Median,
         /// Variance of recovered measurements, m² per axis.
         measured_m2: Median,
-        /// Variance per axis that these three yield, m²: see [`SourceModel::spread_m2`].
+        /// Resulting variance per axis, m²: see [`SourceModel::spread_m2`].
         spread_m2: f64,
         /// Mean size of the targets, by their types, metres.
         size_m: f64,
-        /// Probability that a scan sees a target that the source tracks.
+        /// Probability that a scan detects a target tracked by the source.
         pub(crate) detection: f64,
     }
 }
@@ -135,26 +136,26 @@ impl Default for SourceModel {
 }
 
 impl SourceModel {
-    /// The process noise of the source's own filter, if it is known.
+    /// The process noise of the source's own filter, if known.
     #[inline]
     pub(crate) fn process_noise(&self) -> Option<NearlyConstantVelocity> {
         self.process_noise
     }
 
-    /// Returns whether the filter behind reports whose covariances show one cannot be undone.
+    /// Returns whether the covariances of the source's reports show a filter that cannot be undone.
     #[inline]
     pub(crate) fn cannot_be_undone(&self) -> bool {
         self.process_noise.is_none() && self.looked_at >= REPEATED_FIRST
     }
 
-    /// Whether the next pair of reports shall be learned from: the first ones, and a few now and then.
+    /// Whether to learn from the next pair of reports: all first pairs, and a few later pairs.
     #[inline]
     pub(crate) fn looks_at_noise(&mut self) -> bool {
         self.looked_at = self.looked_at.wrapping_add(1);
         self.looked_at < NOISE_SAMPLES_FIRST || self.looked_at.is_multiple_of(NOISE_SAMPLE_EVERY)
     }
 
-    /// Learns from two successive reports of one sensor track.
+    /// Learns from two successive reports of a sensor track.
     pub(crate) fn learn_noise(&mut self, before: &Covariance, after: &Covariance, seconds: f64, has_height: bool) {
         let horizontal = implied_noise::<2>(before, after, seconds, 0);
         if let Some(noise) = horizontal {
@@ -176,8 +177,8 @@ impl SourceModel {
         });
     }
 
-    /// Learns from a change of a sensor track whose report states `stated`, a covariance without a filter, and undoes
-    /// the source's tracker; `None` while too little is known.
+    /// Learns from a change of a sensor track, and undoes the source's tracker; `None` while too little is known. The
+    /// report states `stated`, a covariance without a filter.
     pub(crate) fn undo(&mut self, evidence: &mut GainEvidence, change: &Change, stated: &Covariance) -> Option<Undone> {
         if self.process_noise.is_some() {
             return None;
@@ -185,14 +186,14 @@ impl SourceModel {
         let was_undone = self.gain.is_undone();
         let undone = self.gain.take(evidence, change, stated);
         if undone.is_some() != was_undone {
-            // What was learned of the covariances holds for those before.
+            // The learned values hold for the former covariances.
             self.covariance_scale = Seeker::default();
             self.shape = ErrorShape::default();
         }
         undone
     }
 
-    /// Undoes the source's tracker between two states of a track that need not be the latest; `None` if the source is
+    /// Undoes the source's tracker between two states of a track, not necessarily the latest; `None` if the source is
     /// not undone. Learns nothing.
     pub(crate) fn undone_between(
         &self,
@@ -207,19 +208,19 @@ impl SourceModel {
         gain.take(&mut evidence, change, stated)
     }
 
-    /// By how much the covariances of the source, which show no filter, are too small; `None` if not known.
+    /// Factor by which the covariances of the source, without signs of a filter, are too small; `None` if unknown.
     pub(crate) fn claim(&self) -> Option<f64> {
         self.gain.claim().filter(|_| self.process_noise.is_none())
     }
 
-    /// Whether it is open how true the source's covariances are, which show no filter.
+    /// Whether the truth of the source's covariances, without signs of a filter, is undecided.
     #[inline]
     pub(crate) fn is_open(&self) -> bool {
         self.process_noise.is_none() && self.gain.is_open()
     }
 
-    /// Covariance of the first report of a track, which states `stated`, a covariance without a filter; `None` if the
-    /// stated one is used.
+    /// Covariance of the first report of a track with `stated`, a covariance without a filter; `None` if the stated
+    /// covariance is used.
     pub(crate) fn first_covariance(&self, stated: &Covariance) -> Option<Covariance> {
         match self.process_noise {
             None => self.gain.first(stated),
@@ -233,10 +234,10 @@ impl SourceModel {
         &self.gain
     }
 
-    /// Factor on the source's covariances that makes its innovations what they should be; 1 if they are.
+    /// Factor on the source's covariances that makes the innovations consistent; 1 for consistent innovations.
     #[inline]
     pub(crate) fn covariance_scale(&self) -> f64 {
-        // Asked at every report: what is surely too small needs no exponential.
+        // Called for every report: a logarithm below the limit needs no exponential.
         if self.covariance_scale.logarithm() < LOG_COVARIANCE_SCALE_MIN {
             return 1.0;
         }
@@ -248,16 +249,16 @@ impl SourceModel {
         }
     }
 
-    /// Learns from one normalised innovation squared of the horizontal position.
+    /// Learns from a normalised innovation squared of the horizontal position.
     #[inline]
     pub(crate) fn learn_consistency(&mut self, normalised_squared: f64) {
         self.covariance_scale
             .step(normalised_squared - CHI2_MEDIAN_2, 0.0, COVARIANCE_SCALE_MAX.ln());
     }
 
-    /// Learns from the mean innovation over one sensor track, east and north, of which noise explains a variance of
-    /// `noise_m2` (summed over both axes), the variance per axis of the measurement, and the size of the target. An
-    /// error that all tracks have in common is none of points.
+    /// Learns from the mean innovation over a sensor track, east and north: noise explains a variance of `noise_m2`
+    /// (sum over both axes). Further inputs are the variance per axis of the measurement and the size of the target. A
+    /// common error of all tracks is not due to detection points.
     pub(crate) fn learn_spread(&mut self, offset_m: [f64; 2], noise_m2: f64, measured_m2: f64, size_m: f64) {
         self.size_m += (size_m - self.size_m) * if self.size_m == 0.0 { 1.0 } else { COMMON_GAIN };
         let mut squared_m2 = 0.0;
@@ -271,25 +272,25 @@ impl SourceModel {
         self.spread_m2 = self.learned_spread_m2();
     }
 
-    /// Whether enough targets were seen to know how far the detection points lie apart.
+    /// Whether enough targets were seen for a known spread of the detection points.
     #[inline]
     pub(crate) fn knows_spread(&self) -> bool {
         self.spread_ratio.samples >= SPREAD_SAMPLES_MIN
     }
 
-    /// Whether so many were seen that each further one matters little.
+    /// Whether so many targets were seen that further targets matter little.
     #[inline]
     pub(crate) fn knows_spread_well(&self) -> bool {
         self.spread_ratio.samples >= 16 * SPREAD_SAMPLES_MIN
     }
 
-    /// Variance per axis of where this source's detection points lie on targets, m².
+    /// Variance per axis of this source's detection points on targets, m².
     #[inline]
     pub(crate) fn spread_m2(&self) -> f64 {
         self.spread_m2
     }
 
-    /// [`Self::spread_m2`]; until it is known, that of a large aircraft.
+    /// [`Self::spread_m2`]; until known, the variance for a large aircraft.
     #[inline]
     pub(crate) fn possible_spread_m2(&self) -> f64 {
         if self.knows_spread() {
@@ -305,7 +306,7 @@ impl SourceModel {
         }
         // The squared length of a mean of noise is half a chi-square with two degrees of freedom.
         let excess = self.spread_ratio.value() / (0.5 * CHI2_MEDIAN_2) - 1.0;
-        // Chance alone reaches half of what noise explains.
+        // Chance alone reaches half of the part explained by noise.
         if excess < 0.5 {
             0.0
         } else {
@@ -313,13 +314,13 @@ impl SourceModel {
         }
     }
 
-    /// Returns the largest variance per axis of points of one target, m²: one that has them at its ends.
+    /// Returns the largest variance per axis of points of a target, m²: of points at both ends.
     #[inline]
     pub(crate) fn largest_points_m2(&self) -> f64 {
         0.25 * self.size_m * self.size_m
     }
 
-    /// Returns [`Self::spread_m2`] as far as it is one of points: 0 where the spread is larger than a target.
+    /// Returns [`Self::spread_m2`] as far as due to detection points: 0 where the spread is larger than a target.
     pub(crate) fn points_m2(&self) -> f64 {
         if self.spread_m2 <= self.largest_points_m2() {
             self.spread_m2
@@ -328,14 +329,14 @@ impl SourceModel {
         }
     }
 
-    /// Returns whether the detection points lie farther apart than `ratio` times the source's measurement error, and no
-    /// farther than targets are large: what is beyond is no point of a target.
+    /// Returns whether the detection points lie farther apart than `ratio` times the source's measurement error, but no
+    /// farther than the size of targets: points farther apart are no points of a target.
     pub(crate) fn sees_points(&self, ratio: f64) -> bool {
         let points_m2 = self.points_m2();
         points_m2 > 0.0 && points_m2 > ratio * ratio * self.measured_m2.value()
     }
 
-    /// Learns whether a scan saw a target that the source tracks.
+    /// Learns whether a scan detected a target tracked by the source.
     #[inline]
     pub(crate) fn learn_detection(&mut self, seen: bool) {
         let seen = f64::from(u8::from(seen));
@@ -347,9 +348,9 @@ impl SourceModel {
 mod tests {
     use super::*;
 
-    /// Normalised innovations squared of a source whose covariances are `factor` times too small, by their quantiles.
+    /// Normalised innovations squared of a source with covariances too small by `factor`, by quantiles.
     fn innovations(factor: f64) -> impl Iterator<Item = f64> {
-        // In an order that favours none.
+        // In scrambled order.
         (0..2000u32).map(move |step| -2.0 * factor * (1.0 - (f64::from(step * 617 % 2000) + 0.5) / 2000.0).ln())
     }
 
@@ -357,7 +358,7 @@ mod tests {
     fn a_covariance_that_claims_too_much_is_inflated_by_what_it_lacks() {
         for (factor, least, most) in [(1.0, 1.0, 1.0), (0.25, 1.0, 1.0), (4.0, 2.5, 6.4), (100.0, 62.0, 160.0)] {
             let mut model = SourceModel::default();
-            // What is inflated already is seen less.
+            // Inflation reduces the normalised innovations.
             innovations(factor).for_each(|squared| model.learn_consistency(squared / model.covariance_scale()));
             let covariance_scale = model.covariance_scale();
             assert!(
@@ -381,7 +382,7 @@ mod tests {
         let learned = |apart_m2: f64, off_m: f64| {
             let mut model = SourceModel::default();
             for (target, squared) in (0..1000).zip(innovations(1.0)) {
-                // The mean of two axes of noise, and of points that lie so far apart; all off by as much.
+                // The mean of two axes of noise, and of points this far apart; all with the same offset.
                 let offset_m = (0.5 * squared * (2.0 * 9.0 + 2.0 * apart_m2)).sqrt();
                 let (sin, cos) = (f64::from(target) * 2.4).sin_cos();
                 model.learn_spread([off_m + offset_m * sin, offset_m * cos], 2.0 * 9.0, 25.0, 80.0);

@@ -1,5 +1,4 @@
-//! What is known of the sources as a whole: what they were learned to be worth, their systematic errors, and how
-//! targets move.
+//! Models of all sources together: learned quality, systematic errors, and motion of targets.
 
 mod changes;
 mod comparison;
@@ -23,7 +22,7 @@ use crate::settings::{AccuracyBase, Settings, SourceSettings};
 use crate::source_model::SourceModel;
 use crate::step_memory::StepMemory;
 
-/// Offset of a clock, seconds, that is no error beside the others.
+/// Largest offset of a sound clock, seconds.
 const CLOCK_SOUND_S: f64 = 0.5;
 /// The sources, each by its number.
 #[derive(Debug, Serialize, Deserialize)]
@@ -34,28 +33,28 @@ pub struct Sources {
     /// How targets manoeuvre.
     pub(crate) manoeuvres: Manoeuvres,
     pub(crate) credibility: Credibility,
-    /// The points of targets that the sources see.
+    /// Detection points of targets by source.
     pub(crate) points: Points,
     /// How long reports and tracks of the sources live.
     pub(crate) lifetimes: Lifetimes,
     pub(crate) dependence: Dependence,
     /// How many new tracks of each source turned out to be targets.
     pub(crate) purity: Purity,
-    /// Where each source follows targets.
+    /// Coverage of each source.
     pub(crate) coverage: DetectionMap,
-    /// From where the sources that move see.
+    /// Platforms of moving sources.
     pub(crate) moving: MovingSources,
     /// Pressure altitude and height, by region.
     pub(crate) pressure: PressureOffsets,
-    /// Share of each self-reporting source's reports that measuring sensors contradict.
+    /// Share of each self-reporting source's reports contradicted by measuring sensors.
     pub(crate) contradicted: Vec<f64>,
     /// Error of each source's clock.
     pub(crate) clocks: Vec<ClockError>,
     /// Whether the clock of some source is taken off.
     pub(crate) corrects_clocks: bool,
-    /// By how much covariances that show no filter are too small, as a factor.
+    /// Usual factor between true and stated covariances without indication of a filter.
     pub(crate) usual_claim: f64,
-    /// Sources that were set aside at the last look, as bits.
+    /// Sources set aside at the last look, as bits.
     pub(crate) was_set_aside: u64,
     pub(crate) before_step: StepMemory,
 }
@@ -65,7 +64,7 @@ const COVERAGE_CELLS: usize = 4096;
 const COVERAGE_CELL_M: f64 = 5000.0;
 
 impl Sources {
-    /// Models of which nothing is known yet, with all tables allocated.
+    /// Models without knowledge, with all tables allocated.
     pub fn new(settings: &Settings) -> Self {
         let count = settings.sources.len();
         let registration = &settings.registration;
@@ -101,16 +100,16 @@ impl Sources {
         }
     }
 
-    /// Sets the offset of a source's clock against sound clocks, seconds; `None` if it is not known.
+    /// Sets the offset of a source's clock against sound clocks, seconds; `None` if unknown.
     pub fn set_clock(&mut self, sources: &[SourceSettings], source: u16, offset_s: Option<f64>) {
         let Some(clock) = self.clocks.get_mut(usize::from(source)) else {
             return;
         };
-        // Data that are late need not have a wrong clock: they may take a period to come.
+        // Late data do not imply a wrong clock: the delay may be up to a period.
         let late_s = sources[usize::from(source)].period_ns as f64 / NS_PER_S;
         let offset_s = offset_s.unwrap_or_default();
         let excess_s = (offset_s.max(-offset_s - late_s) - CLOCK_SOUND_S).max(0.0);
-        // A clock that is ahead of the receipt is wrong. One that is behind may be that of data that take long to come.
+        // A clock ahead of the receipt is wrong. A clock behind may come from a long delay of the data.
         let is_wrong = excess_s > 0.0 && (offset_s > 0.0 || clock.removed_s < 0.0);
         let removed_s = if is_wrong { offset_s } else { 0.0 };
         clock.offset_s = offset_s;
@@ -132,7 +131,7 @@ impl Sources {
         }
     }
 
-    /// Takes off the clocks that are late by the times of receipt, where comparison with other sources shows the same.
+    /// Corrects the clocks found late by the times of receipt, if comparison with other sources shows the same.
     pub(crate) fn correct_late_clocks(&mut self) {
         for source in 0..self.clocks.len() as u16 {
             let clock = self.clocks[usize::from(source)];
@@ -145,7 +144,7 @@ impl Sources {
     }
 }
 
-/// Where a source that measures range and azimuth stands, metres; `None` for others.
+/// Place of a source with measurements of range and azimuth, metres; `None` for others.
 pub fn place_of(source: &SourceSettings) -> Option<[f64; 2]> {
     source.place_m.or(match source.accuracy.base {
         AccuracyBase::Polar { place_m, .. } => Some(place_m),

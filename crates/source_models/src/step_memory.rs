@@ -1,9 +1,9 @@
-//! What is learned from innovations, as it was before the latest innovations, for the time after a step of the
-//! systematic errors of a source.
+//! Earlier copies of the values learned from innovations, for the time after a step of the systematic errors of a
+//! source.
 //!
-//! The innovations between a step and its discovery are large, and so are those of the filters that the step has
-//! misled. They are no evidence of covariances that are too small, nor of manoeuvres. Without this memory the source
-//! that changed would weigh too little for a minute, and all filters would smooth less for longer.
+//! The innovations between a step and its detection are large, and so are the innovations of misled filters. Such
+//! innovations are no evidence of too small covariances, nor of manoeuvres. Without this memory the changed source
+//! would weigh too little for a minute, and all filters would smooth less for longer.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,7 +11,7 @@ use crate::manoeuvres::{CLASSES, Class, Manoeuvres};
 use crate::seeker::Seeker;
 use crate::source_model::SourceModel;
 
-/// Ticks between two copies. The older copy is older than a step that has just been found.
+/// Ticks between two copies. The older copy precedes a newly found step.
 const EVERY_TICKS: u8 = 8;
 
 /// Two copies of the covariance scales of all sources, and of the manoeuvres of all classes of targets.
@@ -31,7 +31,7 @@ impl StepMemory {
         }
     }
 
-    /// Copies where due; once per tick.
+    /// Copies if due; to be called once per tick.
     pub(crate) fn look(&mut self, models: &[SourceModel], manoeuvres: &mut Manoeuvres) {
         self.ticks += 1;
         if self.ticks < EVERY_TICKS {
@@ -45,7 +45,7 @@ impl StepMemory {
         self.classes = [self.classes[1], Some(*manoeuvres.classes_mut())];
     }
 
-    /// Restores what was learned before a step that has just been found.
+    /// Restores the values learned before a newly found step.
     pub(crate) fn restore(&mut self, models: &mut [SourceModel], manoeuvres: &mut Manoeuvres) {
         let [older, newer] = &mut self.scales;
         for (model, kept) in models.iter_mut().zip(older.iter()) {

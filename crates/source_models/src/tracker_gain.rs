@@ -1,25 +1,25 @@
-//! Gain of a source's tracker, as its reports show it: how a report follows from the one before and a measurement.
+//! Gain of a source's tracker, from its reports: the relation of a report to the former report and a measurement.
 //!
-//! Many trackers state one constant covariance, or a diagonal one. Such a covariance shows neither that the reports
-//! are smoothed nor how long the error ellipses are. The states show both. A tracker predicts the position from its
+//! Many trackers state a constant covariance, or a diagonal covariance. Such a covariance shows neither the smoothing
+//! of the reports nor the length of the error ellipses. The states show both. A tracker predicts the position from the
 //! former report, and a measurement moves the position by K·ν and the velocity by L·ν, with the innovation ν. So the
 //! change of the velocity is M·(change of the position), with M = L·K⁻¹. Both changes are in the reports, and the
-//! errors of the measurement cancel: two or three reports of one track give the symmetric matrix M.
+//! errors of the measurement cancel: two or three reports of a track give the symmetric matrix M.
 //!
-//! A filter of nearly constant velocity has the same axes for M as for the covariance of its measurements. On each
-//! axis the ratio ρ = M·T of both gains determines the gain of the position ([`gain_of`]), and hence the measurement
-//! itself. The innovations have a variance that follows from that of the measurements: their squares give the
-//! variance along the long and along the short axis of the source's errors. Where tracks are old enough, the gains
-//! differ with the variance, so that each track shows its own: an azimuth error grows with the range.
+//! In a filter of nearly constant velocity, M has the same axes as the covariance of the measurements. On each axis the
+//! ratio ρ = M·T of both gains determines the gain of the position ([`gain_of`]), and hence the measurement itself. The
+//! variance of the innovations follows from the variance of the measurements. So the squared innovations give the
+//! variance along the long and along the short axis of the source's errors. On old tracks, the gains differ with the
+//! variance, so that each track shows its own: an azimuth error grows with the range.
 //!
-//! A source is treated so only if its covariances show no filter, and if M foretells the next change of velocity. A
-//! source that measures its velocity, or that reports plots, does not pass this test.
+//! A source is undone only if the covariances show no filter, and if M predicts the next change of velocity. A source
+//! with measured velocities, or of plots, does not pass this test.
 //!
-//! A source that fails this test by far is given up: only one of its tracks in eight is tested further, a minute at a
-//! time, since its tracker may change.
+//! A source that clearly fails this test is given up. Only one of eight tracks is tested further, a minute at a time,
+//! since the tracker may change.
 //!
-//! Limits: a tracker that changes its gain often is recovered badly, and the test refuses it; the variances contain
-//! what targets deviate from straight flight in one period.
+//! Limits: a tracker with frequent changes of the gain is recovered badly, and fails the test; the variances contain
+//! the deviations of targets from straight flight in a period.
 //!
 //! Source: P. R. Kalata, *The tracking index: a generalized parameter for α-β and α-β-γ target trackers*, IEEE
 //! Transactions on Aerospace and Electronic Systems 20 (1984), for gains and variances; R. K. Mehra, *On the
@@ -32,83 +32,85 @@ use serde::{Deserialize, Serialize};
 
 use crate::principal::Principal;
 
-/// Weight of what earlier reports of a track showed, relative to the latest one.
+/// Weight of earlier reports of a track, relative to the latest report.
 const MEMORY: f64 = 0.3;
-/// Square of the change of position that rounding explains, m².
+/// Square of the change of position explained by rounding, m².
 const ROUNDING_M2: f64 = 0.25;
 /// Change of position below which a report repeats a prediction, relative to rounding.
 const REPEATED: f64 = 0.04;
-/// Weight of equal ratios on all axes, relative to what the reports of a track show.
+/// Weight of equal ratios on all axes, relative to the reports of a track.
 const ISOTROPY: f64 = 1e-3;
-/// Largest ratio of the gains: of a velocity that is the difference of two positions.
+/// Largest ratio of the gains: for a velocity from the difference of two positions.
 const RATIO_MAX: f64 = 1.0;
-/// Relative difference of two periods from which on the gains of a track differ.
+/// Relative difference of two periods above which the gains of a track differ.
 const IRREGULAR: f64 = 0.25;
-/// Ratios of the changes beyond which no tracker of positions shows them.
+/// Limits of the ratio of the changes for a tracker of positions.
 const RATIO_LEAST: f64 = 0.05;
 const RATIO_IMPOSSIBLE: f64 = 1.3;
-/// Smallest ratio of the gains, absolute and relative to that along the latest change.
+/// Smallest ratio of the gains, absolute and relative to the ratio along the latest change.
 const RATIO_MIN: f64 = 0.02;
 const RATIO_MIN_RELATIVE: f64 = 0.3;
-/// Samples of each kind before they are used.
+/// Least number of samples of each kind for use.
 const FITS_MIN: u32 = 8;
 const SAMPLES_MIN: u32 = 16;
-/// Samples of a mean square that are not bounded, bound of the others relative to the mean, and least weight of one.
+/// Number of unbounded samples of a mean square, bound of later samples relative to the mean, and least weight of a
+/// sample.
 const FREE_SAMPLES: u32 = 4;
 const SQUARE_MAX: f64 = 9.0;
 const SQUARE_GAIN: f64 = 1.0 / 256.0;
-/// Difference of the ratios on both axes relative to their sum, above which they differ: of a young track and of an old
-/// one.
+/// Difference of the ratios on both axes relative to the sum, above which the ratios differ: for a young track and for
+/// an old track.
 const CONTRAST_MIN: [f64; 2] = [0.2, 0.05];
-/// Relative squared error up to which a change of velocity was foretold.
+/// Relative squared error up to which a change of velocity counts as predicted.
 const FORETOLD: f64 = 0.05;
-/// Share of the foretold changes from which on a source is undone, and below which it no longer is; least weight.
+/// Share of predicted changes above which a source is undone, and below which undoing ends; least weight.
 const FORETOLD_FROM: f64 = 0.8;
 const FORETOLD_UNTIL: f64 = 0.6;
 const FORETOLD_GAIN: f64 = 1.0 / 512.0;
-/// Changes of velocity after which a source can be given up, and share of the foretold ones below which it is.
+/// Changes of velocity before a source can be given up, and share of predicted changes below which a source is given
+/// up.
 const HOPELESS_SAMPLES: u32 = 64;
 const HOPELESS: f64 = 0.3;
-/// Of the tracks of a source that was given up, one in so many teaches; each does so in turn, for a minute, as a power
-/// of two in nanoseconds.
+/// Number of tracks of a given-up source per teaching track, and duration of the turn of each track, a minute, as a
+/// power of two in nanoseconds.
 const TEACHES_OF: i64 = 8;
 const TEACHES_FOR: u32 = 36;
-/// Measurements of a track after the first one, from which on its gains change little.
+/// Measurements of a track after the first, from which on the gains change little.
 const OLD_UPDATES: u32 = 5;
-/// Reports of a track from which on its innovations teach variances, from which on its axes are known, and from which
-/// on its gains teach the noise.
+/// Least number of reports of a track for learning variances from innovations, for known axes, and for learning noise
+/// from gains.
 const VARIANCE_UPDATES: u32 = 3;
 const AXES_UPDATES: u32 = 5;
 const NOISE_UPDATES: u32 = 8;
 /// Share of a young track's gain up to which the gain teaches the noise.
 const NOISE_YOUTH: f64 = 0.2;
-/// Changes that show the gains of a track of which earlier ones are not known.
+/// Least number of changes that show the gains of a track with unknown earlier changes.
 const CHANGES_MIN: u32 = 3;
 /// Halvings of the range of ratios.
 const HALVINGS: u32 = 20;
-/// Least variance of a velocity relative to the part that its position explains.
+/// Least variance of a velocity relative to the part explained by the position.
 const COMMON_MIN: f64 = 1.05;
 /// Bound of a gain below 1: a report is never a measurement alone.
 const GAIN_MAX: f64 = 0.98;
 
-/// What the reports of one sensor track showed of the gains.
+/// Evidence of the gains from the reports of a sensor track.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct GainEvidence {
     /// Σ w·Δ·Δᵀ of the changes of position Δ (xx, xy, yy).
     square: [f64; 3],
-    /// Σ w of products of the changes of position and of velocity per second, as the normal equations of M need them.
+    /// Σ w of products of the changes of position and of velocity per second, for the normal equations of M.
     product: [f64; 3],
-    /// The same of the height: square and product.
+    /// The same for the height: square and product.
     vertical: [f64; 2],
-    /// Measurements of the track, and time before the latest one, seconds.
+    /// Measurements of the track, and time before the latest measurement, seconds.
     updates: u32,
     seconds: f64,
-    /// Measurements in the sums: fewer, if the track is older than what is known of it.
+    /// Measurements in the sums: fewer for a track with unknown earlier measurements.
     changes: u32,
 }
 
 kept! {
-    /// Mean of squares, each bounded by a multiple of the mean so far: no single one can spoil it.
+    /// Mean of squares, each bounded by a multiple of the mean so far, so that no single square can spoil the mean.
     #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
     pub(crate) struct MeanSquare {
         mean: f64,
@@ -136,7 +138,7 @@ impl MeanSquare {
 }
 
 kept! {
-    /// Share of the changes of velocity that were foretold.
+    /// Share of predicted changes of velocity.
     #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
     pub(crate) struct FitShare {
         share: f64,
@@ -145,14 +147,14 @@ kept! {
 }
 
 impl FitShare {
-    /// Adds the relative squared error of a foretold change.
+    /// Adds the relative squared error of a predicted change.
     fn add(&mut self, error: f64) {
         self.samples = self.samples.saturating_add(1);
         let fits = f64::from(u8::from(error < FORETOLD));
         self.share += (fits - self.share) * (1.0 / f64::from(self.samples)).max(FORETOLD_GAIN);
     }
 
-    /// Whether the changes are foretold, `so_far` and on.
+    /// Whether the changes are predicted well; `so_far` is the former result.
     fn is_good(&self, so_far: bool) -> bool {
         let least = if so_far { FORETOLD_UNTIL } else { FORETOLD_FROM };
         self.samples >= FITS_MIN && self.share >= least
@@ -160,10 +162,10 @@ impl FitShare {
 }
 
 kept! {
-    /// What was learned of a source's tracker.
+    /// Learned properties of a source's tracker.
     #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
     pub(crate) struct TrackerGain {
-        /// Changes of velocity that were foretold: in the plane, and of the height.
+        /// Predicted changes of velocity: in the plane, and of the height.
         fit: FitShare,
         vertical_fit: FitShare,
         /// Variance of measurements: mean of both axes, along the long axis, the short axis, and of the height, m².
@@ -171,12 +173,12 @@ kept! {
         long_m2: MeanSquare,
         short_m2: MeanSquare,
         vertical_m2: MeanSquare,
-        /// Process noise that the tracker assumes, m²/s³: in the plane, and of the height.
+        /// Process noise assumed by the tracker, m²/s³: in the plane, and of the height.
         noise: MeanSquare,
         vertical_noise: MeanSquare,
         /// Square of the first change of velocity per axis, m²/s².
         first_m2ps2: MeanSquare,
-        /// Variance per axis that the latest report stated, m².
+        /// Variance per axis stated by the latest report, m².
         stated_m2: f64,
         /// Whether the source is undone: both parts.
         is_undone: bool,
@@ -184,7 +186,7 @@ kept! {
     }
 }
 
-/// Change of a sensor track from what its former report foretold to the present report.
+/// Change of a sensor track from the prediction by the former report to the present report.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Change {
     pub(crate) position_m: [f64; AXES],
@@ -193,10 +195,10 @@ pub(crate) struct Change {
     pub(crate) has_height: bool,
 }
 
-/// What a change shows.
+/// Result of undoing a change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Undone {
-    /// The measurement less its prediction, metres, and its covariance, m²; `None` if there was none.
+    /// The measurement minus its prediction, metres, and the covariance, m²; `None` without a measurement.
     pub(crate) measurement: Option<([f64; AXES], Symmetric3)>,
     /// Covariance of the report.
     pub(crate) covariance: Covariance,
@@ -212,20 +214,20 @@ struct Gains {
     updates: f64,
 }
 
-/// Returns whether the track with this number is one of those of a hopeless source that teach at this time.
+/// Returns whether a track with this number of a hopeless source teaches at this time.
 #[inline]
 pub(crate) fn teaches(track_number: u32, time_ns: i64) -> bool {
     (i64::from(track_number) + (time_ns >> TEACHES_FOR)) % TEACHES_OF == 0
 }
 
-/// Returns the gain of the position where the gain of the velocity is `ratio` times as large, in the steady state of
-/// a filter of nearly constant velocity with white acceleration.
+/// Returns the gain of the position where the gain of the velocity is `ratio` times as large, in the steady state of a
+/// filter of nearly constant velocity with white acceleration.
 fn steady_gain(ratio: f64) -> f64 {
     2.0 * ratio / ((1.0 + 0.5 * ratio) * (1.0 + 0.5 * ratio) - ratio * ratio / 12.0)
 }
 
-/// Returns the ratio of the gains that a tracker has in its steady state if it assumes this noise (m²/s³), with
-/// measurements of this variance (m²); `None` while one of them is not known.
+/// Returns the ratio of the gains of a tracker in steady state with this assumed noise (m²/s³) and measurements of this
+/// variance (m²); `None` while either is unknown.
 fn usual_ratio(noise: MeanSquare, variance_m2: MeanSquare, seconds: f64) -> Option<f64> {
     if !noise.is_known() || !variance_m2.is_known() {
         return None;
@@ -234,27 +236,27 @@ fn usual_ratio(noise: MeanSquare, variance_m2: MeanSquare, seconds: f64) -> Opti
     for _ in 0..HALVINGS {
         let middle = 0.5 * (least + most);
         let gains = gains_of(middle, u32::MAX);
-        // The larger the gains, the smaller the variance that they imply.
+        // The larger the gains, the smaller the implied variance.
         let is_larger = noise.value() * gains.implied_s3(seconds) > variance_m2.value();
         (least, most) = if is_larger { (middle, most) } else { (least, middle) };
     }
     Some(0.5 * (least + most))
 }
 
-/// Returns how young a track appears whose report number `n` shows this `ratio` of the gains: 1 where the report uses
+/// Returns the apparent youth of a track with this `ratio` of the gains at report number `n`: 1 where the report uses
 /// all measurements of the track alike, 0 in the steady state of a filter.
 fn youth(ratio: f64, n: f64) -> f64 {
     let relative = (3.0 / ((2.0 * n - 1.0) * ratio)).min(1.0);
     relative * relative * relative * relative
 }
 
-/// Returns the factor by which the gains change with report number `n` of a track, which shows this `ratio`.
+/// Returns the factor by which the gains change with report number `n` of a track with this `ratio`.
 fn youth_change(ratio: f64, n: f64) -> f64 {
     1.0 - youth(ratio, n) * 2.0 / (2.0 * n - 1.0)
 }
 
-/// Returns the gains of the report with this number of a track, from their `ratio`: between those of a filter in its
-/// steady state and those of a track that uses all its measurements alike.
+/// Returns the gains of report `number` of a track, from their `ratio`: between the gains of a filter in steady state
+/// and the gains of a track that uses all measurements alike.
 fn gains_of(ratio: f64, number: u32) -> Gains {
     let n = f64::from(number);
     let of_young = 3.0 / (2.0 * n - 1.0);
@@ -270,7 +272,7 @@ fn gains_of(ratio: f64, number: u32) -> Gains {
 }
 
 impl Gains {
-    /// Returns the variance of innovations in straight flight, relative to that of measurements.
+    /// Returns the variance of innovations in straight flight, relative to the variance of measurements.
     fn innovation(&self) -> f64 {
         let (a, b, before) = (self.position, self.velocity, self.updates - 1.0);
         let steady = (2.0 * a * a + 2.0 * b + a * b) / (a * (4.0 - 2.0 * a - b));
@@ -278,23 +280,23 @@ impl Gains {
         1.0 + steady.max(young)
     }
 
-    /// Returns the variance of measurements that these gains imply, relative to the process noise, s³.
+    /// Returns the variance of measurements implied by these gains, relative to the process noise, s³.
     fn implied_s3(&self, seconds: f64) -> f64 {
         seconds * seconds * seconds * (1.0 - self.position) / (self.velocity * self.velocity)
     }
 
-    /// Returns the variances of a report relative to that of measurements: of the position, with the velocity, and of
-    /// the velocity.
+    /// Returns the covariance of a report relative to the variance of measurements: position, position with velocity,
+    /// and velocity.
     fn report(&self, seconds: f64) -> [f64; 3] {
         let (a, b, n) = (self.position, self.velocity, self.updates);
         let steady = b * (2.0 * a - b) / (2.0 * (1.0 - a));
         let young = 12.0 / (n * (n * n - 1.0));
-        // A covariance needs more than the square of what both have in common.
+        // A valid covariance requires more than the square of the common part.
         let of_velocity = (steady + self.youth * (young - steady)).max(COMMON_MIN * b * b / a);
         [a, b / seconds, of_velocity / (seconds * seconds)]
     }
 
-    /// Returns the variance of the track's measurements: what its gains imply, and `common_m2` while it is young.
+    /// Returns the variance of the track's measurements: as implied by the gains, and `common_m2` for a young track.
     fn variance_m2(&self, seconds: f64, noise_m2ps3: f64, common_m2: f64) -> f64 {
         let own_m2 = noise_m2ps3 * self.implied_s3(seconds);
         own_m2 + self.youth * (common_m2 - own_m2)
@@ -302,7 +304,7 @@ impl Gains {
 }
 
 impl GainEvidence {
-    /// Nothing has been shown.
+    /// No evidence.
     pub const NONE: Self = Self {
         square: [0.0; 3],
         product: [0.0; 3],
@@ -326,23 +328,23 @@ impl GainEvidence {
         [(p - xy * cross) / a, cross, (r - xy * cross) / c]
     }
 
-    /// Makes a track as old as its number of `reports`: those that taught nothing had measurements, too.
+    /// Makes a track as old as its number of `reports`: reports that taught nothing had measurements, too.
     #[inline]
     pub(crate) fn grow_to(&mut self, reports: u32) {
         self.updates = self.updates.max(reports.saturating_sub(1));
     }
 
-    /// Whether too few changes of an old track were seen: their gain, a divisor, may be anything.
+    /// Whether too few changes of an old track were seen: the gain, a divisor, may have any value.
     fn is_thin(&self) -> bool {
         self.changes < self.updates.min(CHANGES_MIN)
     }
 
-    /// Weight of what earlier reports showed: the gains of a young track change from report to report.
+    /// Weight of earlier reports: the gains of a young track change from report to report.
     fn memory(&self) -> f64 {
         MEMORY * (f64::from(self.updates.min(OLD_UPDATES)) - 1.0) / (f64::from(OLD_UPDATES) - 1.0)
     }
 
-    /// Adds the change of the report that was counted last.
+    /// Adds the change of the latest counted report.
     fn add(&mut self, [x, y]: [f64; 2], [vx, vy]: [f64; 2], ratio: f64) {
         let memory = self.memory();
         let change = youth_change(ratio, f64::from(self.updates) + 1.0);
@@ -373,13 +375,13 @@ impl TrackerGain {
         self.is_undone
     }
 
-    /// Returns by how much the source's covariances are smaller than those of its measurements; `None` if the source is
-    /// not undone.
+    /// Returns the variance of the source's measurements relative to the stated variance; `None` if the source is not
+    /// undone.
     pub(crate) fn claim(&self) -> Option<f64> {
         self.is_undone.then(|| self.both_m2.value() / self.stated_m2)
     }
 
-    /// Standard deviations of the source's measurements along the long and the short axis of their ellipse, metres;
+    /// Standard deviations of the source's measurements along the long and the short axis of the error ellipse, metres;
     /// `None` if the source is not undone.
     pub(crate) fn plane_sigma_m(&self) -> Option<[f64; 2]> {
         let of_axis = |axis: &MeanSquare| {
@@ -398,12 +400,12 @@ impl TrackerGain {
         self.is_height_undone.then(|| self.vertical_m2.value().sqrt())
     }
 
-    /// Whether too little is known to decide.
+    /// Whether too little is known for a decision.
     pub(crate) fn is_open(&self) -> bool {
         !self.is_undone && (self.fit.samples < FITS_MIN || (self.fit.is_good(false) && !self.both_m2.is_known()))
     }
 
-    /// Returns whether the source foretells so little that few of its tracks teach.
+    /// Returns whether so few changes of the source are predicted that few tracks teach.
     #[inline]
     pub(crate) fn is_hopeless(&self) -> bool {
         !self.is_undone && self.fit.samples >= HOPELESS_SAMPLES && self.fit.share < HOPELESS
@@ -415,7 +417,7 @@ impl TrackerGain {
         self.is_height_undone = self.vertical_m2.is_known() && self.vertical_fit.is_good(self.is_height_undone);
     }
 
-    /// Returns the covariance of a track's first report, which states `stated`; `None` while too little is known.
+    /// Returns the covariance of a track's first report with the covariance `stated`; `None` while too little is known.
     pub(crate) fn first(&self, stated: &Covariance) -> Option<Covariance> {
         if !self.is_undone {
             return None;
@@ -433,8 +435,8 @@ impl TrackerGain {
         Some(covariance)
     }
 
-    /// Learns from a change of a track, and undoes it; `None` while too little is known. `stated` is the covariance of
-    /// the report.
+    /// Learns from a change of a track, and undoes the change; `None` while too little is known. `stated` is the
+    /// covariance of the report.
     pub(crate) fn take(&mut self, evidence: &mut GainEvidence, change: &Change, stated: &Covariance) -> Option<Undone> {
         let seconds = change.seconds;
         self.stated_m2 = 0.5 * (stated.get(0, 0) + stated.get(1, 1));
@@ -447,7 +449,7 @@ impl TrackerGain {
         if is_update {
             let moved = vx * vx + vy * vy + ROUNDING_M2;
             if product > RATIO_IMPOSSIBLE * squared || product < RATIO_LEAST * squared {
-                // A measured velocity follows the target: it changes as much as the position, or not at all.
+                // A measured velocity follows the target: the velocity changes as much as the position, or not at all.
                 self.fit.add(1.0);
             } else if evidence.changes >= 2 && (seconds - evidence.seconds).abs() > IRREGULAR * seconds {
                 // After a look without a detection the gains differ.
@@ -457,7 +459,7 @@ impl TrackerGain {
                 let (ex, ey) = (vx - xx * x - xy * y, vy - xy * x - yy * y);
                 self.fit.add((ex * ex + ey * ey) / moved);
             } else if evidence.changes == 1 {
-                // One former change shows no matrix yet, but both changes have nearly one direction.
+                // A single former change shows no matrix yet, but both changes have nearly the same direction.
                 self.fit.add(1.0 - product * product.abs() / (squared * moved));
             } else if evidence.updates == 0 {
                 self.first_m2ps2.add(0.5 * (vx * vx + vy * vy) / (seconds * seconds));
@@ -591,7 +593,7 @@ impl TrackerGain {
         let is_update = z * z > REPEATED * ROUNDING_M2;
         let is_thin = evidence.is_thin();
         if is_update && !is_thin {
-            // A source that measures no climb, or measures it beside the height, shows no filter.
+            // A source that measures no climb, or measures the climb beside the height, shows no filter.
             if !(RATIO_LEAST * z * z..=RATIO_IMPOSSIBLE * z * z).contains(&(z * vz)) {
                 self.vertical_fit.add(1.0);
             } else if square > 0.0 {

@@ -1,6 +1,7 @@
-//! The tracks of child hypotheses (HT-3): continued without a detection, updated with one, or begun at one.
+//! The tracks of child hypotheses (HT-3): continued without a detection, updated with a detection, or begun at a
+//! detection.
 //!
-//! Each track is made when the first child needs it, and all children that contain the track share it.
+//! Each track is made for the first child that contains the track, and shared by all children that contain the track.
 
 use messages::NS_PER_S;
 
@@ -25,14 +26,14 @@ pub(crate) const UNMADE: u32 = u32::MAX;
 /// Place of a track that is given up.
 pub(crate) const REMOVED: u32 = u32::MAX - 1;
 
-/// Places in the store of the tracks made so far; working memory for one cluster after the other.
+/// Places in the store of the tracks made so far; working memory, reused for each cluster.
 #[derive(Clone, Debug)]
 pub(crate) struct Branches {
     /// By track before the scan, by pair, by row.
     missed: Vec<u32>,
     updated: Vec<u32>,
     begun: [u32; ROWS_MAX],
-    /// By detection of a pair of tracks: both of them.
+    /// By detection of a pair of tracks: both tracks.
     shared: Vec<[u32; 2]>,
     /// (number, reliability) of confirmed tracks.
     numbers: Vec<(u32, f64)>,
@@ -63,7 +64,8 @@ impl Branches {
         }
     }
 
-    /// The track `number` with a pair, or, for [`NONE`], as the memory track, unless it has been silent for too long.
+    /// The track `number` with a pair, or, for [`NONE`], as the memory track, unless the track has been silent for too
+    /// long.
     pub(crate) fn continued(
         &mut self,
         joined: &JoinedClusters<'_>,
@@ -175,7 +177,7 @@ fn kept(store: &mut HypothesisStore, track: Track) -> u32 {
     store.add_track(track).unwrap_or(UNMADE)
 }
 
-/// Lets the track, which was `number` before the scan, have no detection; `has_plots` if its cluster has any.
+/// Lets the track, which was `number` before the scan, have no detection; `has_plots` if the cluster has any.
 pub(crate) fn miss(scan: &ScanContext<'_>, (number, track): (u32, &mut Track), has_plots: bool) {
     let log_miss = scan.gating.log_misses[number as usize];
     track.missed += 1;
@@ -188,7 +190,7 @@ pub(crate) fn miss(scan: &ScanContext<'_>, (number, track): (u32, &mut Track), h
     }
 }
 
-/// `None` if it is given up.
+/// `None` if the track is deleted.
 fn missed_track(joined: &JoinedClusters<'_>, number: u32, counts: &mut TrackerCounts) -> Option<Track> {
     let scan = joined.scan;
     let mut track = scan.before.tracks[number as usize];
@@ -211,7 +213,7 @@ fn missed_track(joined: &JoinedClusters<'_>, number: u32, counts: &mut TrackerCo
     Some(track)
 }
 
-/// `None` if it is given up.
+/// `None` if the track is deleted.
 fn updated_track(joined: &JoinedClusters<'_>, number: u32, pair: u32, counts: &mut TrackerCounts) -> Option<Track> {
     let scan = joined.scan;
     let found = scan.gating.pairs[pair as usize];
@@ -242,8 +244,8 @@ fn updated_track(joined: &JoinedClusters<'_>, number: u32, pair: u32, counts: &m
     Some(track)
 }
 
-/// The track `number` with a detection between it and another track. `None` if it is the later one of the two and has
-/// had none of its own for too long: both may be of one target.
+/// The track `number` with a detection between it and another track. `None` for the later track of the two without a
+/// detection of its own for too long: both may be of the same target.
 fn shared_track(joined: &JoinedClusters<'_>, number: u32, other_number: u32, shared: u32) -> Option<Track> {
     let scan = joined.scan;
     let found = scan.unresolved.detections[(shared & !SHARED) as usize];

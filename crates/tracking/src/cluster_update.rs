@@ -1,9 +1,8 @@
 //! Update of a cluster by a scan: from the hypotheses before to the hypotheses after.
 //!
-//! The children of all parents are drawn together, likeliest first ([`crate::interpretations`]); their tracks are
-//! made on demand ([`crate::branching`]). The children are then corrected by wide-area reports and reduced, and
-//! their tracks are confirmed ([`crate::hypothesis_store`]). Finally the separated clusters are written
-//! ([`crate::separation`]).
+//! The children of all parents are drawn together, likeliest first ([`crate::interpretations`]); tracks are made on
+//! demand ([`crate::branching`]). The children are then corrected by wide-area reports and reduced, and the tracks are
+//! confirmed ([`crate::hypothesis_store`]). Finally the separated clusters are written ([`crate::separation`]).
 
 use crate::branching::{Branches, REMOVED, UNMADE, explain_end};
 use crate::cluster_explanation::{explain_cluster, explain_confirmations, explain_ends, explain_hypotheses};
@@ -30,7 +29,7 @@ const DRAWN_PER_KEPT: usize = 8;
 /// Maximum of children before the reduction: doubled because children with enough tracks are drawn separately.
 const CHILDREN_MAX: usize = 2 * HYPOTHESES_MAX;
 
-/// Working memory for one cluster after the other.
+/// Working memory, reused for each cluster.
 #[derive(Clone, Debug)]
 pub(crate) struct ClusterUpdate {
     rows: DetectionRows,
@@ -38,7 +37,7 @@ pub(crate) struct ClusterUpdate {
     separation: Separation,
 }
 
-/// The children of one cluster's hypotheses.
+/// The children of a cluster's hypotheses.
 #[derive(Clone, Debug)]
 struct ChildHypotheses {
     parents: Parents,
@@ -100,8 +99,8 @@ impl ClusterUpdate {
             .write(store, next, reduction, &joined.detections, counts);
     }
 
-    /// Lets the tracks of a cluster take the directions in their gates ([`crate::directions`]); its hypotheses stay,
-    /// but for the tracks that have been silent for too long.
+    /// Updates the tracks of a cluster by the directions in the gates ([`crate::directions`]); the hypotheses stay, but
+    /// for the tracks that have been silent for too long.
     pub(crate) fn run_directions(
         &mut self,
         scan: &ScanContext<'_>,

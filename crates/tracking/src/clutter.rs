@@ -1,11 +1,11 @@
 //! Clutter density of a sensor, estimated during operation.
 //!
-//! Operators rarely have a figure for the clutter density, but it can be counted: detections outside the gates of
-//! all confirmed tracks are false or begin tracks, and beginnings are few. The density is their mean number per scan
-//! over about [`SCANS`] scans, divided by the area that the sensor covers. The area is the field of view. Without a
-//! field of view, or with detections outside, the area is the smallest rectangle around all detections. A sensor
-//! without a field of view that shows little but one target has a rectangle as small as the target's path; its few
-//! detections look like dense clutter. No side is shorter than a detection's measured place is wide
+//! Operators rarely have a figure for the clutter density, but a count gives the density: detections outside the gates
+//! of all confirmed tracks are false or begin tracks, and beginnings are few. The density is the mean number of such
+//! detections per scan over about [`SCANS`] scans, divided by the area that the sensor covers. The area is the field of
+//! view. Without a field of view, or with detections outside, the area is the smallest rectangle around all detections.
+//! The rectangle of a sensor without a field of view that shows little but a single target is as small as the target's
+//! path; the few detections look like dense clutter. No side is shorter than a detection's measured place is wide
 //! ([`PLACE_SIGMAS`]): equal places of targets at rest would otherwise be clutter of any density, and start no track.
 //! For clutter in patches the density is too low, and too many tentative tracks begin.
 
@@ -28,11 +28,11 @@ const PLACE_SIGMAS: f64 = 6.0;
 pub(crate) struct SensorArea {
     /// Width of all bearings, radians.
     pub(crate) width_rad: f64,
-    /// Area in the plane, square metres, if it is known and has an end.
+    /// Area in the plane, square metres, if known and finite.
     pub(crate) area_m2: Option<f64>,
 }
 
-/// Estimate of one sensor's false detections.
+/// Estimate of a sensor's false detections.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ClutterEstimate {
     /// Mean number per scan.
@@ -40,7 +40,7 @@ pub(crate) struct ClutterEstimate {
     scans: f64,
     /// Rectangle around all detections: west, south, east, north, metres.
     box_m: [f64; 4],
-    /// Smallest standard deviation of a place, metres: a single bad one must not widen the rectangle.
+    /// Smallest standard deviation of a place, metres: a single bad place must not widen the rectangle.
     sigma_m: f64,
 }
 
@@ -152,7 +152,7 @@ mod tests {
         assert!((estimate.density(3, everywhere) - 3.0 / (120.0 * 1000.0)).abs() < 1e-12);
     }
 
-    /// Three targets at rest north of each other, and one alone, of a sensor about which nothing is known.
+    /// Three targets at rest north of each other, and a single target, of a sensor without known properties.
     #[test]
     fn equal_detections_of_targets_at_rest_become_tracks() {
         for targets in [1, 3] {

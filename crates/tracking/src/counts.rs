@@ -1,6 +1,6 @@
 //! Counts of processed, rejected (input) and dropped (for lack of room) items.
 
-/// Counters; they only rise.
+/// Counters; never decreasing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TrackerCounts {
     /// Scans worked off, repetitions after late ones included.

@@ -1,11 +1,11 @@
 //! Coupling of clusters by shared detections: which clusters are updated together (HT-4).
 //!
-//! The source joins two clusters as soon as one detection lies in gates of both. In a crowd, the wide gates of new
-//! tracks join everything with everything. A cluster of k tracks that may each be false needs 2^k hypotheses, so a few
-//! dozen hypotheses describe five of sixty tracks; the others are lost or never confirmed. More hypotheses hardly help.
+//! The source joins two clusters as soon as a detection lies in gates of both. In a crowd, the wide gates of new tracks
+//! join everything with everything. A cluster of k tracks that may each be false needs 2^k hypotheses, so a few dozen
+//! hypotheses describe five of sixty tracks; the others are lost or never confirmed. More hypotheses hardly help.
 //!
-//! Most of these shared detections do not matter: they lie at the edge of a gate, or a track of one cluster has them
-//! almost surely. So each cluster states its *claim* to a detection,
+//! Most of these shared detections do not matter: most lie at the edge of a gate, or almost surely belong to a track of
+//! a single cluster. So each cluster has a *claim* to a detection,
 //!
 //! ```text
 //! claim = Σ over its tracks  r·w / (1 − r + r·(m + Σ w of its other detections))
@@ -18,8 +18,8 @@
 //! propagation (J. Williams, R. Lau, *Approximate evaluation of marginal association probabilities with belief
 //! propagation*, IEEE Transactions on Aerospace and Electronic Systems 50 (2014)); joining stays exact.
 //!
-//! Limit: two clusters that are not joined may both take the detection, with at most that probability. If they are
-//! joined later, their hypotheses with a common detection are left out ([`crate::parents`]).
+//! Limit: two clusters that are not joined may both take the detection, with at most that probability. If the clusters
+//! are joined later, the hypotheses with a common detection are left out ([`crate::parents`]).
 
 use association::components::representative;
 
@@ -46,18 +46,18 @@ struct Claim {
     is_confirmed: bool,
 }
 
-/// Working memory for one scan after the other.
+/// Working memory, reused for each scan.
 #[derive(Clone, Debug)]
 pub(crate) struct Coupling {
     /// Sorted by detection.
     claims: Vec<Claim>,
-    /// (serial number of a detection, cluster, reliability of its tracks with it), sorted.
+    /// (serial number of a detection, cluster, reliability of the cluster's tracks with the detection), sorted.
     taken: Vec<(u32, u32, f64)>,
-    /// By cluster: another cluster joined with it, or the cluster itself.
+    /// By cluster: another cluster joined with this cluster, or the cluster itself.
     joined: Vec<u32>,
-    /// By representative: numbers of tracks and, at most, detections of its joined clusters.
+    /// By representative: numbers of tracks and, at most, detections of the joined clusters.
     sizes: Vec<(u32, u32)>,
-    /// (representative, detection, its use), sorted.
+    /// (representative, detection, use of the detection), sorted.
     shared: Vec<(u32, u32, SharedPlot)>,
 }
 
@@ -215,7 +215,8 @@ impl Coupling {
         }
     }
 
-    /// Joins clusters that both have taken the same detection, and may both be right: one of them is not.
+    /// Joins clusters that both contain the same past detection, each with some probability: at most one cluster is
+    /// right.
     fn join_by_past(&mut self, population: &Population, probability_min: f64, most: (usize, usize)) {
         self.taken.clear();
         for (cluster, of_cluster) in (0..).zip(&population.clusters) {
@@ -247,7 +248,7 @@ impl Coupling {
         }
     }
 
-    /// Lists for each group of joined clusters the detections and their use; detections of none come last.
+    /// Lists the detections of each group of joined clusters with the use of each; detections in no cluster come last.
     fn share(&mut self, (gating, departures): (&Gating, &Departures), log_clutter: &[f64], settings: &Settings) {
         self.shared.clear();
         let mut next = 0;
@@ -300,7 +301,7 @@ impl Coupling {
     }
 }
 
-/// Joins two clusters, unless they would have more than `most` tracks or detections together.
+/// Joins two clusters, unless both together would have more than `most` tracks or detections.
 fn unite(joined: &mut [u32], sizes: &mut [(u32, u32)], (one, other): (u32, u32), most: (usize, usize)) {
     let (one, other) = (representative(joined, one), representative(joined, other));
     let ((tracks, plots), (more_tracks, more_plots)) = (sizes[one as usize], sizes[other as usize]);

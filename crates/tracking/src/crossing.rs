@@ -2,23 +2,24 @@
 //!
 //! A direction alone has no range and starts nothing. Two cameras see the same boat from two places, and the boat is
 //! where their bearings cross; but of n boats, n² pairs of bearings cross, and most crossings are *ghosts*. The obvious
-//! way, to take each crossing for a detection of a position, makes every ghost a track: its bearings are seen at each
-//! look, since they are of real boats.
+//! way, to take each crossing for a detection of a position, makes every ghost a track: the bearings of a ghost are
+//! seen at each look, since each is of a real boat.
 //!
-//! A ghost shares its bearings with the real targets, and a bearing has one cause. So each crossing begins a tentative
-//! track that has used both bearings, unless one has begun there already, and the tracker's hypotheses do the rest. Two
-//! tracks that have used one bearing are in no common hypothesis ([`crate::parents`]). Each further bearing belongs to
-//! one track of a hypothesis, and a hypothesis with ghosts needs misses or turns that real targets do not. While two
-//! explanations are equally good, no track is confirmed.
+//! A ghost shares both bearings with real targets, and a bearing has a single cause. So each crossing begins a
+//! tentative track that has used both bearings, unless a track has begun there already. The tracker's hypotheses do the
+//! rest. Two tracks that have used the same bearing are in no common hypothesis ([`crate::parents`]). Each further
+//! bearing belongs to a single track of a hypothesis, and a hypothesis with ghosts needs misses or turns that real
+//! targets do not. While two explanations are equally good, no track is confirmed.
 //!
-//! Until then, a scan of directions is worked off for these clusters as a scan of positions is; for all others,
-//! directions are used as ever ([`crate::directions`]). A direction in the gate of a confirmed track of another cluster
-//! is most likely of that track: its likelihood adds to the density of false directions.
+//! Until then, a scan of directions is processed for these clusters like a scan of positions; for all other clusters,
+//! directions are used as usual ([`crate::directions`]). A direction in the gate of a confirmed track of another
+//! cluster is most likely of that track: the likelihood adds to the density of false directions.
 //!
 //! Ghosts win where the comparison is not fair. A ghost that begins first, since a target was missed, is certain before
-//! the targets can compete: so all crossings begin anew if there is a further one soon. Hypotheses with equal
-//! associations over two scans are merged elsewhere; where one camera sees nothing, those of targets and ghosts are
-//! equal, so these clusters compare all of their memory. Beside confirmed tracks, no track is confirmed more easily.
+//! the targets can compete: so all crossings begin again if a further crossing follows soon. Hypotheses with equal
+//! associations over two scans are merged elsewhere. Where one camera sees nothing, the hypotheses of targets and of
+//! ghosts are equal, so these clusters compare the whole memory. Beside confirmed tracks, no track is confirmed more
+//! easily.
 //!
 //! Expected new targets at a crossing: `initiation.new_target_share` per false direction of the second sensor, as at
 //! any detection, over the number of false directions of the first sensor that may cross by chance.
@@ -26,9 +27,9 @@
 //! The first state is that of a range and bearing from the second sensor, with the range from the crossing. Along the
 //! ray, it has the errors of both bearings and the motion of a target in the time between them.
 //!
-//! Bounds: of each sensor at most [`RAYS_OF_SCAN_MAX`] free directions are kept, of its latest scan only. A scan with
+//! Bounds: of each sensor at most [`RAYS_OF_SCAN_MAX`] free directions are kept, of the latest scan only. A scan with
 //! more free directions, or with more than [`CROSSINGS_MAX`] crossings, starts nothing: five targets have more
-//! permutations than a cluster has hypotheses, so bearings cannot tell which are real. All of this is counted.
+//! permutations than a cluster has hypotheses, so bearings cannot identify the real crossings. All of this is counted.
 //!
 //! Limit: the errors of range and bearing are taken for independent.
 
@@ -60,24 +61,24 @@ use crate::wide_area::support::Support;
 
 /// Most free directions of a scan that are kept.
 pub(crate) const RAYS_OF_SCAN_MAX: usize = 16;
-/// Most crossings of a scan at which tracks start: those of four targets.
+/// Most crossings of a scan at which tracks start: the crossings of four targets.
 pub(crate) const CROSSINGS_MAX: usize = 16;
 /// Most crossings of a scan that are compared with tracks that have begun at crossings.
 const COMPARED_MAX: usize = 64;
 /// Least sine of the angle between two rays: 10°.
 const SINE_MIN: f64 = 0.17;
-/// Largest standard deviation of a range, relative to it.
+/// Largest standard deviation of a range, relative to the range.
 const KNOWN: f64 = 0.2;
-/// Time within which all crossings begin anew if there is a further one, in multiples of `initiation.crossing_s`.
+/// Time within which all crossings begin again after a further crossing, in multiples of `initiation.crossing_s`.
 const ANEW_SPANS: f64 = 3.0;
-/// Least reliability of a hypothesis among ghosts: chance must not end the true one early.
+/// Least reliability of a hypothesis among ghosts: chance must not end the true hypothesis early.
 const RELIABILITY_MIN: f64 = 1e-4;
 /// Largest deviation of the heights of two directions, in standard deviations.
 const HEIGHT_GATE: f64 = 3.5;
 /// Least expected number of false directions of a scan.
 const FALSE_MIN: f64 = 0.1;
 
-/// A crossing of a direction of this scan with an earlier one.
+/// A crossing of a direction of this scan with an earlier direction.
 #[derive(Clone, Copy, Debug)]
 struct Crossing {
     plot: u32,
@@ -85,7 +86,7 @@ struct Crossing {
     measurement: DetectionMeasurement,
 }
 
-/// Working memory for one scan of directions after the other.
+/// Working memory, reused for each scan of directions.
 #[derive(Debug)]
 pub(crate) struct Crossings {
     /// Clusters with tracks that have begun at crossings.
@@ -124,8 +125,8 @@ impl Crossings {
         }))
     }
 
-    /// Works off a scan of directions with false ones of this density per radian. Returns how many directions lie in no
-    /// confirmed track's gate.
+    /// Processes a scan of directions; `density` is that of false directions per radian. Returns how many directions
+    /// lie in no confirmed track's gate.
     pub(crate) fn run(
         &mut self,
         (scan, density): (&ScanContext<'_>, f64),
@@ -186,8 +187,8 @@ impl Crossings {
         }
     }
 
-    /// Updates the open clusters by the hypotheses. Returns how many of the free directions lie in gates of their
-    /// confirmed tracks.
+    /// Updates the open clusters by the hypotheses. Returns the number of free directions in the gates of confirmed
+    /// tracks of these clusters.
     fn run_open(
         &mut self,
         scan: &ScanContext<'_>,
@@ -199,7 +200,7 @@ impl Crossings {
         let (open, plots, sensor) = (&self.open, scan.plots, scan.sensor);
         self.log_clutter.clear();
         let claimed = scan.log_clutter.iter().zip(claims);
-        // No track has the number of tentative ones: these are the claims of all.
+        // No confirmed track has the number [`TENTATIVE`]: these are the claims of all tracks.
         let claimed = claimed.map(|(log_clutter, claims)| log_clutter + claims.of_others(TENTATIVE).ln_1p());
         self.log_clutter.extend(claimed);
         self.replies.read(plots.iter().map(|plot| &plot.identity));
@@ -231,8 +232,8 @@ impl Crossings {
         inside
     }
 
-    /// Whether a crossing has no track although others have begun lately. A ghost that begins before the targets, since
-    /// one of them was missed, would be certain before these can compete: all begin anew.
+    /// Whether a crossing has no track although tracks have begun at others lately. A ghost that begins before the
+    /// targets, since a target was missed, would be certain before the targets can compete: all begin again.
     fn are_rivals_late(&mut self, scan: &ScanContext<'_>, memory: &CrossingMemory) -> bool {
         let span_s = scan.settings.initiation.crossing_s.unwrap_or(0.0);
         let since_s = scan.time_ns.saturating_sub(memory.since_ns) as f64 / NS_PER_S;
@@ -246,7 +247,7 @@ impl Crossings {
         self.found.len() <= CROSSINGS_MAX && self.found.iter().any(|crossing| !is_known(crossing, scan, &self.open))
     }
 
-    /// Finds the crossings of free directions with earlier ones.
+    /// Finds the crossings of free directions with earlier directions.
     fn find(&mut self, scan: &ScanContext<'_>, memory: &CrossingMemory) {
         let settings = scan.settings;
         self.found.clear();
@@ -274,7 +275,8 @@ impl Crossings {
         }
     }
 
-    /// Begins a track at each crossing of a free direction with an earlier one, unless a track has begun there already.
+    /// Begins a track at each crossing of a free direction with an earlier direction, unless a track has begun there
+    /// already.
     fn begin(&mut self, scan: &ScanContext<'_>, next: &mut Population, counts: &mut TrackerCounts) {
         self.find(scan, &next.crossings);
         if self.found.len() <= COMPARED_MAX {
@@ -287,7 +289,7 @@ impl Crossings {
         }
         if next.crossings.roots.is_empty() && !self.found.is_empty() {
             next.crossings.since_ns = match next.crossings.since_ns {
-                // They begin anew.
+                // The crossings begin again.
                 since_ns if !self.open.clusters.is_empty() => since_ns,
                 _ => scan.time_ns,
             };
@@ -347,7 +349,7 @@ fn is_open(tracks: &[Track], memory: &CrossingMemory) -> bool {
     !memory.roots.is_empty() && tracks.iter().any(begun)
 }
 
-/// Copies a cluster with its tracks and hypotheses into `to`, which has as much room as its population.
+/// Copies a cluster with its tracks and hypotheses into `to`, which has as much room as the cluster's population.
 fn copy(from: &Population, cluster: &Cluster, to: &mut Population) {
     let [tracks, hypotheses] = [to.tracks.len() as u32, to.hypotheses.len() as u32];
     let moved = |member: &u32| member - cluster.tracks.start + tracks;
@@ -400,7 +402,7 @@ fn begin_at(crossing: &Crossing, scan: &ScanContext<'_>, next: &mut Population, 
         reliability,
         ..Track::begun(motion, plot.time_ns, crossing.ray.serial, next.next_root)
     };
-    // Both directions are used: a track that has used one of them is another explanation.
+    // Both directions are used: a track that has used either is another explanation.
     track.remember(serial);
     let root = track.root;
     if !next.add_tentative(track) {
@@ -412,8 +414,8 @@ fn begin_at(crossing: &Crossing, scan: &ScanContext<'_>, next: &mut Population, 
     scan.explain(TrackEvent::Started, &track, reliability, f64::NAN);
 }
 
-/// The crossing of an earlier direction with a later one, `apart_s` after it, as a range and bearing from the later
-/// one's sensor. `None` where the rays do not meet, or hardly at an angle.
+/// The crossing of an earlier direction with a direction `apart_s` later, as a range and bearing from the sensor of the
+/// later direction. `None` where the rays do not meet, or hardly at an angle.
 fn cross(
     first: &DetectionMeasurement,
     second: &DetectionMeasurement,

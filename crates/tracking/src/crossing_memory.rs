@@ -1,4 +1,4 @@
-//! What is carried from scan to scan for starts at crossings ([`crate::crossing`]).
+//! State carried from scan to scan for starts at crossings ([`crate::crossing`]).
 
 use crate::measurement::DetectionMeasurement;
 
@@ -14,12 +14,12 @@ pub(crate) struct Ray {
     pub(crate) sensor: u64,
     pub(crate) time_ns: i64,
     pub(crate) serial: u32,
-    /// Expected number of false directions in its scan.
+    /// Expected number of false directions in the ray's scan.
     pub(crate) expected_false: f64,
     pub(crate) measurement: DetectionMeasurement,
 }
 
-/// What is carried from scan to scan.
+/// State carried from scan to scan.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CrossingMemory {
     pub(crate) rays: Vec<Ray>,

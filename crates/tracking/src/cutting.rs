@@ -1,24 +1,23 @@
 //! Cuts the stream of detections of a sensor into scans.
 //!
-//! The tracker needs scans: all detections of a sensor in one turn. A radar sends plots one after the other, some a
-//! little late, and reports when its antenna points north. A scan that ended at this message would leave late plots
-//! to the next scan; a scan that ended by the machine's clock would make the result depend on the load. Therefore
-//! only times of the data count. A scan reaches from one boundary to the next. The scan is complete when data arrive
-//! that are later than its end by the *wait*. Detections older than the current scan are too late, and are rejected.
+//! The tracker needs scans: all detections of a sensor in a turn. A radar sends single plots, some a little late, and
+//! reports when its antenna points north. A scan that ended at this message would leave late plots to the next scan; a
+//! scan that ended by the machine's clock would make the result depend on the load. Therefore only times of the data
+//! count. A scan reaches from one boundary to the next. The scan is complete when data arrive that are later than the
+//! end of the scan by the *wait*. Detections older than the current scan are too late, and are rejected.
 //!
-//! A boundary is the start of a turn as the sensor reports it ([`Cutter::turn_begins`]). Without such a report for
-//! longer than a period and the wait, the turn is assumed to last one period. With [`Boundaries::Period`], reports
-//! are ignored and boundaries are at whole multiples of the period. After a silence the next scan begins with the
-//! first detection.
+//! A boundary is the start of a turn in the sensor's report ([`Cutter::turn_begins`]). Without such a report for longer
+//! than a period and the wait, the turn is assumed to last a period. With [`Boundaries::Period`], reports are ignored
+//! and boundaries are at whole multiples of the period. After a silence the next scan begins with the first detection.
 //!
-//! If no period is configured, it is estimated first ([`TurnTime`]), and all detections wait until then. The
-//! estimate also depends on the data alone.
+//! A period that is not configured is estimated first ([`TurnTime`]), and all detections wait until then. The estimate
+//! also depends on the data alone.
 //!
 //! # Numbers
 //!
 //! Scans are numbered so that a gap in the numbers is as many periods of silence ([`crate::scans`]). The first number
 //! is that of the sixteenth of a second, counted from an epoch, in which the scan began. No sensor makes as many scans,
-//! so that a cutter that takes another one's place begins with a number beyond all of the other's.
+//! so a cutter that replaces another cutter begins with a number beyond all numbers of the other cutter.
 
 mod empty_scans;
 
@@ -32,7 +31,7 @@ use crate::turn_time::{TurnEstimate, TurnTime};
 pub const NUMBERS_PER_S: i64 = 16;
 /// Shortest period, nanoseconds.
 pub const PERIOD_MIN_NS: i64 = NS_PER_S / NUMBERS_PER_S;
-/// Maximum of boundaries that wait for detections to reach them.
+/// Maximum of boundaries that detections have not reached yet.
 const BOUNDARIES_MAX: usize = 8;
 const NS_PER_S: i64 = messages::NS_PER_S as i64;
 /// Period of a sensor that has shown none.
@@ -45,7 +44,8 @@ const WAIT_PARTS: i64 = 10;
 pub struct CutterSettings {
     /// Boundaries of scans.
     pub boundaries: Boundaries,
-    /// Time that the sensor takes to look around, nanoseconds, at least [`PERIOD_MIN_NS`]; `None`: as its data show.
+    /// Time that the sensor takes to look around, nanoseconds, at least [`PERIOD_MIN_NS`]; `None`: estimated from the
+    /// data.
     pub period_ns: Option<i64>,
     /// Wait: time by which a detection may come after later ones, nanoseconds, at most a period; `None`: a tenth of a
     /// period.
@@ -71,20 +71,20 @@ settings::words! {
 /// A scan that is complete.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CutScan {
-    /// Number of the scan, also set in its detections.
+    /// Number of the scan, also set in the detections.
     pub number: u32,
-    /// Time of its latest detection, nanoseconds.
+    /// Time of the latest detection, nanoseconds.
     pub time_ns: i64,
 }
 
 /// Treatment of a detection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DetectionTreatment {
-    /// The detection waits for its scan to be complete.
+    /// The detection waits until the scan is complete.
     Waits,
     /// The scan of the detection is complete already.
     TooLate,
-    /// There is no room for it.
+    /// There is no room for the detection.
     Refused,
 }
 
@@ -112,7 +112,7 @@ struct PendingDetection<T> {
     place: u64,
 }
 
-/// Cutter of one sensor's detections into scans. `T` stays with each detection: the time of its receipt, for example.
+/// Cutter of a sensor's detections into scans. `T` stays with each detection: the time of receipt, for example.
 #[derive(Clone, Debug)]
 pub struct Cutter<T> {
     settings: CutterSettings,
@@ -122,7 +122,7 @@ pub struct Cutter<T> {
     scan: Option<OpenScan>,
     boundaries: VecDeque<i64>,
     waiting: Vec<PendingDetection<T>>,
-    /// Time of the earliest of them; `i64::MAX` if there are none.
+    /// Time of the earliest waiting detection; `i64::MAX` without any.
     first_ns: i64,
     /// Number of detections that have come.
     came: u64,
@@ -150,7 +150,7 @@ impl<T: Copy> Cutter<T> {
         }
     }
 
-    /// Takes a detection together with the data attached to it.
+    /// Takes a detection together with the attached data.
     pub fn take(&mut self, detection: Detection, with_it: T) -> DetectionTreatment {
         let time_ns = detection.time_of_measurement_ns;
         if self.scan.is_some_and(|scan| time_ns < scan.begin_ns) {
@@ -189,17 +189,17 @@ impl<T: Copy> Cutter<T> {
         self.turn_time.stated(turn_ns);
     }
 
-    /// Turn that the data have shown so far, whether or not scans are cut by it.
+    /// Turn that the data have shown so far, whether or not used to cut scans.
     pub fn turn(&self) -> Option<TurnEstimate> {
         self.turn_time.turn()
     }
 
-    /// Period of the scans, nanoseconds; `None` until it is known.
+    /// Period of the scans, nanoseconds; `None` while unknown.
     pub fn period_ns(&self) -> Option<i64> {
         self.rhythm.map(|rhythm| rhythm.period_ns)
     }
 
-    /// Whether no detection waits for its scan.
+    /// Whether no detection waits for a scan.
     pub fn is_idle(&self) -> bool {
         self.waiting.is_empty()
     }
@@ -219,12 +219,13 @@ impl<T: Copy> Cutter<T> {
         self.running_ns = self.running_ns.max(time_ns);
     }
 
-    /// The next scan that is complete and has detections: they are in [`Self::detections`] until the next call.
+    /// The next scan that is complete and has detections; [`Self::detections`] holds the detections until the next
+    /// call.
     pub fn next_scan(&mut self) -> Option<CutScan> {
         self.complete_scan(self.running_ns)
     }
 
-    /// The next scan of those that wait, whether or not more may come: for when the sensor's data have ended.
+    /// The next waiting scan, whether or not more detections may come: for the end of the sensor's data.
     pub fn last_scan(&mut self) -> Option<CutScan> {
         self.complete_scan(i64::MAX)
     }
@@ -275,8 +276,8 @@ impl<T: Copy> Cutter<T> {
         None
     }
 
-    /// Times by which scans are cut. `None` as long as the data may still show the period: at their end they cannot,
-    /// nor when there is no room for more.
+    /// Times by which scans are cut. `None` as long as the data may still show the period, that is, neither at the end
+    /// of the data nor without room for more.
     fn rhythm(&mut self, have_ended: bool) -> Option<Rhythm> {
         if self.rhythm.is_none() {
             let is_late = have_ended || self.turn_time.is_unclear() || self.waiting.len() == self.settings.waiting_max;
@@ -313,10 +314,11 @@ impl<T: Copy> Cutter<T> {
         scan
     }
 
-    /// End of the scan, nanoseconds, and whether the sensor reported it; `None` while a report is still possible.
+    /// End of the scan, nanoseconds, and whether the sensor reported this time; `None` while a report is still
+    /// possible.
     fn end(&self, scan: OpenScan, rhythm: Rhythm, running_ns: i64) -> Option<(i64, bool)> {
         let Rhythm { period_ns, wait_ns } = rhythm;
-        // No turn is shorter than half a period, unless its beginning was not seen.
+        // No turn is shorter than half a period, unless the beginning was not seen.
         let shortest_ns = if scan.at_boundary { period_ns / 2 } else { 0 };
         let after = |time_ns: i64| scan.begin_ns.saturating_add(time_ns);
         let latest_ns = after(period_ns + wait_ns);
@@ -330,7 +332,7 @@ impl<T: Copy> Cutter<T> {
 
     /// Moves the waiting detections before `end_ns` to the scan.
     fn collect(&mut self, end_ns: i64, number: u32) {
-        // Unlike a stable sort, this one needs no memory.
+        // Unlike a stable sort, an unstable sort needs no memory.
         self.waiting
             .sort_unstable_by_key(|each| (each.detection.time_of_measurement_ns, each.place));
         let count = self
@@ -366,7 +368,7 @@ impl CutterSettings {
 }
 
 impl Rhythm {
-    /// Number of whole periods in a time, at least one.
+    /// Number of whole periods in a time, at least 1.
     fn periods(self, time_ns: i64) -> u32 {
         (time_ns.saturating_add(self.period_ns / 2) / self.period_ns).clamp(1, i64::from(u32::MAX)) as u32
     }
@@ -389,7 +391,7 @@ mod tests {
         }
     }
 
-    /// An event: a detection or a boundary, with its time in tenths of a second.
+    /// An event: a detection or a boundary, with the time in tenths of a second.
     #[derive(Clone, Copy, Debug)]
     enum Event {
         Plot(i64),
@@ -397,7 +399,7 @@ mod tests {
     }
     use Event::{North, Plot};
 
-    /// The scans: number, and the times of their detections in tenths of a second.
+    /// The scans: number, and the times of the detections in tenths of a second.
     fn cut(settings: CutterSettings, events: &[Event]) -> (Vec<(u32, Vec<i64>)>, usize) {
         let mut cutter = Cutter::new(settings);
         let (mut scans, mut late) = (Vec::new(), 0);
@@ -442,7 +444,7 @@ mod tests {
             Plot(90),
         ];
         let (scans, late) = cut(settings(Boundaries::Turn), &events);
-        // The first turn was not seen from its beginning.
+        // The beginning of the first turn was not seen.
         assert_eq!(
             scans,
             [(16, vec![10, 35, 36]), (17, vec![41, 60, 77]), (18, vec![79, 90])]
@@ -495,7 +497,7 @@ mod tests {
         assert!(before.last().unwrap().0 < after[0].0, "{before:?} {after:?}");
     }
 
-    /// Before the turn is known, everything waits; then scans are cut as if it had been known from the first.
+    /// Before the turn is known, everything waits; then scans are cut as if the turn had been known from the first.
     #[test]
     fn a_period_that_is_not_configured_is_that_of_the_data() {
         let events: Vec<Event> = (0..12)

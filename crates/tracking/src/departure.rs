@@ -1,11 +1,12 @@
-//! Departures: detections outside the gates of confirmed tracks that may be of targets that left them (SP-1, SP-2).
+//! Departures: detections outside the gates of confirmed tracks, possibly of targets that left the tracks (SP-1, SP-2).
 //!
 //! A target that splits off is new in the gate of the confirmed track, where new targets are expected. But if the
-//! sensor misses it in its first scans, its first own detection lies outside the gate: the track has followed the other
-//! target. There it looked like any first detection, which is most likely false and of unknown speed, and the split was
-//! shown scans later. So a detection outside all gates is compared with the targets that may have left a confirmed
-//! track `splitting.departed_s` ago: with the change of velocity of a manoeuvre since then. A track that begins there
-//! inherits this motion, in which place and velocity are correlated, and new targets are as frequent as in the gates.
+//! sensor misses the new target in the first scans, its first own detection lies outside the gate: the track has
+//! followed the other target. There the detection looked like any first detection, most likely false and of unknown
+//! speed, and the split was shown scans later. So a detection outside all gates is compared with the targets that may
+//! have left a confirmed track `splitting.departed_s` ago: with the change of velocity of a manoeuvre since then. A
+//! track that begins there inherits this motion, in which place and velocity are correlated, and new targets are as
+//! frequent as in the gates.
 //!
 //! Limit: of several tracks that a target may have left, the likeliest counts.
 
@@ -25,13 +26,13 @@ const RELIABILITY_MIN: f64 = 0.3;
 #[derive(Clone, Copy, Debug)]
 struct Departure {
     motion: TargetMotion,
-    /// Logarithm of the density of its detection.
+    /// Logarithm of the density of the detection.
     log_likelihood: f64,
     /// Whether the detection is in the gate of a confirmed track.
     is_inside: bool,
 }
 
-/// Departures of a scan; working memory for one scan after the other.
+/// Departures of a scan; working memory, reused for each scan.
 #[derive(Clone, Debug)]
 pub(crate) struct Departures {
     /// By detection: the motion of a target that left.
@@ -47,8 +48,8 @@ impl Departures {
         }
     }
 
-    /// Finds the departures of a scan; `is_inside` tells which detections lie in a confirmed track's gate. Returns the
-    /// number of comparisons left out: a track has at most [`COMPARISONS_MAX`].
+    /// Finds the departures of a scan; `is_inside` marks the detections in a confirmed track's gate. Returns the number
+    /// of comparisons left out: a track has at most [`COMPARISONS_MAX`].
     pub(crate) fn find(
         &mut self,
         (before, plots): (&Population, &[Plot]),
@@ -101,7 +102,7 @@ impl Departures {
 
     /// Expected new targets per false detection at a detection. Where a target may have left a confirmed track, these
     /// are at most `splitting.new_target_share`, and at most `splitting.leaving_max` targets per track and scan. In the
-    /// gate of a confirmed track, they are `splitting.new_target_share`. Nowhere are they fewer than
+    /// gate of a confirmed track, they are `splitting.new_target_share`. The number is nowhere less than
     /// `initiation.new_target_share`: beside tracks, too, targets appear.
     pub(crate) fn new_target_share(&self, plot: u32, log_clutter: f64, is_inside: bool, settings: &Settings) -> f64 {
         let splitting = &settings.splitting;
@@ -133,8 +134,8 @@ mod tests {
     use crate::Tracker;
     use crate::testing::{S, position, settings};
 
-    /// A target flies east, and from 40 s on a second one leaves it to the north. The sensor misses the second one for
-    /// its first `missed` scans of 4 s. Own detections of the second target until both have a track.
+    /// A target flies east, and from 40 s on a second target separates to the north. The sensor misses the second
+    /// target in the first `missed` scans of 4 s. Own detections of the second target until both have a track.
     fn own_detections_until_shown(missed: i64, departed_s: Option<f64>) -> i64 {
         let mut chosen = Settings {
             sensors: settings().sensors,

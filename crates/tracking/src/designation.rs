@@ -1,18 +1,19 @@
 //! Designations: targets that are to be followed, named by place.
 //!
-//! An operator, or another system, designates a target, and the tracker follows it: *maintenance only*. The obvious
-//! way, an order beside the data, would be used at a time that depends on the machine. A designation has the time for
-//! which its place is right, and must find its place among the scans; after a late scan it must be used again. So a
-//! designation is a detection of a sensor of its own that `designates`: it comes as detections do, over a topic, as
-//! rows or in a file, it is recorded with them, and the same input gives the same tracks.
+//! An operator, or another system, designates a target, and the tracker follows the target: *maintenance only*. The
+//! obvious way, an order beside the data, would be used at a time that depends on the machine. A designation has the
+//! time for which the stated place is right, and must be sorted in among the scans; after a late scan the designation
+//! must be used again. So a designation is a detection of a separate sensor that `designates`: received like
+//! detections, over a topic, as rows or in a file, and recorded with the detections. The same input gives the same
+//! tracks.
 //!
-//! A designation may state the target's velocity: the track begins with it. A fast target is else lost where the next
-//! look comes late, or a gate wide enough for every speed takes a false detection.
+//! A designation may state the target's velocity: the track begins with this velocity. A fast target is else lost where
+//! the next look comes late, or a gate wide enough for every speed takes a false detection.
 //!
 //! A designated target has a confirmed track at once, unless a confirmed track is there already: an operator's place
-//! does not improve a track. Such a designation is counted and explained, so that its sender can find why no track
-//! begins. Nobody is missed by a scan of designations. With `starts = "designated"` nothing else
-//! begins a track; tracks end as ever.
+//! does not improve a track. Such a designation is counted and explained, so that the sender can find why no track
+//! begins. No track is missed by a scan of designations. With `starts = "designated"` nothing else begins a track;
+//! tracks end as ever.
 
 use crate::counts::TrackerCounts;
 use crate::explanation::{Explanation, Observer, TrackEvent, TrackRecord};
@@ -77,7 +78,7 @@ pub(crate) fn designate(
     }
 }
 
-/// The first confirmed track that may be of the designated target, with its squared distance and the gate.
+/// The first confirmed track that may be of the designated target, with the squared distance and the gate.
 fn followed<'a>(
     population: &'a Population,
     plot: &Plot,
@@ -108,7 +109,7 @@ fn designated(plot: &Plot, serial: u32, population: &Population, settings: &Sett
     Some(track)
 }
 
-/// The motion of a target whose designation states its velocity: one assumption, not slow and fast side by side.
+/// The motion of a target with a designated velocity: a single assumption, not slow and fast side by side.
 fn moving(plot: &Plot, stated: StatedVelocity, settings: &Settings) -> Option<TargetMotion> {
     let guess = Initiation {
         speed_sigma_mps: stated.sigma_mps,
@@ -126,7 +127,7 @@ fn moving(plot: &Plot, stated: StatedVelocity, settings: &Settings) -> Option<Ta
     Some(TargetMotion::begun(state, &settings.motion))
 }
 
-/// Adds a cluster of a track that is certain, and takes its root and number.
+/// Adds a cluster of a certain track, and uses up a root and a number.
 fn add(population: &mut Population, track: Track) {
     population.add_certain(track);
     population.next_root = population.next_root.wrapping_add(1).max(1);
@@ -193,7 +194,7 @@ mod tests {
             [(1, 500)],
             "from the designated place to the detections"
         );
-        // A second designation of the same target changes nothing; one of the other target begins its track.
+        // A second designation of the same target changes nothing; a designation of the other target begins a track.
         let before = tracker.tracks()[0].estimate;
         let again = [designation(20, 5200.0, 100.0), designation(20, 100.0, 400.0)];
         tracker.scan(2, 20 * S, &again).unwrap();
@@ -206,7 +207,7 @@ mod tests {
         assert_eq!(tracker.tracks()[0].estimate.velocity_mps(), before.velocity_mps());
         (21..30).for_each(|second| look(&mut tracker, second));
         assert_eq!(easts(&tracker), [(1, 500), (2, 0)]);
-        // Designated where nothing is: the track ends by its misses.
+        // Designated at an empty place: the track ends by misses.
         tracker.scan(2, 30 * S, &[designation(30, -20e3, 0.0)]).unwrap();
         (31..60).for_each(|second| look(&mut tracker, second));
         assert_eq!(easts(&tracker), [(1, 500), (2, 0)]);
@@ -228,7 +229,7 @@ mod tests {
         assert_eq!(run(true), run(false));
     }
 
-    /// A target of 200 m/s, seen ten seconds after its designation among false detections.
+    /// A target of 200 m/s, seen ten seconds after the designation among false detections.
     #[test]
     fn a_designation_with_a_velocity_is_followed_where_it_goes() {
         let run = |velocity: Option<StatedVelocity>| {
@@ -257,8 +258,8 @@ mod tests {
         assert!(north.is_some_and(|north| (north + 100.0).abs() < 30.0), "{north:?}");
     }
 
-    /// A designation of a followed target changes nothing, is counted once however often its scan is worked off, and
-    /// is explained with the track.
+    /// A designation of a followed target changes nothing, is counted once however often the scan is processed, and is
+    /// explained with the track.
     #[test]
     fn a_second_designation_is_counted_once_and_explained() {
         #[derive(Debug, Default)]

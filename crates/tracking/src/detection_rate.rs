@@ -1,9 +1,9 @@
 //! Detection probability of a sensor, estimated during operation.
 //!
 //! A miss ends a new branch the sooner, the higher the assumed probability; a sensor that detects 0.7 of the targets
-//! loses with an assumed 0.9 what it should have kept. So the share of scans in which confirmed tracks have a detection
-//! is counted, over about [`LOOKS`] looks, from a prior of [`PRIOR`] at [`PRIOR_LOOKS`] looks. The estimate is not
-//! above the prior: a few lucky scans must not make misses decisive.
+//! loses with an assumed 0.9 branches that should have been kept. So the share of scans in which confirmed tracks have
+//! a detection is counted, over about [`LOOKS`] looks, from a prior of [`PRIOR`] at [`PRIOR_LOOKS`] looks. The estimate
+//! is not above the prior: a few lucky scans must not make misses decisive.
 //!
 //! Limit: a target that has left is missed, too. After [`MISSES_MAX`] misses in a row a track is not counted.
 
@@ -22,7 +22,7 @@ const DETECTIONS_MIN: u32 = 4;
 /// Most misses in a row of a track that is counted.
 const MISSES_MAX: u32 = 3;
 
-/// Estimate of one sensor's detection probability.
+/// Estimate of a sensor's detection probability.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct DetectionRate {
     hits: f64,
@@ -35,7 +35,7 @@ impl DetectionRate {
         looks: PRIOR_LOOKS,
     };
 
-    /// Learns from the tracks after a scan of the sensor, of which `in_view` is the probability to be in its view.
+    /// Counts the tracks after a scan of the sensor; `in_view` is the probability that a track is in the field of view.
     pub(crate) fn count(&mut self, tracks: &[Track], in_view: impl Fn(&Track) -> f64) {
         for track in tracks {
             let counts = track.is_confirmed() && track.detections >= DETECTIONS_MIN && track.missed <= MISSES_MAX;

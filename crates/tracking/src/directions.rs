@@ -1,27 +1,28 @@
-//! Directions without ranges, from cameras and passive receivers: they improve tracks that positions have begun.
+//! Directions without ranges, from cameras and passive receivers: improvement of tracks that positions have begun.
 //!
-//! A bearing is a ray, and a ray crosses the gates of many tracks. If bearings were treated like positions, each
-//! camera frame would join half of all clusters and give every hypothesis a dozen children. Ten times a second, it
-//! would push the radar detections of a second ago out of the memory of eight scans: a choice between two of them
-//! would be forced before the next turn. Besides, the rule of at most one target per detection does not hold: a boat
-//! behind another boat has no bearing of its own.
+//! A bearing is a ray, and a ray crosses the gates of many tracks. If bearings were treated like positions, each camera
+//! frame would join half of all clusters and give every hypothesis a dozen children. Ten frames a second would push the
+//! radar detections of a second ago out of the memory of eight scans: a choice between two such detections would be
+//! forced before the next turn. Besides, the rule of at most one target per detection does not hold: a boat behind
+//! another boat has no bearing of its own.
 //!
-//! Directions therefore do not branch. Each track uses all directions in its gate, each by the probability that the
-//! direction belongs to the track: the result is the mean of the updates with each direction and with none
-//! (probabilistic data association). The evidence of a scan of directions for the track's presence,
+//! Directions therefore do not branch. Each track uses all directions in its gate, each by the probability of belonging
+//! to the track: the result is the mean of the updates with each direction and with none (probabilistic data
+//! association). The evidence of a scan of directions for the track's presence,
 //!
 //! ```text
 //! evidence = 1 − P + Σ p·N(ν)/λ        (P: detected and in the gate, p: detected, λ: density of false ones)
 //! ```
 //!
-//! compensates misses, or adds to them, by the weight of the scan ([`crate::sensor`]). The evidence does not weigh
-//! hypotheses: of two explanations on one ray, every frame would make both certain. Directions therefore show the
-//! position and presence of a target, not its existence: no track begins or becomes likelier, and clusters,
+//! compensates misses, or adds to the misses, by the weight of the scan ([`crate::sensor`]). The evidence does not
+//! weigh hypotheses: of two explanations on the same ray, every frame would make both certain. Directions therefore
+//! show the position and presence of a target, not the existence: no track begins or becomes likelier, and clusters,
 //! histories and numbers of detections stay unchanged.
 //!
-//! Two tracks with one direction between them share it. A direction that may belong to a confirmed track counts as
-//! false for any other track: its likelihood adds to λ, over the probability that the confirmed track was not seen
-//! (exact joint probabilities for two tracks and one direction). Of several competing tracks the likeliest counts.
+//! Two tracks with a single direction between both share the direction. A direction that may belong to a confirmed
+//! track counts as false for any other track: the likelihood adds to λ, over the probability that the confirmed track
+//! was not seen (exact joint probabilities for two tracks and one direction). Of several competing tracks the likeliest
+//! counts.
 //!
 //! Limits: the tangent of a direction is good where the direction is known; a track that is not known better than
 //! [`KNOWN_RAD`] takes none.
@@ -49,7 +50,7 @@ const SEEN_MIN: f64 = 0.5;
 pub(crate) struct Directions<'a> {
     pub(crate) time_ns: i64,
     pub(crate) plots: &'a [Plot],
-    /// By direction: logarithm of the density of false ones.
+    /// By direction: logarithm of the density of false directions.
     pub(crate) log_clutter: &'a [f64],
     pub(crate) sensor: &'a Sensor,
 }
@@ -57,7 +58,7 @@ pub(crate) struct Directions<'a> {
 /// The two confirmed tracks of which a direction is likeliest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Claims {
-    /// Number of the track and likelihood, relative to false, of the likeliest one and of the next one.
+    /// Number of the track and likelihood, relative to false, of the likeliest and of the next likeliest track.
     two: [(u32, f64); 2],
 }
 
@@ -95,7 +96,7 @@ impl Claims {
 struct DirectionCandidate {
     place: usize,
     at_its_time: TargetMotion,
-    /// Relative to a false one.
+    /// Relative to a false direction.
     likelihood: f64,
 }
 
@@ -118,7 +119,7 @@ impl<'a> Directions<'a> {
         }
     }
 
-    /// Updates a track by the directions in its gate. A track seen only once is left out: its velocity is not known
+    /// Updates a track by the directions in the gate. A track seen only once is left out: the velocity is not known
     /// yet.
     pub(crate) fn take_in(&self, track: &mut Track, claims: &[Claims]) {
         let Some((predicted, seen)) = self.predicted(track) else {

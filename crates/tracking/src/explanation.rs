@@ -1,13 +1,13 @@
 //! Records of the tracker's decisions and their reasons.
 //!
-//! A track gives a target's position, not the reasons for the track: the interpretations, their reliabilities and
-//! the decisive evidence. An observer given to [`crate::Tracker::scan_explained`] receives these as records. Records
-//! are made from data that exist anyway and are not stored; without an observer, none are made.
+//! A track gives a target's position, not the reasons for the track: the interpretations, their reliabilities and the
+//! decisive evidence. An observer given to [`crate::Tracker::scan_explained`] receives these reasons as records.
+//! Records are made from data that exist anyway and are not stored; without an observer, none are made.
 //!
-//! Order of the records: first the scan. Then for each updated cluster: the fate of its tracks, its correction by a
-//! wide-area report, the cluster as a whole, and its hypotheses after reduction, the most reliable first, each with
-//! its tracks. Tracks that begin at a detection far from all others follow, without a cluster; the published groups
-//! come last. After a late scan, the later scans are explained again.
+//! Order of the records: first the scan. Then for each updated cluster: the fate of the tracks, the correction by a
+//! wide-area report, the cluster as a whole, and the hypotheses after reduction, the most reliable first, each with
+//! tracks. Tracks that begin at a detection far from all others follow, without a cluster; the published groups come
+//! last. After a late scan, the later scans are explained again.
 
 use std::fmt;
 
@@ -16,7 +16,7 @@ use crate::track::{NO_DETECTION, TENTATIVE, Track};
 
 /// Receiver of the records.
 pub trait Observer: fmt::Debug {
-    /// Takes one record.
+    /// Takes a record.
     fn explain(&self, what: &Explanation<'_>);
 }
 
@@ -56,15 +56,15 @@ pub enum Explanation<'a> {
     },
     /// A track of the hypothesis before.
     Member(TrackRecord),
-    /// After a scan: a cluster's tracks are published as one group (WA-7).
+    /// After a scan: a cluster's tracks are published as a group (WA-7).
     Group {
         /// The group's number.
         number: u32,
-        /// Expected number of its members.
+        /// Expected number of members.
         members: u32,
         /// Probability that the cluster has fewer tracks than members.
         probability: f64,
-        /// The least one.
+        /// The least probability.
         limit: f64,
     },
 }
@@ -78,16 +78,16 @@ pub struct CorrectionRecord {
     pub before: f64,
     /// After.
     pub after: f64,
-    /// Set if the hypotheses are the children of this scan; otherwise they are the hypotheses before the scan.
+    /// Set if the hypotheses are the children of this scan; not set for the hypotheses before the scan.
     pub of_children: bool,
 }
 
 /// Change of a track.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TrackEvent {
-    /// The track begins, far from all others: value its reliability.
+    /// The track begins, far from all others: value is the reliability.
     Started,
-    /// The track is confirmed: value its reliability, limit the least.
+    /// The track is confirmed: value is the reliability, limit the least.
     Confirmed,
     /// The same earlier than otherwise, because a wide-area report shows more targets (WA-6).
     ConfirmedEarly,
@@ -129,7 +129,7 @@ impl TrackEvent {
     }
 }
 
-/// A track, or a branch of one.
+/// A track, or a branch of a track.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackRecord {
     /// Number shared by all branches of the same first detection.
@@ -138,13 +138,13 @@ pub struct TrackRecord {
     pub number: u32,
     /// Detections in all.
     pub detections: u32,
-    /// Scans since the last one.
+    /// Scans since the last detection.
     pub missed: u32,
     /// `detection_id` of the track's detection in this scan.
     pub detection_id: Option<u32>,
     /// Sum over the hypotheses that contain the track, as far as computed yet.
     pub reliability: f64,
-    /// Log-likelihood ratio of its detections: from one target against all false.
+    /// Log-likelihood ratio of the detections: from a single target against all false.
     pub log_likelihood_ratio: f64,
 }
 
@@ -170,7 +170,7 @@ impl TrackRecord {
     }
 }
 
-/// A cluster as it was worked off.
+/// A processed cluster.
 #[derive(Clone, Copy, Debug)]
 pub struct ClusterRecord<'a> {
     pub(crate) plots: &'a [Plot],

@@ -1,15 +1,15 @@
 //! Field of view of a sensor, and the probability that a target is inside.
 //!
 //! Without a field of view, the tracker takes every scan for a miss of every track: a sensor with a reach of 100 m
-//! deletes the tracks of a sensor with a reach of 300 m. Operators know a sensor's reach and sector; outside, its
-//! silence means nothing. A target's position is as uncertain as its track, so a miss counts with the probability
-//! that the target is inside. This probability is the part of the track's Gaussian between two ranges and two
-//! bearings (range and bearing are taken as independent, with the variances along and across the line of sight).
+//! deletes the tracks of a sensor with a reach of 300 m. Operators can give a sensor's reach and sector; outside,
+//! silence of the sensor means nothing. A target's position is as uncertain as its track, so a miss counts with the
+//! probability that the target is inside. This probability is the part of the track's Gaussian between two ranges and
+//! two bearings (range and bearing are taken as independent, with the variances along and across the line of sight).
 //!
-//! A detection needs no such test: its target was inside.
+//! A detection needs no such test: the target was inside.
 //!
-//! Limits: a sector is given in bearings from north, so a sector that turns with its vehicle must be configured as
-//! the full circle. Occlusion is not modelled.
+//! Limits: a sector is given in bearings from north, so a sector that turns with the vehicle must be configured as the
+//! full circle. Occlusion is not modelled.
 
 use std::f64::consts::{PI, SQRT_2, TAU};
 
@@ -87,7 +87,7 @@ impl FieldOfView {
             return width / TAU;
         }
         let from_middle = (bearing - from - 0.5 * width + PI).rem_euclid(TAU) - PI;
-        // The sector ends at one bearing and begins again a round later.
+        // The sector ends at a bearing and begins again a full circle later.
         let once = |shift: f64| {
             between(
                 -0.5 * width - from_middle + shift,
@@ -99,7 +99,7 @@ impl FieldOfView {
     }
 }
 
-/// Standard deviations beyond which [`normal`] is 1, to the last bit, and beyond which it is 0.
+/// Standard deviations beyond which [`normal`] is 1, to the last bit, and beyond which [`normal`] is 0.
 const ALL_BELOW: f64 = 8.5;
 const NONE_BELOW: f64 = -40.0;
 

@@ -1,7 +1,7 @@
-//! Gate: the largest accepted distance between a detection and its prediction (HT-2).
+//! Gate: the largest accepted distance between a detection and the prediction (HT-2).
 //!
-//! Under the model, the squared statistical distance between a detection of D quantities and its prediction follows
-//! a chi-square distribution with D degrees of freedom. The gate is the distance not exceeded with the configured
+//! Under the model, the squared statistical distance between a detection of D quantities and the prediction follows a
+//! chi-square distribution with D degrees of freedom. The gate is the distance not exceeded with the configured
 //! probability.
 
 use crate::measurement::DIMENSIONS_MAX;
@@ -9,12 +9,12 @@ use crate::measurement::DIMENSIONS_MAX;
 /// Γ(D/2 + 1) for D = 1 … 4.
 const GAMMA: [f64; DIMENSIONS_MAX] = [0.886_226_925_452_758, 1.0, 1.329_340_388_179_137, 2.0];
 
-/// Largest squared statistical distances, by number of quantities less one.
+/// Largest squared statistical distances, by number of quantities less 1.
 pub(crate) fn gates(probability: f64) -> [f64; DIMENSIONS_MAX] {
     std::array::from_fn(|place| quantile(place + 1, probability))
 }
 
-/// By bisection: it is done once.
+/// By bisection: computed only once.
 fn quantile(dimension: usize, probability: f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     while distribution(dimension, high) < probability && high < 1e3 {

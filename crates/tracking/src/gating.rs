@@ -1,12 +1,12 @@
 //! Pairs of detections and tracks within the gates, and the clusters that these pairs join (HT-2, HT-4).
 //!
-//! Every track is predicted to each detection's time and compared with the detections near it, which a grid finds. A
-//! detection in a gate belongs to the track's cluster; if it already belongs to another one, the two become one. A
-//! detection with another address than the track's lies in no gate of it ([`crate::identity`]).
+//! Every track is predicted to each detection's time and compared with the detections nearby, found by a grid. A
+//! detection in a gate belongs to the track's cluster; if the detection already belongs to another cluster, the two are
+//! joined. A detection with another address than the track's does not lie in the track's gate ([`crate::identity`]).
 //!
-//! Bounds: a track is compared with at most [`COMPARISONS_MAX`] detections and keeps its [`PAIRS_MAX`] likeliest; a
-//! cluster that would grow beyond [`CLUSTER_TRACKS_MAX`] tracks or [`ROWS_MAX`] detections drops the pair that would
-//! make it so. So 10,000 detections in one gate cost no more than 10,000 elsewhere. All is counted.
+//! Bounds: a track is compared with at most [`COMPARISONS_MAX`] detections and keeps the [`PAIRS_MAX`] likeliest; a
+//! cluster that would grow beyond [`CLUSTER_TRACKS_MAX`] tracks or [`ROWS_MAX`] detections drops the pair beyond the
+//! limit. So 10,000 detections in one gate cost no more than 10,000 elsewhere. All is counted.
 
 use association::{Grid, distance};
 use messages::NS_PER_S;
@@ -23,7 +23,7 @@ use crate::track::Track;
 
 /// Side of the grid's cells, metres.
 const CELL_M: f64 = 1000.0;
-/// Most cells on a side of a search in the grid; a wider one looks at every detection.
+/// Most cells on a side of a search in the grid; a wider search compares every detection.
 const CELLS_MAX: f64 = 12.0;
 
 /// Reaches beyond which a detection is not in the gate of the other model either.
@@ -31,12 +31,12 @@ const FAR_REACHES: f64 = 3.0;
 
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// A track and a detection in its gate.
+/// A track and a detection in the gate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct GatedPair {
     pub(crate) track: u32,
     pub(crate) plot: u32,
-    /// Density of the detection if it is of the track, with what its reply says ([`crate::identity`]).
+    /// Density of the detection if it is of the track, with the likelihood of the reply ([`crate::identity`]).
     pub(crate) log_likelihood: f64,
     /// Set if the detection lies outside the gate, but names the track's target.
     pub(crate) is_far: bool,
@@ -47,23 +47,23 @@ pub(crate) struct GatedPair {
 pub(crate) struct Gating {
     /// Sorted by track.
     pub(crate) pairs: Vec<GatedPair>,
-    /// By track: index of its first pair; the last entry is the end.
+    /// By track: index of the first pair; the last entry is the end.
     pub(crate) pairs_begin: Vec<u32>,
-    /// By track: logarithm of the probability of no detection in its gate, times the weight of the scan.
+    /// By track: logarithm of the probability of no detection in the gate, times the weight of the scan.
     pub(crate) log_misses: Vec<f64>,
-    /// The same without regard to what the sensor's look before found.
+    /// The same without regard to the detections of the sensor's look before.
     pub(crate) log_silences: Vec<f64>,
-    /// By cluster: number of its detections, at most.
+    /// By cluster: number of detections, at most.
     rows: Vec<u32>,
-    /// By detection: the last cluster that has it in a gate, or [`NONE`].
+    /// By detection: the last cluster with the detection in a gate, or [`NONE`].
     owner: Vec<u32>,
-    /// By detection: whether its reply names a track in whose gate it lies.
+    /// By detection: whether the reply names a track with the detection in the gate.
     is_named: Vec<bool>,
     /// (track, detection) in the gate of motion, with different addresses; sorted by track.
     strangers: Vec<(u32, u32)>,
-    /// By detection: whether it has the address of a track in whose gate it lies.
+    /// By detection: whether the address is that of a track with the detection in the gate.
     pub(crate) is_echo: Vec<bool>,
-    /// By detection: whether its reply names a track anywhere: it has left no other one.
+    /// By detection: whether the reply names a track anywhere: the target has left no other track.
     pub(crate) names: Vec<bool>,
     /// (representative, cluster), sorted.
     pub(crate) clusters: Vec<(u32, u32)>,
@@ -73,7 +73,7 @@ pub(crate) struct Gating {
     pub(crate) shared: Vec<SharedPlot>,
     grid: Grid,
     in_grid: usize,
-    /// By detection: its place, east and north, metres.
+    /// By detection: place, east and north, metres.
     places: Vec<[f64; 2]>,
     near: Vec<u32>,
 }
@@ -184,8 +184,8 @@ impl Gating {
             let near = &mut self.near;
             let [east, north, _, vx, vy, ..] = predicted.mean;
             let cells = CELLS_MAX as i32 + 1;
-            // Cells are large: the detections far beyond the reach are left out before they cost anything. The target
-            // moves between the times of the detections of a turn.
+            // Cells are large: the detections far beyond the reach are left out at no cost. The target moves between
+            // the times of the detections of a turn.
             let moved_m = vx.hypot(vy) * reach.apart_s;
             let (places, far_m) = (&self.places, FAR_REACHES * reach_m + moved_m);
             self.grid.near(east, north, reach_m, cells, |item| {
@@ -200,8 +200,8 @@ impl Gating {
         }
     }
 
-    /// Finds the detections with a place that is near this prediction, in their order; none of a prediction that is
-    /// nearly anywhere.
+    /// Finds the detections with a place near this prediction, in the order of detections; none for a prediction that
+    /// is nearly anywhere.
     pub(crate) fn near(&self, predicted: &TargetMotion, gate: f64, near: &mut Vec<u32>) {
         near.clear();
         let predicted = predicted.widest();
@@ -218,7 +218,7 @@ impl Gating {
         near.sort_unstable();
     }
 
-    /// Adds the track's likeliest pairs with the detections found near it, in the order of detections.
+    /// Adds the track's likeliest pairs with the nearby detections, in the order of detections.
     #[expect(clippy::too_many_arguments, reason = "the parts of a scan")]
     fn compare(
         &mut self,
@@ -277,7 +277,7 @@ impl Gating {
         self.pairs[first..].sort_unstable_by_key(|pair| pair.plot);
     }
 
-    /// Adds pairs with the detections outside their gates that name the tracks' targets.
+    /// Adds pairs with detections outside the gates that name the tracks' targets.
     fn find_far(
         &mut self,
         population: &Population,
@@ -347,7 +347,8 @@ impl Gating {
             || strangers.any(|(_, item)| !self.is_named[*item as usize])
     }
 
-    /// Keeps the detections of the pairs from `first` on for the cluster; drops pairs that would give it too many.
+    /// Keeps the detections of the pairs from `first` on for the cluster; drops pairs that would give the cluster too
+    /// many.
     fn own(&mut self, cluster: u32, first: usize, counts: &mut TrackerCounts) {
         let mut kept = first;
         for place in first..self.pairs.len() {

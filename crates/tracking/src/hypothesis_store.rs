@@ -1,14 +1,14 @@
-//! The child hypotheses of one cluster while a scan is worked off: reduction and confirmation (HT-9, HT-10).
+//! The child hypotheses of a cluster while a scan is processed: reduction and confirmation (HT-9, HT-10).
 //!
 //! Drawn children are merged first. Children with the same tracks merge; if configured, so do children with the same
 //! associations over the last scans and as many confirmed tracks. The more reliable child stays and takes over the
-//! other's reliability. For example, two hypotheses in which two targets have exchanged their past merge once the
+//! other's reliability. For example, two hypotheses in which two targets have exchanged the past merge once the
 //! exchange is old enough, as the two can no longer be distinguished.
 //!
 //! Then children of low reliability are dropped, and tracks that remain beyond doubt are confirmed.
 //!
-//! Limit: associations are compared by a sum of 64-bit hashes; that two different ones agree is possible, and never
-//! happens.
+//! Limit: associations are compared by a sum of 64-bit hashes; two different sums of associations could agree, but
+//! never do.
 
 use std::ops::Range;
 
@@ -27,16 +27,16 @@ pub(crate) struct ChildHypothesis {
     pub(crate) log_reliability: f64,
     /// Places in the list of members.
     members: Range<u32>,
-    /// Hash of its associations over the last scans.
+    /// Hash of the associations over the last scans.
     key: u64,
 }
 
-/// Working memory for one cluster after the other.
+/// Working memory, reused for each cluster.
 #[derive(Clone, Debug)]
 pub(crate) struct HypothesisStore {
     /// Tracks that children may have.
     pub(crate) tracks: Vec<Track>,
-    /// Most reliable first once they are reduced.
+    /// Most reliable first after the reduction.
     pub(crate) children: Vec<ChildHypothesis>,
     members: Vec<u32>,
 }
@@ -56,7 +56,7 @@ impl HypothesisStore {
         self.members.clear();
     }
 
-    /// Keeps a track for children to come, and returns its place. `None` if there is no room.
+    /// Keeps a track for children to come, and returns the track's place. `None` if there is no room.
     pub(crate) fn add_track(&mut self, track: Track) -> Option<u32> {
         let room = self.tracks.len() < self.tracks.capacity();
         room.then(|| {
@@ -88,7 +88,7 @@ impl HypothesisStore {
         self.members.truncate(self.begun());
     }
 
-    /// Completes a child of the members added since the last one. `false` if there is no room.
+    /// Completes a child of the members added since the last child. `false` if there is no room.
     pub(crate) fn finish_child(&mut self, log_reliability: f64) -> bool {
         let begin = self.begun();
         self.members[begin..].sort_unstable();
@@ -114,7 +114,7 @@ impl HypothesisStore {
         &self.members[child.members.start as usize..child.members.end as usize]
     }
 
-    /// Merges, drops and normalises the children (HT-9). Returns the share of their probability that was dropped.
+    /// Merges, drops and normalises the children (HT-9). Returns the dropped share of the probability.
     pub(crate) fn reduce(&mut self, reduction: &Reduction, counts: &mut TrackerCounts) -> f64 {
         self.find_keys(reduction.merge_scans);
         self.merge(reduction.merge_scans > 0, counts);
@@ -168,8 +168,8 @@ impl HypothesisStore {
         self.children.truncate(kept);
     }
 
-    /// Confirms the trees that may be confirmed (HT-10): as likely as all their branches together, of which no
-    /// hypothesis has two, as they share the first detection.
+    /// Confirms the trees that may be confirmed (HT-10): a tree is as likely as all branches together, since no
+    /// hypothesis has two branches with the same first detection.
     pub(crate) fn confirm_trees(
         &mut self,
         confirmation: &Confirmation,
@@ -186,8 +186,8 @@ impl HypothesisStore {
             let root = track.root;
             let branches = self.tracks[place..].iter().filter(|branch| branch.root == root);
             let counted = branches.filter(|branch| confirmation.is_seen_enough(branch));
-            // A second detection of one target begins a tree beside it, in which either has the next one: so for a
-            // split a single branch must be as likely.
+            // A second detection of the same target begins a second tree, in which either has the next detection: so
+            // for a split a single branch must be as likely.
             let (together, is_split) = counted.fold((0.0, false), |(all, is_split), branch| {
                 let has_split = branch.company() >= COMPANY_MIN && splitting.is_beyond_doubt(branch);
                 (all + branch.reliability, is_split || has_split)
@@ -207,7 +207,7 @@ impl HypothesisStore {
         counts.confirmed += 1;
     }
 
-    /// Reliabilities of the children, most reliable first, with their tracks.
+    /// Reliabilities of the children with tracks, most reliable first.
     pub(crate) fn hypotheses(&self) -> impl Iterator<Item = (f64, impl Iterator<Item = &Track>)> {
         self.children.iter().map(|child| {
             let members = self.members_of(child).iter();
@@ -228,13 +228,13 @@ impl HypothesisStore {
     }
 }
 
-/// Hash of a track's associations over the last `scans`, for its hypothesis' key.
+/// Hash of a track's associations over the last `scans`, for the key of the hypothesis.
 fn associations_key(track: &Track, scans: usize) -> u64 {
     let serials = track.history[..scans].iter();
     let associations = serials.fold(0x9e37_79b9_7f4a_7c15, |key, serial| mixed(key ^ u64::from(*serial)));
     let number = if track.number == TENTATIVE { 0 } else { mixed(1) };
-    // Sums of both over all tracks: the order of the tracks does not matter. A confirmed track's number does not
-    // matter either: two numbers for the same associations are one too many.
+    // Sums of both over all tracks: the order of the tracks does not matter. A confirmed track's number does not matter
+    // either: the same associations need no second number.
     associations.wrapping_add(number.rotate_left(17))
 }
 
@@ -253,7 +253,7 @@ mod tests {
     use crate::motion::TargetMotion;
     use crate::testing::{position, settings};
 
-    /// Numbers after the confirmation of a tree with two branches, each in one hypothesis, and of a track beside it.
+    /// Numbers after the confirmation of a tree with two branches, each in one hypothesis, and of another track.
     fn numbers(reliabilities: [f64; 3], in_company: u32) -> [u32; 3] {
         let measurement = DetectionMeasurement::of(&position(0, 0.0, 0.0), None).unwrap();
         let chosen = settings();

@@ -1,56 +1,57 @@
-//! Identity of targets as evidence: what a transponder's reply says for and against a track (HT-14).
+//! Identity of targets as evidence: a transponder's reply for and against a track (HT-14).
 //!
-//! Motion alone confuses targets that cross, and loses those that turn sharply. Most radars also receive the target's
+//! Motion alone confuses crossing targets and loses sharply turning targets. Most radars also receive the target's
 //! address, Mode 3/A code, callsign or level. The obvious tracker uses the address as a key: one track per address. A
-//! single wrong decode then starts a ghost or takes a detection away, two aircraft of one address become one track, and
-//! a changed code ends a track. This tracker asks of each pair how likely the reply is: from the target of the track,
-//! against from any other origin (another target, a new one, a false reply). The logarithm of this ratio joins that of
-//! the motion, and the hypotheses decide as ever ([`crate::interpretations`]).
+//! single wrong decode then starts a ghost or takes a detection away, two aircraft of the same address become a single
+//! track, and a changed code ends a track. This tracker computes a likelihood ratio of the reply for each pair: from
+//! the target of the track, against from any other origin (another target, a new target, a false reply). The logarithm
+//! of this ratio is added to that of the motion, and the hypotheses decide as usual ([`crate::interpretations`]).
 //!
 //! # Model
 //!
 //! A target has a value v of each kind. A look decodes v with the probability 1 − g, else (*garbled*) any value. Codes
 //! and callsigns change between two detections with the probability c; addresses do not. With the share f(x) of other
-//! targets that show x, and the probability p(x), by the detections of the track, that x is its value, the ratio is
+//! targets that show x, and the probability p(x), by the detections of the track, that x is the target's value, the
+//! ratio is
 //!
 //! | kind | ratio of the value x | f(x) |
 //! | --- | --- | --- |
 //! | address, MMSI | p(x)·(1 − g)/d + g + (1 − p) | d: the probability of a duplicate |
-//! | code | p(x)·(1 − g)/f(x) + g/(4096·f(x)) + c + (1 − p) | its share of the scan's other codes, at least 1/4096 |
+//! | code | p(x)·(1 − g)/f(x) + g/(4096·f(x)) + c + (1 − p) | share of the scan's other codes, at least 1/4096 |
 //! | callsign | as an address, + c; only if the address decides nothing | d |
 //! | level | (1 − g)·N(Δ)/N(0, σₕ) + g, only of measurements without height | – |
 //!
 //! where 1 − p is what a single detection leaves open. A code that many targets show (2000, 7000, the code of a
 //! formation) is thereby weak evidence without a list of such codes; a list covers the first detections
-//! ([`is_common`]). An unexpected value is remembered as a *rival*. If the next detection shows it again, it is the
+//! ([`is_common`]). An unexpected value is remembered as a *rival*. A rival repeated by the next detection is the
 //! target's new code with the probability c/(c + g), and becomes the value.
 //!
 //! An address is more: a gate. A detection with another address is not of this target. By likelihood alone, such a
-//! detection updates the track in each scan that misses the target, and the place and the code of a neighbour then
-//! stand under the track's name. A garbled address costs the track one detection, and starts a tentative track that
-//! finds no second one with its address. A confirmed track that a single detection has named may have a garbled name:
-//! there, a detection with another address counts by its likelihood, and the track takes nothing else of its reply.
-//! Where replies are not used, contradictions wear an address down by one detection each.
+//! detection updates the track in each scan that misses the target, and the track then has the place and the code of a
+//! neighbour. A garbled address costs the track one detection, and starts a tentative track without a second detection
+//! of the garbled address. A confirmed track that a single detection has named may have a garbled name: there, a
+//! detection with another address counts by likelihood, and the track takes nothing else of the reply. Where replies
+//! are not used, each contradiction takes a detection off the count of an address.
 //!
 //! Replies are garbled as a whole, too: interleaved replies of two aircraft exchange all values. With a probability s
-//! all values are those of another target. So the ratio of a whole reply is (1 − s)·Π + s: contradictions have a price,
-//! and the price of a whole reply without an address is limited. A bad decode does not break a track.
+//! all values are of another target. So the ratio of a whole reply is (1 − s)·Π + s: contradictions have a price, and
+//! the price of a whole reply without an address is limited. A bad decode does not break a track.
 //!
-//! A detection with the address of a track, in its gate, is of this target, or an echo of it. A new target there, or
-//! the target of another track, has this address with the probability d alone.
+//! A detection with the address of a track, in the track's gate, is of this target, or an echo of this target. A new
+//! target there, or the target of another track, has this address with the probability d alone.
 //!
-//! Addresses 000000 and FFFFFF, and the MMSI 0, are those of no transponder, and say nothing. Values that a look does
-//! not state say nothing. The address and the MMSI of a rescue aircraft say nothing against each other: the track
-//! keeps the one that came first.
+//! Addresses 000000 and FFFFFF, and the MMSI 0, belong to no transponder and are no evidence. Values that a look does
+//! not state are no evidence. The address and the MMSI of a rescue aircraft do not contradict each other: the track
+//! keeps the value that came first.
 //!
-//! Names of ships are no evidence, since an MMSI goes with them. A track passes on the latest one.
+//! Names of ships are no evidence, since an MMSI goes with them. A track passes on the latest name.
 //!
 //! # Far detections
 //!
-//! A detection outside the gate may still be of the target if it names it: the target has turned more sharply than any
-//! model. Detections with the track's address, or with its code if the scan has it once, are compared within
-//! [`FAR`] times the gate's size. Their density is that of a target with so much larger deviations, times the
-//! probability that a detection lies outside its gate; the state is widened likewise before the update.
+//! A detection outside the gate may still be of a target that the reply names: the target has turned more sharply than
+//! any model. Detections with the track's address, or with the track's code if unique in the scan, are compared within
+//! [`FAR`] times the gate's size. The density is that of a target with so much larger deviations, times the probability
+//! of a detection outside the gate; the state is widened likewise before the update.
 //!
 //! Sources: S. S. Blackman, R. Popoli, *Design and Analysis of Modern Tracking Systems* (Artech House, 1999), chapter
 //! 9, for attributes in the likelihood of an association; ICAO Annex 10 volume IV (codes, addresses, the steps of
@@ -64,7 +65,7 @@ use observations::TransponderReply;
 
 /// How much larger a gate is for a detection that names the target.
 pub(crate) const FAR: f64 = 5.0;
-/// Least logarithm of a ratio that names a target: ten to one.
+/// Least logarithm of a ratio that names a target: 10 to 1.
 pub(crate) const LOG_NAMED: f64 = std::f64::consts::LN_10;
 /// Most agreeing detections that are counted.
 const COUNT_MAX: u16 = 5;
@@ -104,12 +105,12 @@ settings::settings! {
     }
 }
 
-/// The values of a reply as far as they are used.
+/// The values of a reply, as far as used.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PlotIdentity {
     /// Unique number, code, callsign; [`NONE`] if not stated.
     values: [u64; KINDS],
-    /// When they were stated, nanoseconds.
+    /// Times of the statements, nanoseconds.
     stated_ns: [i64; KINDS],
     level: Option<(i16, i64)>,
     /// Name; zeros if not stated.
@@ -129,7 +130,7 @@ kept::kept! {
     #[derive(Clone, Copy, Debug, PartialEq)]
     pub(crate) struct Believed {
         value: u64,
-        /// The value of the latest detection, if it was another one.
+        /// The value of the latest detection, if different.
         rival: u64,
         /// When the value was stated last, nanoseconds.
         stated_ns: i64,
@@ -139,7 +140,7 @@ kept::kept! {
 }
 
 kept::kept! {
-    /// What a track knows about its target.
+    /// Identity of a track's target.
     #[derive(Clone, Copy, Debug, PartialEq)]
     pub(crate) struct TrackIdentity {
         believed: [Believed; KINDS],
@@ -150,14 +151,14 @@ kept::kept! {
     }
 }
 
-/// Identity of a target by the detections of its track, with the times of the statements, nanoseconds.
+/// Identity of a target by the detections of the track, with the times of the statements, nanoseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ReportedIdentity {
     /// The values.
     pub identity: Identity,
     /// When address, code and callsign were stated last.
     pub stated_ns: [i64; KINDS],
-    /// Level in steps of 25 feet, and when it was stated.
+    /// Level in steps of 25 feet, and the time of the statement.
     pub level: Option<(i16, i64)>,
 }
 
@@ -198,7 +199,7 @@ impl PlotIdentity {
         self.level.is_none() && self.values == [NONE; KINDS] && self.name == NO_NAME
     }
 
-    /// Unites the replies of two detections of one target: a value that both state differently is none.
+    /// Unites the replies of two detections of the same target; a contradictory value is left out.
     pub(crate) fn unite(&mut self, other: &Self) {
         for kind in 0..KINDS {
             let (one, another) = (self.values[kind], other.values[kind]);
@@ -223,7 +224,7 @@ impl Believed {
         count: 0,
     };
 
-    /// Probability that the target's value is `value`, and what remains open.
+    /// Probability that the target's value is `value`, and the open remainder.
     fn probability(&self, value: u64, changed: f64, garbled: f64) -> (f64, f64) {
         let of_rival = match (self.rival, self.count) {
             (NONE, _) => 0.0,
@@ -272,7 +273,7 @@ impl Believed {
         };
     }
 
-    /// The value; `None` if a single detection stated it and another one contradicted.
+    /// The value; `None` if a single detection stated the value and another detection contradicted.
     fn reported(&self) -> Option<u64> {
         (self.value != NONE && (self.count > 1 || self.rival == NONE)).then_some(self.value)
     }
@@ -312,7 +313,7 @@ impl TrackIdentity {
         }
     }
 
-    /// Whether a value of the track names its target among others.
+    /// Whether a value of the track distinguishes the target from others.
     pub(crate) fn names(&self) -> bool {
         let known = |kind: usize| {
             let believed = &self.believed[kind];
@@ -327,14 +328,14 @@ impl TrackIdentity {
         address.value != NONE && address.count > 1 && reply.values[ADDRESS] == address.value
     }
 
-    /// Whether the track has another address than a reply: by several detections, if it is confirmed.
+    /// Whether the track has another address than a reply: by several detections, if the track is confirmed.
     fn has_another_address_than(&self, reply: &PlotIdentity, is_confirmed: bool) -> bool {
         let (address, stated) = (&self.believed[ADDRESS], reply.values[ADDRESS]);
         let is_known = address.value != NONE && (address.count > 1 || !is_confirmed);
         is_known && stated != NONE && stated != address.value && !are_of_one_aircraft(ADDRESS, stated, address.value)
     }
 
-    /// Identity as it is published.
+    /// Published identity.
     pub(crate) fn reported(&self) -> ReportedIdentity {
         let has_value = self.believed.iter().any(|believed| believed.value != NONE);
         if self.level_ns == i64::MIN && !has_value && self.name == NO_NAME {
@@ -363,7 +364,7 @@ impl TrackIdentity {
     }
 }
 
-/// Characters of a name, as a record keeps them.
+/// Characters of a name, in the form of a record.
 type NameWords = [u64; NAME_MAX.div_ceil(8)];
 
 fn words_of(name: &[u8; NAME_MAX]) -> NameWords {
@@ -379,7 +380,7 @@ fn name_of(words: NameWords) -> [u8; NAME_MAX] {
     std::array::from_fn(|place| octets[place / 8][place % 8])
 }
 
-/// Whether two values of a kind are different numbers of one target: a rescue aircraft has an address and an MMSI.
+/// Whether two values of a kind are different numbers of the same target: a rescue aircraft has an address and an MMSI.
 fn are_of_one_aircraft(kind: usize, one: u64, other: u64) -> bool {
     let number = |value: u64| UniqueNumber::from_bits(value as u32);
     kind == ADDRESS && one != other && other != NONE && !number(one).excludes(number(other))
@@ -407,7 +408,7 @@ impl ReportedIdentity {
         }
     }
 
-    /// Level, and its age at `time_ns`, milliseconds.
+    /// Level, and the age of the level at `time_ns`, milliseconds.
     pub fn level_at(&self, time_ns: i64) -> Option<(i16, u32)> {
         self.level.map(|(level, stated_ns)| (level, age_ms(time_ns, stated_ns)))
     }
@@ -422,10 +423,10 @@ fn is_common(code: u64) -> bool {
     CONSPICUITY_CODES.iter().any(|common| u64::from(*common) == code)
 }
 
-/// The replies of a scan: which are rare, and where they are.
+/// The replies of a scan: rare values and where each occurs.
 #[derive(Clone, Debug)]
 pub(crate) struct ScanReplies {
-    /// By code: number of detections, and the last of them.
+    /// By code: number of detections, and the last detection.
     codes: Vec<(u32, u32)>,
     /// Number of detections with a code.
     coded: u32,
@@ -479,7 +480,7 @@ impl ScanReplies {
         self.any
     }
 
-    /// Whether a detection is not of the target of a track: both have addresses, and they differ.
+    /// Whether a detection is not of the target of a track: both have addresses, but different addresses.
     pub(crate) fn are_strangers(&self, track: &TrackIdentity, is_confirmed: bool, reply: &PlotIdentity) -> bool {
         self.any && track.has_another_address_than(reply, is_confirmed)
     }

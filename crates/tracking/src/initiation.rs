@@ -1,11 +1,11 @@
-//! Initiation: the state of a track after its first detection.
+//! Initiation: the state of a track after the first detection.
 //!
 //! A single detection gives a position, not a velocity: the velocity starts at zero with the standard deviation of
-//! target speeds, and the second detection determines it. A range rate narrows the velocity along the line of sight
-//! at once. But boats are ten times slower than aircraft. A common standard deviation either loses aircraft or joins
-//! every boat with every detection in a gate of a third of a kilometre after two seconds. A first state therefore
-//! consists of a slow and a fast target, and the second detection selects. A direction alone begins no track: its
-//! position is only a ray. Two directions may, where they cross ([`crate::crossing`]).
+//! target speeds, and the second detection determines the velocity. A range rate narrows the velocity along the line of
+//! sight at once. But boats are ten times slower than aircraft. A common standard deviation either loses aircraft or
+//! joins every boat with every detection in a gate of a third of a kilometre after two seconds. A first state therefore
+//! consists of a slow and a fast target, and the second detection selects. A direction alone begins no track: the
+//! position is only a ray. Two crossing directions may begin a track ([`crate::crossing`]).
 //!
 //! In the gate of a confirmed track, a new track is probably a target that flew along and now separates; the new
 //! track may then start with that track's motion (SP-2, [`crate::splitting`]).
@@ -135,7 +135,7 @@ mod tests {
     }
 
     /// A measurement at the predicted state has no innovation, and an equal second measurement halves the variances
-    /// along its axes.
+    /// along the measured axes.
     #[test]
     fn each_kind_begins_where_it_was_seen() {
         for (kind, values, sigmas) in [

@@ -1,7 +1,7 @@
 //! The interpretations of a scan by the hypotheses of one cluster, as ranked assignment problems (HT-5 … HT-8).
 //!
-//! Each hypothesis of the cluster poses one problem ([`crate::ranked`]): the rows are the cluster's detections, the
-//! choices are their possible origins, and the costs are the negative logarithms of
+//! Each hypothesis of the cluster poses a problem ([`crate::ranked`]): the rows are the cluster's detections, the
+//! choices are the possible origins of each, and the costs are the negative logarithms of
 //!
 //! | taken for | likelihood, relative to false |
 //! | --- | --- |
@@ -9,10 +9,10 @@
 //! | new | density of new targets / density of false detections |
 //! | of track T | probability of detection × density of the innovation / (false detections' density × that of a miss) |
 //!
-//! with the misses of all its tracks and its own reliability as the base cost.
+//! with the misses of all tracks and the reliability of the hypothesis as the base cost.
 //!
-//! If a hypothesis lacks expected tracks, its children with enough tracks are posed as additional problems. Their
-//! costs are lowered until the best of them ranks beside the best of the others.
+//! If a hypothesis lacks expected tracks, the children with enough tracks are posed as additional problems. The costs
+//! of these problems are lowered until the best such child ranks beside the best other child.
 
 use crate::counts::TrackerCounts;
 use crate::joined::JoinedClusters;
@@ -28,15 +28,15 @@ const WAYS_MAX: u64 = 64;
 const FALSE: u32 = u32::MAX;
 const NEW: u32 = u32::MAX - 1;
 
-/// Working memory for one cluster after the other.
+/// Working memory, reused for each cluster.
 #[derive(Clone, Debug)]
 pub(crate) struct Interpretations {
     ranked: Ranked,
-    /// By problem: its parent.
+    /// By problem: the parent.
     problems: Vec<InterpretationProblem>,
-    /// (row, column, pair) of one hypothesis.
+    /// (row, column, pair) of a hypothesis.
     entries: Vec<(u32, u32, u32)>,
-    /// Pairs of one hypothesis that the sensor may not resolve.
+    /// Pairs of a hypothesis that the sensor may not resolve.
     pairs: Vec<u32>,
 }
 
@@ -46,11 +46,11 @@ struct InterpretationProblem {
     parent: usize,
     /// Only children with enough tracks.
     is_enough: bool,
-    /// By how much their costs were lowered.
+    /// Reduction of the costs.
     lowered: f64,
 }
 
-/// Interpretation and its parent hypothesis.
+/// Interpretation and parent hypothesis.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Interpretation {
     solution: Solution,
@@ -79,7 +79,7 @@ impl Interpretations {
         }
     }
 
-    /// Poses the problem of each parent and, if the parent lacks tracks, the problem of its children with enough
+    /// Poses the problem of each parent and, if the parent lacks tracks, the problem of the children with enough
     /// tracks.
     pub(crate) fn pose(&mut self, joined: &JoinedClusters<'_>, parents: &Parents, counts: &mut TrackerCounts) {
         self.ranked.clear();
@@ -110,12 +110,12 @@ impl Interpretations {
         self.problems.iter().any(|problem| problem.is_enough)
     }
 
-    /// Cost of the next interpretation, if there is one.
+    /// Cost of the next interpretation, if any.
     pub(crate) fn next_cost(&self) -> Option<f64> {
         self.ranked.next_cost()
     }
 
-    /// The next interpretation, the likeliest first; `Some(None)` if it comes out of another problem, too.
+    /// The next interpretation, the likeliest first; `Some(None)` if another problem has the same interpretation, too.
     pub(crate) fn next(&mut self, parents: &Parents) -> Option<Option<Interpretation>> {
         let solution = self.ranked.next()?;
         let problem = self.problems[solution.problem];
@@ -141,7 +141,7 @@ impl Interpretations {
         self.ranked.meanings(of.solution).filter(|meaning| *meaning < NEW)
     }
 
-    /// Rows whose detections begin new tracks in an interpretation.
+    /// Rows of detections that begin new tracks in an interpretation.
     pub(crate) fn new_rows(&self, of: &Interpretation) -> impl Iterator<Item = usize> + '_ {
         let rows = self.ranked.meanings(of.solution).enumerate();
         rows.filter(|(_, meaning)| *meaning == NEW).map(|(row, _)| row)
@@ -151,8 +151,8 @@ impl Interpretations {
         self.ranked.meanings(solution).filter(|meaning| *meaning == NEW).count()
     }
 
-    /// Poses the children that begin at least `lacking` new tracks, each child once: the first rows that begin a
-    /// track are fixed, and the rows between them begin none (WA-4).
+    /// Poses the children that begin at least `lacking` new tracks, each child once: the first rows that begin a track
+    /// are fixed, and the rows between begin none (WA-4).
     fn pose_enough(
         &mut self,
         joined: &JoinedClusters<'_>,
@@ -287,7 +287,7 @@ impl Interpretations {
         base
     }
 
-    /// The pairs of a parent by rows, with columns numbered in the order of its tracks.
+    /// The pairs of a parent by rows, with columns numbered in the order of the parent's tracks.
     fn find_entries(
         &mut self,
         joined: &JoinedClusters<'_>,
@@ -328,8 +328,8 @@ impl Interpretations {
     }
 }
 
-/// Logarithm of how many new targets a row's detection is expected to be, per false detection, for a parent that lacks
-/// so many tracks; `None` if it may not start a track.
+/// Logarithm of the expected number of new targets per false detection at a row's detection, for a parent that lacks so
+/// many tracks; `None` if the detection may not start a track.
 fn log_share_of_new(joined: &JoinedClusters<'_>, lacking: usize, row: usize) -> Option<f64> {
     let settings = joined.scan.settings;
     let place = joined.plots[row].1 as usize;
@@ -340,7 +340,7 @@ fn log_share_of_new(joined: &JoinedClusters<'_>, lacking: usize, row: usize) -> 
     }
     let is_echo = joined.scan.gating.is_echo[place];
     let plain = if joined.scan.gating.names[place] {
-        // What names the target of a track has not left another one.
+        // A target that is named as that of a track has not left another track.
         settings.initiation.new_target_share
     } else {
         let (log_clutter, is_inside) = (joined.scan.log_clutter[place], joined.is_in_confirmed_gate(row));
@@ -355,7 +355,7 @@ fn log_share_of_new(joined: &JoinedClusters<'_>, lacking: usize, row: usize) -> 
     })
 }
 
-/// The pairs whose bits are set.
+/// The pairs of the set bits.
 fn bits(pairs: &[u32], set: u32) -> impl Iterator<Item = &u32> {
     pairs
         .iter()

@@ -1,4 +1,4 @@
-//! Clusters joined by a scan: they are updated together.
+//! Clusters joined by a scan and updated together.
 
 use std::ops::Range;
 
@@ -12,12 +12,12 @@ use crate::splitting::{DetectionCounts, SplitLimits};
 use crate::track::TENTATIVE;
 use crate::wide_area::support::ClusterSupport;
 
-/// Detections of the joined clusters as rows of their problem; working memory for one after the other.
+/// Detections of the joined clusters as rows of a problem; working memory, reused.
 #[derive(Clone, Debug)]
 pub(crate) struct DetectionRows {
-    /// By detection of the scan: its row.
+    /// By detection of the scan: the row.
     row_of: Vec<u32>,
-    /// By row: whether it lies in a confirmed track's gate.
+    /// By row: whether the detection lies in a confirmed track's gate.
     in_confirmed_gate: [bool; ROWS_MAX],
     /// Numbers of the confirmed tracks.
     confirmed: Vec<u32>,
@@ -33,7 +33,7 @@ impl DetectionRows {
     }
 }
 
-/// Joined clusters and the inputs of their update.
+/// Joined clusters and the inputs of the update.
 #[derive(Clone, Copy)]
 pub(crate) struct JoinedClusters<'a> {
     pub(crate) scan: &'a ScanContext<'a>,
@@ -99,14 +99,14 @@ impl<'a> JoinedClusters<'a> {
         }
     }
 
-    /// The clusters, with their places in the population before the scan.
+    /// The clusters, with places in the population before the scan.
     pub(crate) fn clusters(&self) -> impl Iterator<Item = (u32, &'a Cluster)> + use<'a> {
         let before = self.scan.before;
         let all = self.clusters.iter();
         all.map(|(_, cluster)| (*cluster, &before.clusters[*cluster as usize]))
     }
 
-    /// Places of their tracks in the population before the scan.
+    /// Places of the tracks in the population before the scan.
     pub(crate) fn tracks(&self) -> impl Iterator<Item = u32> + use<'a> {
         self.clusters().flat_map(|(_, cluster)| cluster.tracks.clone())
     }
@@ -121,7 +121,7 @@ impl<'a> JoinedClusters<'a> {
         self.rows.row_of[plot as usize]
     }
 
-    /// Row of a detection of the scan, if it is in these clusters.
+    /// Row of a detection of the scan, if in these clusters.
     pub(crate) fn known_row_of(&self, plot: u32) -> Option<u32> {
         let row = self.row_of(plot);
         let found = self.plots.get(row as usize).is_some_and(|(_, of_row)| *of_row == plot);

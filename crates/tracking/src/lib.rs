@@ -1,21 +1,21 @@
 //! Tracks from detections: several interpretations are kept side by side until later scans decide (HT, SP).
 //!
-//! A sensor reports detections, some of targets and some false, without their origin. The obvious tracker gives each
-//! detection to the nearest track; it fails at ambiguous detections, and its choice cannot be undone. This tracker
-//! keeps the alternatives as *hypotheses*: each is a set of tracks without a common detection, which explains all
-//! detections so far, with a *reliability*, its probability. Each scan gives each hypothesis a child for every
-//! consistent interpretation of the scan; later scans make wrong interpretations unlikely. A track is confirmed only
-//! when all remaining hypotheses contain it.
+//! A sensor reports detections, some of targets and some false, without the origins. The obvious tracker gives each
+//! detection to the nearest track, fails at ambiguous detections, and cannot undo a choice. This tracker keeps the
+//! alternatives as *hypotheses*: each is a set of tracks without a common detection, which explains all detections so
+//! far, with a *reliability*, the probability. Each scan gives each hypothesis a child for every consistent
+//! interpretation of the scan; later scans make wrong interpretations unlikely. A track is confirmed only when all
+//! remaining hypotheses contain it.
 //!
 //! # A scan's way (HT-1)
 //!
-//! 1. [`Tracker::scan`] finds the scan's place among the open scans (`tracker`): late scans are processed as if they
-//!    had come in time. `plot` copies the usable detections; `measurement` models each kind of measurement.
-//! 2. `scan_update` makes the tables after the scan of those before it. Every track is predicted and compared with the
-//!    detections near it. Detections in several clusters' gates bring them together (`gating`, `joined`), and the
-//!    product of their hypotheses is made (`parents`).
+//! 1. [`Tracker::scan`] finds the scan's place among the open scans (`tracker`): late scans are processed as if
+//!    received in time. `plot` copies the usable detections; `measurement` models each kind of measurement.
+//! 2. `scan_update` makes the tables after the scan from the tables before. Every track is predicted and compared with
+//!    the detections nearby. Detections in the gates of several clusters join these clusters (`gating`, `joined`), and
+//!    the product of the hypotheses is made (`parents`).
 //! 3. `cluster_update`: each hypothesis poses an assignment problem (`interpretations`); the likeliest interpretations
-//!    of all of them come out in order, and no more than can be kept (`ranked`). Their tracks are made in `branching`.
+//!    of all problems come out in order, and no more than can be kept (`ranked`). The tracks are made in `branching`.
 //!    The tests hold the definition instead: every interpretation there is.
 //! 4. Children that are the same are merged, unreliable ones dropped, tracks confirmed (`hypothesis_store`), clusters
 //!    separated (`separation`).
@@ -29,13 +29,12 @@
 //! # Memory and time
 //!
 //! [`Tracker::new`] allocates all memory. A population is four flat tables, and each scan writes the next population
-//! (`population`); a track is a flat record with its last scans (`track`). Items without room are dropped and
-//! counted ([`TrackerCounts`]). Every search has a named maximum: [`COMPARISONS_MAX`] detections per track, of which
+//! (`population`); a track is a flat record with the last scans (`track`). Items without room are dropped and counted
+//! ([`TrackerCounts`]). Every search has a named maximum: [`COMPARISONS_MAX`] detections per track, of which
 //! [`PAIRS_MAX`] are considered, [`CLUSTER_TRACKS_MAX`] tracks and 64 detections per cluster, [`HYPOTHESES_MAX`]
 //! hypotheses. The loss by these maxima is bounded and reported ([`TrackerCounts::dropped_probability_max`], HT-11).
 //!
-//! Nothing here performs I/O or reads a clock; the same scans give the same bits. Clusters are worked off one after the
-//! other.
+//! Nothing here performs I/O or reads a clock; the same scans give the same bits. Clusters are processed one at a time.
 //!
 //! Sources: D. B. Reid, *An algorithm for tracking multiple targets*, IEEE Transactions on Automatic Control 24 (1979);
 //! patent JP3886773B2 for clusters, matrices and splitting; S. S. Blackman, *Multiple hypothesis tracking for multiple

@@ -1,7 +1,7 @@
 //! Life of a track: confirmation and deletion (HT-10).
 //!
 //! A tentative track is confirmed once nearly all of the probability lies with hypotheses that contain it; a track of
-//! either kind is deleted once a target that is still there would hardly have been missed for so long.
+//! either kind is deleted once a target still present would hardly have been missed for so long.
 
 use messages::NS_PER_S;
 use settings::Seconds;
@@ -72,7 +72,7 @@ impl Confirmation {
 }
 
 impl DeletionSettings {
-    /// The conditions for a track: one that names its target may be missed more often.
+    /// The conditions for a track: a track that names a target may be missed more often.
     pub(crate) fn of(&self, track: &Track, identity: &IdentitySettings) -> Deletion {
         let limits = self.limits;
         if !identity.used || !track.identity.names() {

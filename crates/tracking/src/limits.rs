@@ -8,7 +8,7 @@ pub const CLUSTER_TRACKS_MAX: usize = 256;
 pub const COMPARISONS_MAX: usize = 512;
 /// Most detections that a track may take in a scan.
 pub const PAIRS_MAX: usize = 16;
-/// Scans in a track's memory, without scans of fast sensors that have no detection in its cluster.
+/// Scans in a track's memory, without scans of fast sensors that have no detection in the cluster.
 pub const HISTORY_MAX: usize = 8;
 /// Scans over which a cluster's detections are counted (SP-4).
 pub const DETECTION_COUNTS: usize = 5;

@@ -1,10 +1,10 @@
-//! Measurement models (HT-12): each kind of detection with its measured quantities and errors.
+//! Measurement models (HT-12): each kind of detection with measured quantities and errors.
 //!
-//! Sensors of different kinds feed one tracker, so a detection is never turned into a position first: a bearing alone
-//! has none, and that of a distant radar plot is a narrow ellipse across the beam. Instead the state is compared in the
-//! sensor's own quantities. These depend on the state by curves; the extended Kalman filter takes their tangent at the
-//! prediction, H. With S = H·P·Hᵀ + R = L·Lᵀ, the innovation has the squared length |L⁻¹·ν|², and the update is that of
-//! `estimation`, with W = L⁻¹·H·P: x + Wᵀ·L⁻¹·ν and P − Wᵀ·W.
+//! Sensors of different kinds feed the same tracker, so a detection is never turned into a position first: a bearing
+//! alone has no position, and that of a distant radar plot is a narrow ellipse across the beam. Instead the state is
+//! compared in the sensor's own quantities. These are nonlinear functions of the state; the extended Kalman filter
+//! takes the tangent at the prediction, H. With S = H·P·Hᵀ + R = L·Lᵀ, the innovation has the squared length |L⁻¹·ν|²,
+//! and the update is that of `estimation`, with W = L⁻¹·H·P: x + Wᵀ·L⁻¹·ν and P − Wᵀ·W.
 //!
 //! Limits: a tangent is good where the state is known to within a few degrees of direction. A track that was begun by
 //! position and is continued by bearings stays so; bearings alone do not begin tracks ([`crate::initiation`]).
@@ -47,7 +47,7 @@ pub(crate) struct MeasurementInnovation {
     pub(crate) log_likelihood: f64,
 }
 
-/// One quantity at a state: innovation and derivative.
+/// A quantity at a state: innovation and derivative.
 #[derive(Clone, Copy, Debug)]
 struct Tangent {
     residual: f64,
@@ -98,7 +98,7 @@ impl DetectionMeasurement {
         }
     }
 
-    /// Measured place with its height, else with the height `up_m`, metres; `None` for a direction.
+    /// Measured place with the measured height, else with the height `up_m`, metres; `None` for a direction.
     pub(crate) fn position(&self, up_m: f64) -> Option<[f64; 3]> {
         let ([east, north], _) = self.place()?;
         let up = match self.kind {
@@ -115,7 +115,8 @@ impl DetectionMeasurement {
         matches!(self.kind, Position3 | RangeBearingElevation | BearingElevation)
     }
 
-    /// The mean of several that are off to the same side: of weight `weight` ≤ 1, its standard deviations are larger.
+    /// The mean of several measurements with a common error: with the weight `weight` ≤ 1, the standard deviations are
+    /// larger.
     pub(crate) fn weighted(&self, weight: f64) -> Self {
         let sigmas = self.sigmas.map(|sigma| sigma / weight.sqrt());
         Self { sigmas, ..*self }
@@ -137,7 +138,7 @@ impl DetectionMeasurement {
         Some(innovation)
     }
 
-    /// Updates a predicted state with its turn rate; `None`, and no change, if that cannot be done in numbers.
+    /// Updates a predicted state with the turn rate; `None`, and no change, if that cannot be done in numbers.
     pub(crate) fn update_turning(&self, state: &mut Gaussian, turn: &mut TurnRate) -> Option<MeasurementInnovation> {
         let mut tangents = Tangents::of(self, state)?;
         tangents.factorise(state)?;
@@ -149,8 +150,8 @@ impl DetectionMeasurement {
         Some(innovation)
     }
 
-    /// Updates a predicted state as one of two targets whose detection lies between them; `other` is the state of the
-    /// other one. `None`, and no change, if that cannot be done in numbers.
+    /// Updates a predicted state as either of two targets with a single detection between both; `other` is the state of
+    /// the other target. `None`, and no change, if that cannot be done in numbers.
     pub(crate) fn update_half(&self, state: &mut Gaussian, other: &Gaussian) -> Option<MeasurementInnovation> {
         let mut tangents = Tangents::of(self, &middle(state, other))?;
         for tangent in &mut tangents.each[..tangents.count] {
@@ -167,7 +168,7 @@ impl DetectionMeasurement {
         Some(innovation)
     }
 
-    /// Updates by the range rate alone, if there is one.
+    /// Updates by the range rate alone, if measured.
     pub(crate) fn update_range_rate(&self, state: &mut Gaussian) {
         let Some(sight) = LineOfSight::of(self, state) else {
             return;
@@ -225,7 +226,7 @@ impl LineOfSight {
         self.line_m[axis] / self.range_m
     }
 
-    /// Predicted value of a quantity, and its derivative by position.
+    /// Predicted value of a quantity, and the derivative by position.
     fn quantity(&self, quantity: Quantity) -> (f64, [f64; AXES]) {
         let [east, north, up] = self.line_m;
         match quantity {
@@ -322,7 +323,7 @@ impl Tangents {
             self.gain[row] = products;
         }
         for row in 0..self.count {
-            // H·P is in `gain` for this row and those below, already whitened above.
+            // H·P is in `gain` for this row and all rows below; the rows above are already whitened.
             let hp = self.gain[row];
             let mut residual = self.each[row].residual;
             let mut whitened = hp;

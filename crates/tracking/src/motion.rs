@@ -3,8 +3,8 @@
 //! By default a target flies straight, disturbed by a weak white-noise acceleration. A filter with this assumption
 //! alone loses turning targets; a filter with strong noise has wide gates, takes in more clutter and smooths less.
 //! Therefore two filters run side by side, one for steady flight and one for manoeuvres with a stronger noise. Each
-//! detection weighs them by their likelihoods (interacting multiple models). A detection's likelihood is the
-//! weighted sum of both; the detection is in the gate if it is in the gate of either.
+//! detection weighs both filters by likelihood (interacting multiple models). A detection's likelihood is the weighted
+//! sum of both; the detection is in the gate if it is in the gate of either.
 //!
 //! Limit: a long turn is followed as a manoeuvre of unknown direction, not as a circle, unless coordinated turns are
 //! configured ([`crate::turn`]).
@@ -23,7 +23,7 @@ use crate::turn::{TurnRate, TurnSettings};
 
 /// Least part of the accelerations that slow targets have.
 const SLOW_SHARE_MIN: f64 = 0.1;
-/// Smallest probability of a model: it must be able to come back.
+/// Smallest probability of a model: the probability must be able to rise again.
 const PROBABILITY_MIN: f64 = 1e-3;
 
 settings::settings! {
@@ -92,7 +92,7 @@ kept! {
 enum SpeedKnowledge {
     /// Steady flight and manoeuvre.
     Known,
-    /// A slow target and a fast one, seen once.
+    /// A slow and a fast target, seen once.
     Unknown,
     /// The same, seen a second time.
     Found,
@@ -198,7 +198,7 @@ impl TargetMotion {
         }
     }
 
-    /// Moves the turning state along its circle; `still` is the part that was turning before.
+    /// Moves the turning state along the circle; `still` is the part that was turning before.
     fn turned(
         &self,
         mut state: Gaussian,
@@ -250,8 +250,8 @@ impl TargetMotion {
         Some(innovation)
     }
 
-    /// The motion of a target that leaves one of this motion: as likely as not it manoeuvres, and has done so for the
-    /// mean duration of a manoeuvre.
+    /// The motion of a target that leaves a target of this motion: manoeuvring as likely as not, and for the mean
+    /// duration of a manoeuvre.
     pub(crate) fn leaving(mut self, settings: &MotionSettings) -> Self {
         let Some(manoeuvres) = settings.manoeuvres() else {
             return self;
@@ -266,8 +266,8 @@ impl TargetMotion {
         self
     }
 
-    /// The motion of a target that has left one of this motion [like this](Self::leaving), `seconds` ago: since then,
-    /// the change of its velocity has moved it in the plane.
+    /// The motion of a target that has left a target of this motion [like this](Self::leaving), `seconds` ago: since
+    /// then, the change of velocity has moved the leaving target in the plane.
     pub(crate) fn left(self, seconds: f64, settings: &MotionSettings) -> Self {
         let mut left = self.leaving(settings);
         for row in 0..AXES - 1 {
@@ -292,7 +292,7 @@ impl TargetMotion {
         }
     }
 
-    /// Updates with a detection between this target and another one; `None`, and no change, if that cannot be done in
+    /// Updates with a detection between this and another target; `None`, and no change, if that cannot be done in
     /// numbers.
     pub(crate) fn update_half(&mut self, other: &Self, measurement: &DetectionMeasurement) -> Option<()> {
         let (mut updated, other) = (*self, other.estimate());
@@ -332,7 +332,7 @@ impl TargetMotion {
         std::array::from_fn(|place| p * self.steady.mean[place] + q * self.turning.mean[place])
     }
 
-    /// Variances and covariance of the position in the plane by the wider model, and where it is.
+    /// State of the wider model, used for the position in the plane, with variances and covariance.
     pub(crate) fn widest(&self) -> &Gaussian {
         if self.turning_probability == 0.0 {
             &self.steady
@@ -412,7 +412,7 @@ mod tests {
         ..TWO_MODELS
     };
 
-    /// Flown east at 50 m/s for 20 s, then round by 9° each second. Returns whether every detection was in its gate,
+    /// Flown east at 50 m/s for 20 s, then round by 9° each second. Returns whether every detection was in the gate,
     /// and the probabilities of a manoeuvre before and during the turn.
     fn flown(settings: &MotionSettings) -> (bool, f64, f64) {
         let guess = Initiation {

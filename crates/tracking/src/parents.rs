@@ -1,9 +1,9 @@
-//! Joins the hypotheses of the clusters in a scan into the hypotheses of one cluster (HT-4).
+//! Joins the hypotheses of the clusters in a scan into the hypotheses of a single cluster (HT-4).
 //!
-//! Clusters are independent: a hypothesis of the joined cluster combines a hypothesis of each, and its reliability
-//! is their product. Cluster after cluster, the best combinations are kept; the dropped probability is known
-//! exactly. Hypotheses of two clusters that have given one detection to a track each ([`crate::coupling`]) exclude each
-//! other.
+//! Clusters are independent: a hypothesis of the joined cluster combines a hypothesis of each cluster, and the
+//! reliability is the product. Cluster after cluster, the best combinations are kept; the dropped probability is known
+//! exactly. Hypotheses of two clusters that have given the same detection to a track each ([`crate::coupling`]) exclude
+//! each other.
 
 use std::ops::Range;
 
@@ -29,14 +29,14 @@ pub(crate) struct Parent {
     members: Range<u32>,
 }
 
-/// The hypotheses of one cluster, or of several together.
+/// The hypotheses of a cluster, or of several together.
 #[derive(Clone, Debug)]
 pub(crate) struct Parents {
     pub(crate) list: Vec<Parent>,
     members: Vec<u32>,
     /// The same after the next cluster.
     next: (Vec<Parent>, Vec<u32>),
-    /// Logarithm of a product, and the indices of its two factors.
+    /// Logarithm of a product, and the indices of the two factors.
     products: Vec<(f64, u32, u32)>,
     /// (detection, cluster, track) of the joined clusters' memories.
     taken: Vec<(u32, u32, u32)>,
@@ -66,8 +66,8 @@ impl Parents {
         }
     }
 
-    /// Takes the hypotheses of joined clusters, at most `hypotheses_max` of all together. Returns the share of their
-    /// probability that was dropped.
+    /// Takes the hypotheses of joined clusters, at most `hypotheses_max` of all together. Returns the dropped share of
+    /// the probability.
     pub(crate) fn gather(&mut self, joined: &JoinedClusters<'_>, hypotheses_max: usize) -> f64 {
         self.list.clear();
         self.members.clear();
@@ -87,7 +87,7 @@ impl Parents {
         (1.0 - kept.exp()).max(0.0)
     }
 
-    /// The tracks of a parent, by their places in the population.
+    /// The tracks of a parent, by places in the population.
     pub(crate) fn members(&self, parent: usize) -> &[u32] {
         let range = &self.list[parent].members;
         &self.members[range.start as usize..range.end as usize]
@@ -120,7 +120,8 @@ impl Parents {
         self.conflicts.dedup();
     }
 
-    /// Leaves out the products with a detection in two tracks, unless all have one; the others sum to 1.
+    /// Leaves out the products with a detection in two tracks, unless all products have such a detection; the others
+    /// sum to 1.
     fn leave_out_conflicts(&mut self, population: &Population, hypotheses: &[Hypothesis]) {
         if self.conflicts.is_empty() {
             return;
@@ -151,7 +152,7 @@ impl Parents {
     fn multiply(&mut self, population: &Population, cluster: &Cluster, hypotheses_max: usize, demand: &Demand) {
         let range = cluster.hypotheses.start as usize..cluster.hypotheses.end as usize;
         let hypotheses = &population.hypotheses[range];
-        // WA-4 for the hypotheses themselves; their children follow after they are drawn.
+        // WA-4 for the hypotheses themselves; the children follow when drawn.
         let gains = demand.gains(hypotheses);
         self.corrected |= demand.corrects_children && !gains.are_none();
         self.products.clear();

@@ -8,28 +8,28 @@ use crate::measurement::DetectionMeasurement;
 use crate::selection::Selection;
 use crate::settings::SensorFacts;
 
-/// Largest difference of a detection's time from its scan's, nanoseconds.
+/// Largest difference of a detection's time from that of the scan, nanoseconds.
 const SCAN_HALF_NS: u64 = 60_000_000_000;
 
-/// A detection as the tracker keeps it.
+/// A detection in the form kept by the tracker.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Plot {
     pub(crate) time_ns: i64,
     pub(crate) detection_id: u32,
     pub(crate) measurement: DetectionMeasurement,
-    /// Logarithm of its weight (WA-1): 0 of nearly all.
+    /// Logarithm of the weight (WA-1): 0 for nearly all detections.
     pub(crate) log_weight: f64,
     pub(crate) identity: PlotIdentity,
     /// Velocity of a designated target.
     pub(crate) velocity: Option<StatedVelocity>,
 }
 
-/// What a cluster does with a detection that others may have, too.
+/// Use of a detection in a cluster, if other clusters may have the detection, too.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SharedPlot {
-    /// Logarithm of the likelihood that it is false or of another cluster, relative to false.
+    /// Logarithm of the likelihood that the detection is false or of another cluster, relative to false.
     pub(crate) log_others: f64,
-    /// Whether a new track may start at it: in one cluster alone.
+    /// Whether a new track may start at the detection: in a single cluster alone.
     pub(crate) may_start: bool,
 }
 
@@ -40,11 +40,11 @@ impl SharedPlot {
     };
 }
 
-/// A scan as the tracker keeps it.
+/// A scan in the form kept by the tracker.
 #[derive(Clone, Debug)]
 pub(crate) struct Scan {
     pub(crate) time_ns: i64,
-    /// Place of its sensor in the settings.
+    /// Place of the sensor in the settings.
     pub(crate) sensor: usize,
     pub(crate) plots: Vec<Plot>,
 }

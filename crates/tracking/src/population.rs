@@ -1,9 +1,9 @@
 //! All tracks, hypotheses and clusters after a scan.
 //!
 //! Four flat tables: clusters own a range of tracks and a range of hypotheses, a hypothesis owns a range of members,
-//! and a member is the place of a track. Each scan writes a whole new population from the one before, in the order of
-//! its clusters; so nothing is ever moved, freed or fragmented, and the population before late scans is still there
-//! ([`crate::Tracker`]).
+//! and a member is the place of a track. Each scan writes a whole new population from the population before, in the
+//! order of clusters; so nothing is ever moved, freed or fragmented, and the population before late scans is still
+//! there ([`crate::Tracker`]).
 
 use std::ops::Range;
 
@@ -16,9 +16,9 @@ use crate::wide_area::carried::SupportState;
 /// Consistent explanation of all detections in a cluster.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Hypothesis {
-    /// Logarithm; those of a cluster sum to 1.
+    /// Logarithm; the reliabilities of a cluster sum to 1.
     pub(crate) log_reliability: f64,
-    /// Places of its tracks in the table of members.
+    /// Places of the hypothesis's tracks in the table of members.
     pub(crate) members: Range<u32>,
 }
 
@@ -70,7 +70,7 @@ impl Population {
         }
     }
 
-    /// Clears the tables before they are filled with the successors of `before`.
+    /// Clears the tables for the successors of `before`.
     pub(crate) fn follow(&mut self, before: &Self, time_ns: i64) {
         self.time_ns = time_ns;
         self.support.follow(&before.support);
@@ -85,7 +85,7 @@ impl Population {
         self.next_number = before.next_number;
     }
 
-    /// Copies `before`, including its time, for a scan that does not count as a look.
+    /// Copies `before`, including the time, for a scan that does not count as a look.
     pub(crate) fn carry_on(&mut self, before: &Self) {
         self.follow(before, before.time_ns);
         self.tracks.extend_from_slice(&before.tracks);
@@ -121,7 +121,7 @@ impl Population {
         });
     }
 
-    /// Adds a cluster of a track that may be false, and takes its root. `false` if there is no room.
+    /// Adds a cluster of a track that may be false, and uses up a root. `false` without room.
     pub(crate) fn add_tentative(&mut self, track: Track) -> bool {
         if !self.has_room(1, 2, 1) {
             return false;

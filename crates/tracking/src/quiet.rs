@@ -1,8 +1,8 @@
-//! Update of a cluster that a scan does not touch: a single track, and no detection in its gate.
+//! Update of a cluster that a scan does not touch: a single track, and no detection in the gate.
 //!
-//! Most clusters are false detections a moment ago. Their update follows from the general one
+//! Most clusters are false detections a moment ago. This update follows from the general update
 //! ([`crate::cluster_update`]) and has the same result to the last bit, counts included; but nothing has to be posed,
-//! drawn, compared and separated. Whatever is not so simple is left to the general update.
+//! drawn, compared and separated. Any less simple case is left to the general update.
 
 use crate::branching::{lacks_company, miss};
 use crate::counts::TrackerCounts;
@@ -43,7 +43,7 @@ pub(crate) fn update(
     if !is_simple {
         return false;
     }
-    // Written at once: a track is large, and copies of it were half of the cost.
+    // Written at once: a track is large, and copies were half of the cost.
     let number = cluster.tracks.start;
     next.tracks.push(scan.before.tracks[number as usize]);
     let goes_on = next
@@ -65,7 +65,7 @@ pub(crate) fn update(
         child.log_reliability = hypothesis.log_reliability + miss;
     }
     let children = &mut children[..hypotheses.len()];
-    // Drawn in this order; one that cannot matter is not drawn.
+    // Drawn in this order; a child that cannot matter is not drawn.
     if children.len() == HYPOTHESES && children[0].log_reliability < children[1].log_reliability {
         children.swap(0, 1);
     }
@@ -100,7 +100,7 @@ pub(crate) fn update(
     true
 }
 
-/// Lets the track have no detection. `false` if it ends, or may be confirmed.
+/// Lets the track have no detection. `false` if the track ends, or may be confirmed.
 fn goes_on(scan: &ScanContext<'_>, (number, track): (u32, &mut Track)) -> bool {
     miss(scan, (number, track), false);
     let deletion = &scan.settings.deletion.of(track, &scan.settings.identity);
@@ -109,7 +109,7 @@ fn goes_on(scan: &ScanContext<'_>, (number, track): (u32, &mut Track)) -> bool {
         && (track.is_confirmed() || !scan.settings.confirmation.is_seen_enough(track))
 }
 
-/// As [`crate::hypothesis_store::HypothesisStore::reduce`]. Returns the number of those kept, and the share of the
+/// As [`crate::hypothesis_store::HypothesisStore::reduce`]. Returns the number of children kept, and the share of the
 /// others.
 fn reduce(children: &mut [Child], log_least: f64, counts: &mut TrackerCounts) -> (usize, f64) {
     let sum = |children: &[Child]| log_sum(children.iter().map(|child| child.log_reliability));
@@ -126,7 +126,7 @@ fn reduce(children: &mut [Child], log_least: f64, counts: &mut TrackerCounts) ->
     (kept, (1.0 - (left - total).exp()).max(0.0))
 }
 
-/// As [`crate::separation`] does with the hypotheses of a part. Returns the number of those kept.
+/// As [`crate::separation`] does with the hypotheses of a part. Returns the number of hypotheses kept.
 fn finish(children: &mut [Child], log_least: f64, counts: &mut TrackerCounts) -> usize {
     let reliable = children.iter().take_while(|child| child.log_reliability >= log_least);
     let kept = reliable.count().max(1);
@@ -140,7 +140,7 @@ fn finish(children: &mut [Child], log_least: f64, counts: &mut TrackerCounts) ->
     kept
 }
 
-/// Writes the hypotheses of the track written last, and their cluster.
+/// Writes the hypotheses and the cluster of the track written last.
 fn write(children: &[Child], cluster: &Cluster, next: &mut Population) {
     let (place, first) = (next.tracks.len() as u32 - 1, next.hypotheses.len() as u32);
     let mut reliability = 0.0;

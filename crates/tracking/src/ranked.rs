@@ -1,19 +1,19 @@
 //! Ranked interpretations of a scan over all hypotheses of a cluster: the most likely first (HT-11).
 //!
-//! All interpretations are far too many: ten detections that may each be false, new or one of three tracks have
-//! millions. Only the best few dozen are kept. In logarithms the likelihood of an interpretation is a sum over its
-//! rows, so the best interpretation is an assignment problem: each row takes one of its choices, and no column is
-//! taken twice (false and new belong to the row alone and exclude no other row). The problem is solved by shortest
-//! augmenting paths ([`association::augmenting`]).
+//! All interpretations are far too many: ten detections, each false, new or of any of three tracks, have millions. Only
+//! the best few dozen are kept. In logarithms the likelihood of an interpretation is a sum over its rows, so the best
+//! interpretation is an assignment problem: each row takes a single choice, and no column is taken twice (false and new
+//! belong to the row alone and exclude no other row). The problem is solved by shortest augmenting paths
+//! ([`association::augmenting`]).
 //!
 //! Murty's method finds the next solutions. The remaining solutions are split into disjoint parts: the first row
-//! changes its choice; the first row keeps its choice and the second changes; and so on. The best solution of each
-//! part is again an assignment problem. The parts of all parent hypotheses wait in one heap, so the best children of
+//! changes the choice; the first row keeps the choice and the second changes; and so on. The best solution of each part
+//! is again an assignment problem. The parts of all parent hypotheses wait in a single heap, so the best children of
 //! the cluster come out in order over all parents, and no part is solved twice.
 //!
 //! Bounds: at most [`ROWS_MAX`] rows of at most [`CHOICES_MAX`] choices, [`COLUMNS_MAX`] columns, and the tables'
 //! sizes; entries without room are dropped and counted. Time is bounded by the number of requested solutions times
-//! rows, each with one assignment problem. Equal costs come out in the order of the problems and their choices.
+//! rows, each with a single assignment problem. Equal costs come out in the order of the problems and the choices.
 //!
 //! Sources: K. G. Murty, *An algorithm for ranking all the assignments in order of increasing cost*, Operations
 //! Research 16 (1968); I. J. Cox, S. L. Hingorani, *An efficient implementation of Reid's multiple hypothesis tracking
@@ -29,7 +29,7 @@ use crate::log_sum::{log_add, log_sum};
 
 /// Most rows of a problem.
 pub(crate) const ROWS_MAX: usize = 64;
-/// Most choices of a row: forbidden ones are bits of a word.
+/// Most choices of a row: forbidden choices are bits of a word.
 pub(crate) const CHOICES_MAX: usize = 64;
 /// Most columns of a problem.
 pub(crate) const COLUMNS_MAX: usize = 256;
@@ -50,7 +50,7 @@ pub(crate) struct Alternative {
     pub(crate) column: u16,
     /// Meaning of the choice, for the caller alone.
     pub(crate) meaning: u32,
-    /// Negative logarithm of its likelihood.
+    /// Negative logarithm of the likelihood.
     pub(crate) cost: f64,
 }
 
@@ -71,7 +71,7 @@ struct SolutionPart {
     chosen: [u8; ROWS_MAX],
     forbidden: u64,
     cost: f64,
-    /// Logarithm of an upper bound of the likelihood of all its solutions together.
+    /// Logarithm of an upper bound of the likelihood of all solutions together.
     log_bound: f64,
 }
 
@@ -110,7 +110,7 @@ impl PartialOrd for Queued {
     }
 }
 
-/// The rows of a part with their open choices. The label of a choice is its row and its number in the row.
+/// The rows of a part with the open choices. The label of a choice is the row and the number in the row.
 struct OpenRows<'a> {
     choices: &'a [Alternative],
     /// Places of each row's choices.
@@ -156,14 +156,13 @@ impl augmenting::Problem for OpenRows<'_> {
     }
 }
 
-/// Working memory for the ranked solutions of one cluster after the other.
+/// Working memory for ranked solutions, reused for each cluster.
 #[derive(Clone, Debug)]
 pub(crate) struct Ranked {
     problems: Vec<RankedProblem>,
     /// Places of each row's choices.
     rows: Vec<Range<u32>>,
-    /// By row: logarithm of the product, over this row and all later rows, of the sums of their choices'
-    /// likelihoods.
+    /// By row: logarithm of the product, over this row and all later rows, of the sums of the choices' likelihoods.
     log_rest: Vec<f64>,
     choices: Vec<Alternative>,
     parts: Vec<SolutionPart>,
@@ -296,7 +295,7 @@ impl Ranked {
         log_sum(open.map(|(_, choice)| -choice.cost))
     }
 
-    /// Logarithm of the bound of a part: each row takes its choices regardless of the others, but the fixed ones.
+    /// Logarithm of the bound of a part: each row, except the fixed rows, takes all choices regardless of the others.
     fn log_bound(&self, part: &SolutionPart) -> f64 {
         let problem = self.problems[usize::from(part.problem)];
         let fixed = usize::from(part.fixed);
@@ -315,7 +314,7 @@ impl Ranked {
         known + self.log_row(here, part.forbidden, taken) + after
     }
 
-    /// Cost of the next solution, if there is one.
+    /// Cost of the next solution, if any.
     pub(crate) fn next_cost(&self) -> Option<f64> {
         self.heap.peek().map(|Reverse(queued)| queued.cost)
     }
@@ -373,7 +372,7 @@ impl Ranked {
         self.choices[range.start as usize + usize::from(choice)]
     }
 
-    /// Returns the cost of the part's best solution, and writes the solution to its choices; `None` without a
+    /// Returns the cost of the part's best solution, and writes the solution to the part's choices; `None` without a
     /// solution.
     fn solve(&mut self, problem: &RankedProblem, part: &mut SolutionPart) -> Option<f64> {
         self.paths
@@ -544,7 +543,8 @@ mod tests {
             ..choice
         }));
         ranked.begin();
-        // 64 rows of 64 equal choices have more solutions than there are atoms; each one asked for leaves 63 parts.
+        // 64 rows of 64 equal choices have more solutions than there are atoms; each requested solution leaves 63
+        // parts.
         for _ in 0..1000 {
             assert!(ranked.next().is_some());
         }

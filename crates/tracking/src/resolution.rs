@@ -1,13 +1,13 @@
 //! Resolution: merges detections of a scan nearer to each other than the sensor's resolution.
 //!
 //! A lidar detects two ends of a hull, and a tracker with at most one detection per target and scan makes the second
-//! end a second target. Operators know the size of targets, or the resolution of a sensor. Detections of a scan
-//! within this distance become one detection at their mean position. Its errors are those of a single detection,
-//! because the unknown place of the reflections on the hull is an error common to all.
+//! end a second target. Operators know the size of targets, or the resolution of a sensor. Detections of a scan within
+//! this distance become a single detection at the mean position, with the errors of a single detection, because the
+//! unknown place of the reflections on the hull is an error common to all.
 //!
-//! Detections are taken in the order of their places, from west to east; one that lies near enough to the mean of some
-//! already taken joins them. So the result does not depend on the order in which they came. At most [`COMPARED_MAX`]
-//! means are compared for each; where there are more within reach, detections stay apart.
+//! Detections are taken in the order of places, from west to east; a detection near enough to the mean of detections
+//! already taken is merged with these. So the result does not depend on the order of arrival. At most [`COMPARED_MAX`]
+//! means are compared for each detection; with more within reach, detections stay apart.
 
 use observations::DetectionKind;
 

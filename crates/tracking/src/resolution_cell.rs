@@ -1,4 +1,4 @@
-//! Resolution cell of a sensor, and the probability that two targets lie within one cell.
+//! Resolution cell of a sensor, and the probability that two targets lie within a cell.
 
 use std::f64::consts::PI;
 
@@ -29,7 +29,7 @@ impl ResolutionCell {
         Err(SettingsError::new("range_m", what))
     }
 
-    /// Probability that two targets lie within one cell, seen from `sensor_m`.
+    /// Probability that two targets lie within a cell, seen from `sensor_m`.
     pub(crate) fn holds(&self, one: &Gaussian, other: &Gaussian, sensor_m: [f64; 2]) -> f64 {
         let middle = [0, 1].map(|axis| 0.5 * (one.mean[axis] + other.mean[axis]) - sensor_m[axis]);
         let range = middle[0].hypot(middle[1]);
@@ -48,7 +48,7 @@ impl ResolutionCell {
         in_range * within(self.bearing_deg.rad() * range, cos * east - sin * north, across)
     }
 
-    /// Largest distance of two targets in one cell at a range, metres.
+    /// Largest distance of two targets in a cell at a range, metres.
     pub(crate) fn widest_m(&self, range_m: f64) -> f64 {
         self.range_m.hypot(self.bearing_deg.rad() * range_m)
     }

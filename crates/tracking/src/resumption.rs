@@ -1,9 +1,9 @@
 //! Resumption of the tracks of a tracker whose process was killed.
 //!
-//! Other processes hold a tracker's confirmed tracks and their numbers. So after a scan the best branch of each
+//! Other processes hold a tracker's confirmed tracks and track numbers. So after a scan the best branch of each
 //! confirmed track is saved completely, together with the next free numbers. The resuming tracker begins with these
-//! tracks, each the only explanation of a cluster of its own. Alternatives, tentative tracks and the estimate of
-//! false detections form again within a few scans.
+//! tracks, each as the only explanation of a separate cluster. Alternatives, tentative tracks and the estimate of false
+//! detections form again within a few scans.
 
 use std::sync::atomic::AtomicU64;
 
@@ -63,7 +63,7 @@ impl LeftTracks {
         self.front.kept_ns
     }
 
-    /// Forgets the tracks; their numbers stay taken.
+    /// Forgets the tracks; the numbers stay taken.
     pub fn end(&mut self) {
         self.tracks.clear();
         self.front.time_ns = i64::MIN;
@@ -71,7 +71,7 @@ impl LeftTracks {
 }
 
 impl Tracker {
-    /// Keeps the confirmed tracks; it is `now_ns` (UTC, nanoseconds).
+    /// Keeps the confirmed tracks at the time `now_ns` (UTC, nanoseconds).
     pub fn keep(&self, memory: &mut TrackerMemory, now_ns: i64) {
         let population = self.latest();
         let front = TrackerHead {

@@ -1,4 +1,4 @@
-//! Clusters of a scan: those before it are updated, and new ones begin at detections outside all gates.
+//! Clusters of a scan: existing clusters are updated, and new clusters begin at detections outside all gates.
 
 use crate::branching;
 use crate::cluster_update::ClusterUpdate;
@@ -36,7 +36,7 @@ pub(crate) fn run_clusters(
     }
 }
 
-/// A cluster of one detection that is in no gate: false, or the first of a new track (HT-4).
+/// A cluster of a single detection in no gate: false, or the first of a new track (HT-4).
 fn begin_cluster(scan: &ScanContext<'_>, plot: u32, next: &mut Population, counts: &mut TrackerCounts) {
     if scan.settings.starts == Starts::Designated {
         return;

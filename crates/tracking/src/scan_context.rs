@@ -1,4 +1,4 @@
-//! The current scan with all inputs of its clusters' update.
+//! The current scan with all inputs of the update of clusters.
 
 use crate::departure::Departures;
 use crate::explanation::{Explanation, Observer, TrackEvent, TrackRecord};
@@ -11,12 +11,12 @@ use crate::track::Track;
 use crate::unresolved::Unresolved;
 use crate::wide_area::support::Support;
 
-/// A scan and the inputs of its update.
+/// A scan and the inputs of the update.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ScanContext<'a> {
     pub(crate) before: &'a Population,
     pub(crate) plots: &'a [Plot],
-    /// By detection: logarithm of the density of false ones there.
+    /// By detection: logarithm of the density of false detections there.
     pub(crate) log_clutter: &'a [f64],
     pub(crate) gating: &'a Gating,
     pub(crate) unresolved: &'a Unresolved,
@@ -24,7 +24,7 @@ pub(crate) struct ScanContext<'a> {
     pub(crate) settings: &'a Settings,
     pub(crate) sensor: &'a Sensor,
     pub(crate) support: &'a Support,
-    /// Logarithm of the weight of all its detections (WA-1).
+    /// Logarithm of the weight of all detections of the scan (WA-1).
     pub(crate) log_weight: f64,
     pub(crate) time_ns: i64,
     /// Serial number of the first detection.

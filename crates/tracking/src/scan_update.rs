@@ -23,7 +23,7 @@ use crate::track::Track;
 use crate::unresolved::Unresolved;
 use crate::wide_area::support::Support;
 
-/// Working memory for one scan after the other.
+/// Working memory, reused for each scan.
 #[derive(Debug)]
 pub(crate) struct ScanUpdate {
     /// By sensor.
@@ -35,7 +35,7 @@ pub(crate) struct ScanUpdate {
     replies: ScanReplies,
     clusters: ClusterUpdate,
     log_clutter: Vec<f64>,
-    /// By detection: set if it lies in a confirmed track's gate; by direction: the claims of tracks.
+    /// By detection: set for a detection in a confirmed track's gate; by direction: the claims of tracks.
     is_inside: Vec<bool>,
     claims: Vec<Claims>,
     /// Starts at crossings of directions, if there are any.
@@ -177,8 +177,8 @@ fn run_directions(
     claims.iter().filter(|claims| !claims.are_made()).count()
 }
 
-/// Number of detections that lie in no confirmed track's gate. All branches of a pair of targets have the same ones in
-/// theirs.
+/// Number of detections that lie in no confirmed track's gate. All branches of a pair of targets have the same
+/// detections in the gate.
 fn outside(before: &Population, gating: &Gating, is_inside: &mut [bool]) -> usize {
     is_inside.fill(false);
     let confirmed = |track: u32| before.tracks[track as usize].is_confirmed();

@@ -2,9 +2,9 @@
 //!
 //! A file of detections is a list; the tracker needs the detections of each look, and also the looks without
 //! detections. Detections of one sensor with the same scan number are a scan, at the time of the latest detection.
-//! Missing numbers are scans without detections, evenly spaced between their neighbours: each is a miss for every
-//! track. No scans are assumed before a sensor's first known scan or after its last one; inputs may state scans without
-//! detections there.
+//! Missing numbers are scans without detections, evenly spaced between the neighbours: each is a miss for every track.
+//! No scans are assumed before a sensor's first known scan or after the last; inputs may state scans without detections
+//! there.
 
 use std::ops::Range;
 
@@ -21,15 +21,16 @@ pub struct ScanOfDetections {
     pub sensor_id: u32,
     /// Number of the scan at the sensor.
     pub number: u32,
-    /// Time of the latest detection, nanoseconds; for an empty scan, a time between its neighbours.
+    /// Time of the latest detection, nanoseconds; for an empty scan, a time between the neighbours.
     pub time_ns: i64,
     /// Places of the detections in the sorted list.
     pub detections: Range<usize>,
 }
 
-/// Sorts `detections` by sensors, scans, times and numbers, so that their order does not matter, and returns the scans
-/// in order of time, then of sensors. `silent` are scans stated to be without detections: (sensor, number, time in
-/// nanoseconds). The statement has no effect if the scan has detections, or if an earlier one is about the same scan.
+/// Sorts `detections` by sensors, scans, times and numbers, so that the input order does not matter, and returns the
+/// scans in order of time, then of sensors. `silent` are scans stated to be without detections: (sensor, number, time
+/// in nanoseconds). The statement has no effect if the scan has detections, or after an earlier statement about the
+/// same scan.
 pub fn scans_of(detections: &mut [Detection], silent: &[(u32, u32, i64)]) -> Vec<ScanOfDetections> {
     detections.sort_by_key(|detection| {
         let Detection { sensor_id, scan, .. } = *detection;

@@ -1,14 +1,14 @@
 //! Selection of the detections to use, by age, accuracy and priority (WA-1).
 //!
-//! Old, inaccurate or redundant detections seldom improve a track, and cost as much as others. They may be rejected
-//! by age, by accuracy, or by the priority of their sensor if several sensors look at the same time. Alternatively
-//! they are kept with a smaller weight: with a weight of 0 no hypothesis takes them for a target; with a small
-//! weight, hypotheses with them are less reliable and are dropped first.
+//! Old, inaccurate or redundant detections seldom improve a track, and cost as much as others. They may be rejected by
+//! age, by accuracy, or by the priority of the sensor if several sensors look at the same time. Alternatively such
+//! detections are kept with a smaller weight: with a weight of 0 no hypothesis takes them for a target; with a small
+//! weight, hypotheses with such detections are less reliable and are dropped first.
 //!
-//! Age counts against the latest scan. Live, a detection is also refused if it comes when a detection newer by more
-//! than that has come already (crate `sources`): it would otherwise be refused only when its scan is late as a whole.
+//! Age counts against the latest scan. Live, a detection is also refused after the arrival of a detection newer by more
+//! than that (crate `sources`); otherwise only a late scan as a whole would be refused.
 //!
-//! An outranked scan with rejected detections does not count as a look: no track is missed in it.
+//! An outranked scan with rejected detections does not count as a look: no track counts as missed.
 
 use settings::Seconds;
 
@@ -42,7 +42,7 @@ impl Selection {
         too_old || too_coarse
     }
 
-    /// Logarithm of the weight of rejected detections; `None` if they are not kept.
+    /// Logarithm of the weight of rejected detections; `None` if not kept.
     pub(crate) fn log_kept_weight(&self) -> Option<f64> {
         self.kept_weight.map(f64::ln)
     }

@@ -1,14 +1,14 @@
-//! Model of a sensor: its detection probability, and the weight of its scans.
+//! Model of a sensor: detection probability and weight of scans.
 //!
 //! The obvious reading of a probability of detection of 0.9 is that five misses in a row happen to a target once in a
 //! hundred thousand times. That holds for a radar that turns once in four seconds. A camera with ten images a second
-//! that does not find a boat before a dark shore will not find it in the next ninety images either; taken literally, it
-//! has proved within half a second that a track is wrong which the radar has followed for minutes. Its errors repeat
-//! likewise: ten bearings within a second are off to the same side.
+//! that does not find a boat before a dark shore will not find it in the next ninety images either; taken literally,
+//! these misses disprove within half a second a track that the radar has followed for minutes. The errors of a camera
+//! repeat likewise: ten bearings within a second are off to the same side.
 //!
 //! So looks are weighed by time. Within the coherence time T a sensor that looks again sees the same thing again; a
-//! scan that follows the sensor's previous one after t < T is worth w = t / T of an independent one. Its likelihood
-//! enters with the power w: a miss counts for w·ln(1 − P), and standard deviations are those of w independent
+//! scan that follows the sensor's previous one after t < T is worth w = t / T of an independent scan. The likelihood of
+//! the scan enters with the power w: a miss counts for w·ln(1 − P), and standard deviations are those of w independent
 //! measurements, σ/√w. A sensor that is slower than T is not affected. Which detection belongs to which track is
 //! decided with the full likelihood: that is a question within one scan.
 //!
@@ -35,7 +35,7 @@ const WEIGHT_MIN: f64 = 1e-3;
 /// Settings of a sensor, and the known properties of the current scan.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sensor {
-    /// Its bit in [`crate::track::Track::seen_by`]; of more than 64 sensors, those beyond have none.
+    /// Bit of the sensor in [`crate::track::Track::seen_by`]; sensors beyond 64 have none.
     pub(crate) bit: u64,
     pub(crate) gates: [f64; DIMENSIONS_MAX],
     pub(crate) motion: MotionSettings,
@@ -49,7 +49,7 @@ pub(crate) struct Sensor {
     coherence_s: f64,
     /// Weight of the scan at hand relative to an independent scan, above 0, at most 1.
     pub(crate) scan_weight: f64,
-    /// Position of the sensor at the scan at hand, east and north, metres; `None` if it is not known.
+    /// Position of the sensor at the scan at hand, east and north, metres; `None` if not known.
     pub(crate) platform_m: Option<[f64; 2]>,
     pub(crate) cell: Option<ResolutionCell>,
 }
@@ -61,7 +61,7 @@ pub(crate) struct SensorMemory {
     pub(crate) rate: DetectionRate,
     /// Time of the previous scan, nanoseconds.
     time_ns: Option<i64>,
-    /// Position of the sensor at its latest detection, east and north, metres.
+    /// Position of the sensor at the latest detection, east and north, metres.
     platform_m: Option<[f64; 2]>,
     /// Whether the latest scan with detections had directions only.
     directions_only: bool,
@@ -157,8 +157,8 @@ impl Sensor {
     }
 
     /// Logarithm of the density of a detection that names the target, and whether it lies outside the gate; `None` if
-    /// it lies farther away than such detections do ([`crate::identity`]). One in the gate was not compared if it lies
-    /// where few do: the search is for two quantities.
+    /// farther away than such detections lie ([`crate::identity`]). A detection in the gate was not compared if
+    /// unusually far out: the search is for two quantities.
     pub(crate) fn log_far(&self, innovation: &MeasurementInnovation) -> Option<(f64, bool)> {
         let gate = self.gates[innovation.dimension - 1];
         let distance = innovation.squared_distance;
@@ -180,9 +180,9 @@ impl Sensor {
         self.scan_weight * (-seen * self.detection_probability * self.gate_probability).ln_1p()
     }
 
-    /// Logarithm of the probability of no detection in the gate of a target that the sensor's look before found. What
-    /// was found a moment ago is found again, all the more the less time has passed; otherwise two tracks could take
-    /// the detections of one target in turn.
+    /// Logarithm of the probability of no detection in the gate of a target that the sensor's look before found. A
+    /// target found a moment ago is found again, all the more the less time has passed; otherwise two tracks could take
+    /// the detections of the same target in turn.
     pub(crate) fn log_lapse(&self, seen: f64) -> f64 {
         if self.scan_weight >= 1.0 {
             return self.log_miss(seen);
@@ -221,7 +221,7 @@ mod tests {
         assert_eq!(weight(4 * S), 1.0, "a slow one");
         assert_eq!(weight(4 * S + S / 10), 0.1);
         assert_eq!(weight(4 * S + S / 10), WEIGHT_MIN);
-        // Ten quick misses are one.
+        // Ten quick misses count as a single miss.
         let quick: f64 = (1..=10)
             .map(|k| {
                 let sensor = sensor.at(4 * S + S / 10 + k * S / 10, &[], &mut memory);

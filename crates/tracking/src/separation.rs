@@ -1,8 +1,8 @@
 //! Separation of a cluster into smaller clusters after a scan (HT-4).
 //!
-//! Tracks separate when they share nothing any longer: without a common detection in their memory and without a
-//! common root, they belong to different clusters. Each part keeps its own tracks of every hypothesis; hypotheses
-//! that become equal are added up.
+//! Tracks separate when nothing is shared any longer: tracks without a common detection in memory and without a common
+//! root belong to different clusters. Each part keeps the part's own tracks of every hypothesis; hypotheses that become
+//! equal are added up.
 
 use association::components::{join, representative};
 
@@ -17,12 +17,12 @@ use crate::track::{NO_DETECTION, Track};
 
 const NONE: u32 = u32::MAX;
 
-/// Working memory for one cluster after the other.
+/// Working memory, reused for each cluster.
 #[derive(Clone, Debug)]
 pub(crate) struct Separation {
-    /// By track: the representative of its part; [`NONE`] for tracks in no hypothesis.
+    /// By track: the representative of the part; [`NONE`] for tracks in no hypothesis.
     part_of: Vec<u32>,
-    /// By track: its place in the population, while a part is written.
+    /// By track: place in the population, while a part is written.
     place: Vec<u32>,
     /// (root or detection, track).
     shared: Vec<(u64, u32)>,
@@ -80,8 +80,8 @@ impl Separation {
         present
     }
 
-    /// Finds parts of at most [`CLUSTER_TRACKS_MAX`] tracks. Of a larger one only the better half of the hypotheses is
-    /// kept, again and again: a single hypothesis has no branches, so its tracks share nothing.
+    /// Finds parts of at most [`CLUSTER_TRACKS_MAX`] tracks. Of a larger part only the better half of the hypotheses is
+    /// kept, again and again: a single hypothesis has no branches, so the tracks share nothing.
     fn find_parts_of_bounded_size(&mut self, store: &mut HypothesisStore, counts: &mut TrackerCounts) {
         loop {
             self.find_parts(store);
@@ -190,7 +190,7 @@ impl Separation {
         });
     }
 
-    /// Copies the tracks contained in the hypotheses from `first` on, sums up their reliabilities, and updates the
+    /// Copies the tracks contained in the hypotheses from `first` on, sums up the reliabilities, and updates the
     /// members to the new indices.
     fn place_tracks(&mut self, store: &HypothesisStore, next: &mut Population, first: usize) {
         for place in first..next.hypotheses.len() {

@@ -1,15 +1,15 @@
 //! Splitting: targets of a formation that separate (SP-1 … SP-7).
 //!
-//! Targets that fly together appear as one, and are tracked as one. When they part, one target continues the track
-//! and the other is new. Without special treatment, a second detection nearby is most likely clutter, and the new
-//! track takes long to be confirmed. The options model the special case: the new target starts in the confirmed
-//! track's gate (SP-1) with its motion (SP-2); the number of new targets is limited by the recent surplus of
-//! detections (SP-3 to SP-6); and the new target has been near all along (SP-7). The options apply to clusters with
-//! a confirmed track; elsewhere nothing can split.
+//! Targets that fly together appear as a single target, and are tracked as such. After a split, one target continues
+//! the track and the other is new. Without special treatment, a second detection nearby is most likely clutter, and the
+//! new track takes long to be confirmed. The options model the special case: the new target starts in the confirmed
+//! track's gate (SP-1) with its motion (SP-2); the number of new targets is limited by the recent surplus of detections
+//! (SP-3 to SP-6); and the new target has been near all along (SP-7). The options apply to clusters with a confirmed
+//! track; elsewhere nothing can split.
 //!
-//! Interpretations of the source, where it is ambiguous: computed numbers are rounded up and include the present
-//! scan, so that a second detection is allowed in its own scan. If a new track starts in the gates of several
-//! confirmed tracks, it takes the motion of the most reliable track.
+//! Interpretations of the source, where it is ambiguous: computed numbers are rounded up and include the present scan,
+//! so that a second detection is allowed in the same scan. A new track in the gates of several confirmed tracks takes
+//! the motion of the most reliable track.
 
 use crate::limits::DETECTION_COUNTS;
 use crate::motion::TargetMotion;
@@ -17,7 +17,7 @@ use crate::population::Cluster;
 use crate::settings::{Limit, Splitting};
 use crate::track::Track;
 
-/// Numbers for one cluster in one scan.
+/// Numbers for a cluster in a scan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct SplitLimits {
     /// SP-3: most new tracks.
@@ -83,7 +83,7 @@ impl DetectionCounts {
         scans: 0,
     };
 
-    /// Numbers of detections of several clusters together, with one more scan of `present` detections.
+    /// Numbers of detections of several clusters together, with another scan of `present` detections.
     pub(crate) fn of<'a>(clusters: impl Iterator<Item = &'a Cluster>, present: usize) -> Self {
         let mut sum = Self::NONE;
         for cluster in clusters {
@@ -112,7 +112,7 @@ impl DetectionCounts {
     }
 }
 
-/// SP-2: weighted mean of several predictions, with the spread of their means in its covariance.
+/// SP-2: weighted mean of several predictions, with the spread of the means in the covariance.
 pub(crate) fn mean_motion(branches: impl Iterator<Item = (TargetMotion, f64)>) -> Option<TargetMotion> {
     let weighted = branches.filter(|(_, weight)| *weight > 0.0);
     let sum = weighted.reduce(|(mean, sum), (branch, weight)| {

@@ -1,4 +1,4 @@
-//! Collects the detections of a sensor that numbers its scans itself.
+//! Collects the detections of a sensor that numbers the scans itself.
 //!
 //! A camera's image or a lidar's sweep has a number and a time. The scans of such a sensor need no cutting
 //! ([`crate::cutting`]): detections with the same number are a scan. A scan is complete when the sensor's time has come
@@ -6,7 +6,7 @@
 //! scan without detections.
 //!
 //! Detections of complete scans, and of times before them, are too late and are rejected. Times count, not numbers: a
-//! restarted sensor begins again with its first number.
+//! restarted sensor begins again with the first number.
 
 use observations::Detection;
 
@@ -15,13 +15,13 @@ use crate::cutting::{CutScan, DetectionTreatment};
 /// Most scans that wait to be complete.
 const OPEN_MAX: usize = 64;
 
-/// Collector of one sensor's scans. `T` stays with each detection.
+/// Collector of a sensor's scans. `T` stays with each detection.
 #[derive(Clone, Debug)]
 pub struct StatedScans<T> {
     wait_ns: i64,
     waiting_max: usize,
     waiting: Vec<(Detection, T)>,
-    /// In the order of their times.
+    /// In the order of times.
     open: Vec<CutScan>,
     /// Latest complete scan.
     closed: Option<CutScan>,
@@ -31,7 +31,7 @@ pub struct StatedScans<T> {
 }
 
 impl<T: Copy> StatedScans<T> {
-    /// A collector in which detections may come later than newer ones by `wait_ns` nanoseconds, with room for
+    /// A collector in which detections may come later than newer detections by `wait_ns` nanoseconds, with room for
     /// `waiting_max` detections.
     pub fn new(wait_ns: i64, waiting_max: usize) -> Self {
         Self {
@@ -46,7 +46,7 @@ impl<T: Copy> StatedScans<T> {
         }
     }
 
-    /// Takes a detection together with the data attached to it.
+    /// Takes a detection together with the attached data.
     pub fn take(&mut self, detection: Detection, with_it: T) -> DetectionTreatment {
         let scan = CutScan {
             number: detection.scan,
@@ -71,7 +71,8 @@ impl<T: Copy> StatedScans<T> {
         self.passed(scan.time_ns);
     }
 
-    /// Takes note of a complete scan without detections that the sensor has not numbered: what is earlier is too late.
+    /// Takes note of a complete scan without detections that the sensor has not numbered: earlier detections are too
+    /// late.
     pub fn unnumbered_scan(&mut self, time_ns: i64) {
         if let Some(closed) = &mut self.closed {
             closed.time_ns = closed.time_ns.max(time_ns);
@@ -88,7 +89,7 @@ impl<T: Copy> StatedScans<T> {
         self.running_ns = self.running_ns.max(time_ns);
     }
 
-    /// Time for which detections may come later than newer ones, nanoseconds.
+    /// Time by which detections may come later than newer detections, nanoseconds.
     pub fn wait_ns(&self) -> i64 {
         self.wait_ns
     }
@@ -102,13 +103,13 @@ impl<T: Copy> StatedScans<T> {
             .map_or(closed_ns, |open| open.time_ns.min(come_ns).max(closed_ns))
     }
 
-    /// The next complete scan: its detections are in [`Self::detections`] until the next call.
+    /// The next complete scan; [`Self::detections`] holds the detections until the next call.
     pub fn next_scan(&mut self) -> Option<CutScan> {
         let scan = *self.open.first()?;
         (self.running_ns > scan.time_ns.saturating_add(self.wait_ns)).then(|| self.close())
     }
 
-    /// The next scan of those that wait, whether or not more may come.
+    /// The next waiting scan, whether or not more detections may come.
     pub fn last_scan(&mut self) -> Option<CutScan> {
         (!self.open.is_empty()).then(|| self.close())
     }
@@ -128,7 +129,7 @@ impl<T: Copy> StatedScans<T> {
         self.closed.is_some_and(closed)
     }
 
-    /// Opens a scan, or moves the time of an open one on. `false` if there is no room.
+    /// Opens a scan, or moves the time of an open scan on. `false` without room.
     fn open(&mut self, scan: CutScan) -> bool {
         match self.open.iter().position(|open| open.number == scan.number) {
             Some(place) => self.open[place].time_ns = self.open[place].time_ns.max(scan.time_ns),

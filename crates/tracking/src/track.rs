@@ -1,9 +1,9 @@
-//! A track: a sequence of detections that may be of one target, and the resulting state.
+//! A track: a sequence of detections that may be of the same target, and the resulting state.
 //!
-//! The obvious record of a track is a tree of all its detections, with branches that share the beginning. But the
-//! update needs little of the past: whether two tracks share a detection, or have the same detections, within the
-//! last few scans; and whether they have the same first detection. So a track is a flat record with the last
-//! [`HISTORY_MAX`] scans and its root. Branching is copying; nothing is ever walked, collected or fragmented.
+//! The obvious record of a track is a tree of all detections, with branches that share the beginning. But the update
+//! needs little of the past: whether two tracks share a detection, or have the same detections, within the last few
+//! scans; and whether both have the same first detection. So a track is a flat record with the last [`HISTORY_MAX`]
+//! scans and the root. Branching is copying; nothing is ever walked, collected or fragmented.
 
 use kept::kept;
 use messages::NS_PER_S;
@@ -21,40 +21,40 @@ kept! {
     /// A branch of a first detection.
     #[derive(Clone, Copy, Debug, PartialEq)]
     pub(crate) struct Track {
-        /// Motion after the last detection or direction, and its time, nanoseconds.
+        /// Motion after the last detection or direction, and the time of either, nanoseconds.
         pub(crate) motion: TargetMotion,
         pub(crate) time_ns: i64,
-        /// Time of the last detection, or of the last scan of directions with a probable direction of its own,
+        /// Time of the last detection, or of the last scan of directions with a probable direction of the track,
         /// nanoseconds.
         pub(crate) seen_ns: i64,
         /// Time of the first detection, nanoseconds.
         pub(crate) begun_ns: i64,
-        /// Number of the track tree: the same for all branches of one first detection.
+        /// Number of the track tree: the same for all branches of a first detection.
         pub(crate) root: u32,
         /// The confirmed ancestor's number, or [`TENTATIVE`].
         pub(crate) number: u32,
         pub(crate) detections: u32,
         /// Detections that lay in a confirmed track's gate (SP-7).
         pub(crate) in_company: u32,
-        /// Missed detections: scans since the latest detection that expected one.
+        /// Missed detections: scans with an expected detection since the latest detection.
         pub(crate) missed: u32,
-        /// Logarithm of the probability of having missed it so often since the last detection, if it is there.
+        /// Logarithm of the probability of so many misses since the last detection, if the target is there.
         pub(crate) log_silence: f64,
-        /// Log-likelihood ratio of its detections: from one target against all false.
+        /// Log-likelihood ratio of the detections: from a single target against all false.
         pub(crate) log_likelihood_ratio: f64,
         /// Sum over the hypotheses that contain the track.
         pub(crate) reliability: f64,
         pub(crate) identity: TrackIdentity,
-        /// Bits of the sensors whose latest look found it.
+        /// Bits of the sensors with a detection of the target in the latest look.
         pub(crate) seen_by: u64,
-        /// Serial numbers of its detections by scan, latest first; without scans of fast sensors that had none in
-        /// its cluster.
+        /// Serial numbers of the detections by scan, latest first; without scans of fast sensors that had none in the
+        /// cluster.
         pub(crate) history: [u32; HISTORY_MAX],
     }
 }
 
 impl Track {
-    /// Makes a tentative track of the detection with the number `serial` and its motion at `time_ns`.
+    /// Makes a tentative track of the detection with the number `serial` and the motion at `time_ns`.
     pub(crate) fn begun(motion: TargetMotion, time_ns: i64, serial: u32, root: u32) -> Self {
         let mut history = [NO_DETECTION; HISTORY_MAX];
         history[0] = serial;
@@ -96,12 +96,12 @@ impl Track {
         self.motion.moved(seconds, settings)
     }
 
-    /// SP-7: share of its detections in confirmed tracks' gates.
+    /// SP-7: share of detections in confirmed tracks' gates.
     pub(crate) fn company(&self) -> f64 {
         f64::from(self.in_company) / f64::from(self.detections)
     }
 
-    /// Adds a scan and its detection to the memory.
+    /// Adds a scan and the detection to the memory.
     pub(crate) fn remember(&mut self, serial: u32) {
         self.history.rotate_right(1);
         self.history[0] = serial;

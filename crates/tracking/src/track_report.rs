@@ -1,4 +1,4 @@
-//! Reports of the confirmed tracks after a scan: each by its best branch, or several as one group.
+//! Reports of the confirmed tracks after a scan: each by the best branch, or several as a group.
 
 use estimation::Gaussian;
 use messages::{NS_PER_S, SensorTrack, TargetType, TrackKind, TrackState, sensor_track_bits};
@@ -10,14 +10,14 @@ use crate::settings::Settings;
 use crate::track::{NO_DETECTION, Track};
 use crate::wide_area::group::Group;
 
-/// A confirmed track after the latest scan: the most reliable branch of its ancestor (HT-10).
+/// A confirmed track after the latest scan: the most reliable branch of the ancestor (HT-10).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackReport {
     /// The ancestor's number, counted from 1.
     pub number: u32,
-    /// Confirmed, or coasted if the latest scan had no detection of it.
+    /// Confirmed, or coasted if the latest scan had no detection of the track.
     pub state: TrackState,
-    /// Time of the latest scan or of its detection in that scan, nanoseconds.
+    /// Time of the latest scan or of the track's detection in that scan, nanoseconds.
     pub time_ns: i64,
     /// Position and velocity then.
     pub estimate: Gaussian,
@@ -25,23 +25,23 @@ pub struct TrackReport {
     pub height_known: bool,
     /// Sum over the hypotheses that contain the branch.
     pub reliability: f64,
-    /// Hypotheses of its cluster.
+    /// Hypotheses of the cluster.
     pub hypotheses: u32,
     /// Detections in all.
     pub detections: u32,
-    /// Scans since the last one.
+    /// Scans since the last detection.
     pub missed: u32,
     /// Set if the report is for several unresolved targets (WA-7).
     pub group: Option<Group>,
-    /// Origin of the targets around, as a wide-area sensor reports it: east and north in the system frame, metres
-    /// (WA-9); `None` if it is not known.
+    /// Origin of the targets around, reported by a wide-area sensor: east and north in the system frame, metres (WA-9);
+    /// `None` if not known.
     pub origin_m: Option<[f64; 2]>,
     /// Type of the target, as far as that is known (WA-9).
     pub target_type: TargetType,
-    /// Identity of the target by its transponder's replies.
+    /// Identity of the target by transponder replies.
     pub identity: ReportedIdentity,
-    /// Place of the detection with which the latest scan updated it, metres: what a residual is made of (TI-6). A
-    /// height that is not measured is the track's. `None` without such a detection, and of a direction alone.
+    /// Place of the detection with which the latest scan updated the track, metres, for residuals (TI-6). A height that
+    /// is not measured is the track's. `None` without such a detection, and of a direction alone.
     pub measured_m: Option<[f64; 3]>,
 }
 
@@ -90,7 +90,7 @@ impl TrackReport {
             // Unobserved components are not published.
             (track.position_m[2], track.velocity_mps[2]) = (0.0, 0.0);
         }
-        // A detection of one member is none of a group.
+        // A detection of a single member is none of a group.
         if let Some([east, north, up]) = self.measured_m.filter(|_| self.group.is_none()) {
             track.valid |= sensor_track_bits::MEASURED;
             track.measured_m = [east, north, if self.height_known { up } else { 0.0 }];
@@ -132,17 +132,17 @@ pub(crate) fn report_of(track: &Track, cluster: &Cluster, time_ns: i64, settings
 pub(crate) struct BestBranch {
     /// Number of the ancestor.
     pub(crate) number: u32,
-    /// Places of the branch and of its cluster in the population.
+    /// Places of the branch and of the cluster in the population.
     pub(crate) track: u32,
     pub(crate) cluster: u32,
 }
 
-/// Writes the best branches of all confirmed ancestors to `best`, by their numbers.
+/// Writes the best branches of all confirmed ancestors to `best`, by number.
 pub(crate) fn find_best(population: &Population, best: &mut Vec<BestBranch>) {
     let of = |track: u32| &population.tracks[track as usize];
     best.clear();
     for (place, cluster) in (0..).zip(&population.clusters) {
-        // All branches of an ancestor are in one cluster.
+        // All branches of an ancestor are in the same cluster.
         let first = best.len();
         for track in cluster.tracks.clone().filter(|track| of(*track).is_confirmed()) {
             let number = of(track).number;
@@ -164,8 +164,8 @@ pub(crate) fn find_best(population: &Population, best: &mut Vec<BestBranch>) {
     best.sort_unstable();
 }
 
-/// Takes the next best branch of an ancestor whose best branch has the same latest detection as a more reliable one of
-/// another ancestor, unless a hypothesis contains both: two targets are not shown as one.
+/// Replaces the best branch of an ancestor by the next best if a more reliable best branch of another ancestor has the
+/// same latest detection, unless a hypothesis contains both: two targets are not shown as a single target.
 fn keep_apart(population: &Population, cluster: &Cluster, best: &mut [BestBranch]) {
     let of = |track: u32| &population.tracks[track as usize];
     let hypotheses = &population.hypotheses[cluster.hypotheses.start as usize..cluster.hypotheses.end as usize];

@@ -1,9 +1,9 @@
 //! The tracker: processes scan after scan, including late scans (HT-1, HT-12).
 //!
-//! A late scan could be used at once, with its detections carried forward; but decisions made without them would
-//! stay. Instead the last scans stay open: they are stored with the population before each. A late scan is inserted
-//! in its place, and all scans from there on are processed again. So the result is bitwise the same as if every scan
-//! had come in order; scans of equal time are in the order of their sensors. Scans older than all open scans are
+//! A late scan could be used at once, with detections carried forward; but decisions made without these detections
+//! would stay. Instead the last scans stay open, each stored with the population before the scan. A late scan is
+//! inserted in order, and all scans from there on are processed again. So the result is bitwise the same as if every
+//! scan had come in order; scans of equal time are in the order of sensors. Scans older than all open scans are
 //! rejected and counted.
 
 use observations::{Detection, WideAreaReport};
@@ -27,7 +27,7 @@ use crate::wide_area::support::Support;
 pub enum ScanRejection {
     /// No settings for a sensor of this number.
     UnknownSensor(u32),
-    /// The scan is older than every open one.
+    /// The scan is older than every open scan.
     TooLate,
 }
 
@@ -42,18 +42,18 @@ impl std::fmt::Display for ScanRejection {
 
 impl std::error::Error for ScanRejection {}
 
-/// The multiple-hypothesis tracker. No clone can be made: it would lack the memory allocated beforehand.
+/// The multiple-hypothesis tracker. No clone can be made: a clone would lack the memory allocated beforehand.
 #[derive(Debug)]
 pub struct Tracker {
     settings: Settings,
     /// In order of time, then of sensors; the first `open` count.
     scans: Vec<Scan>,
     open: usize,
-    /// Before each open scan, then after the last one.
+    /// Before each open scan, then after the last.
     populations: Vec<Population>,
     update: ScanUpdate,
     support: Support,
-    /// By detection of a scan: how many are united in it.
+    /// By detection of a scan: number of united detections.
     united: Vec<u32>,
     best: Vec<BestBranch>,
     reports: Vec<TrackReport>,
@@ -91,7 +91,7 @@ impl Tracker {
     }
 
     /// Numbers confirmed tracks from `first` on (0 is taken for 1). After a take-over, the tracker begins beyond the
-    /// numbers that its predecessor may have used. Must be called before the first scan; later calls have no effect.
+    /// numbers that the predecessor may have used. Must be called before the first scan; later calls have no effect.
     pub fn number_from(&mut self, first: u32) {
         if self.counts.scans == 0 {
             let first = first.max(1);
@@ -110,7 +110,7 @@ impl Tracker {
         self.scan_explained(sensor_id, time_ns, detections, None)
     }
 
-    /// Processes a scan as [`Self::scan`] does, and gives an observer the records of its decisions.
+    /// Processes a scan like [`Self::scan`], and gives an observer the records of the decisions.
     ///
     /// # Errors
     /// As [`Self::scan`].
@@ -126,7 +126,7 @@ impl Tracker {
             .inspect_err(|_| self.counts.rejected_scans += 1)?;
         let (sensor, mut place) = place;
         if self.open == self.scans.len() {
-            // The oldest one is closed.
+            // The oldest scan is closed.
             self.scans.rotate_left(1);
             self.populations.rotate_left(1);
             self.open -= 1;
@@ -156,7 +156,7 @@ impl Tracker {
         Ok(())
     }
 
-    /// Takes a report of a wide-area sensor at its arrival (WA-2). The report is used in the first scan after the
+    /// Takes a report of a wide-area sensor at the arrival (WA-2). The report is used in the first scan after the
     /// arrival. Open scans after the arrival are processed again; if the scans are closed, the next scan uses the
     /// report.
     ///
@@ -174,8 +174,8 @@ impl Tracker {
         Ok(())
     }
 
-    /// Takes an emission received on board (WA-9). The first scan after the emission uses it to identify the
-    /// emitting track; open scans after the emission identify their tracks again.
+    /// Takes an emission received on board (WA-9). The first scan after the emission uses it to identify the emitting
+    /// track; tracks of open scans after the emission are identified again.
     ///
     /// # Errors
     /// [`EmissionRejection`], counted, if the emission cannot be used.
@@ -201,13 +201,13 @@ impl Tracker {
         }
     }
 
-    /// The confirmed tracks after the latest scan, by their numbers.
+    /// The confirmed tracks after the latest scan, by number.
     pub fn tracks(&self) -> &[TrackReport] {
         &self.reports
     }
 
-    /// The confirmed tracks at `time_ns`, into `picture` (WA-11), without those whose last scan is so long ago that a
-    /// scan would delete them (HT-10): pictures go on while the sensors are silent.
+    /// The confirmed tracks at `time_ns`, into `picture` (WA-11), without tracks that have been silent for so long that
+    /// a scan would delete the track (HT-10): pictures continue while the sensors are silent.
     pub fn picture_at(&self, time_ns: i64, picture: &mut Vec<TrackReport>) {
         let noise = self.settings.motion.process_noise_m2ps3;
         picture.clear();
@@ -232,7 +232,7 @@ impl Tracker {
         &self.counts
     }
 
-    /// Tracks after the latest scan, tentative ones and branches included.
+    /// Tracks after the latest scan, tentative tracks and branches included.
     pub fn branches(&self) -> usize {
         self.latest().tracks.len()
     }
@@ -242,7 +242,7 @@ impl Tracker {
         self.latest().clusters.len()
     }
 
-    /// Settings it was built from.
+    /// Settings of the tracker.
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
@@ -260,7 +260,7 @@ impl Tracker {
         &self.populations[self.open]
     }
 
-    /// The sensor's place in the settings, and the scan's among the open ones.
+    /// The sensor's place in the settings, and the scan's place among the open scans.
     fn place(&self, sensor_id: u32, time_ns: i64) -> Result<(usize, usize), ScanRejection> {
         let mut sensors = self.settings.sensors.iter();
         let sensor = sensors.position(|sensor| sensor.sensor_id == sensor_id);
@@ -268,7 +268,7 @@ impl Tracker {
         let open = &self.scans[..self.open];
         let place = open.partition_point(|scan| (scan.time_ns, scan.sensor) <= (time_ns, sensor));
         let closed = self.open == self.scans.len() && place == 0;
-        // The population before the first open scan may be later than this one, if others have been closed.
+        // The population before the first open scan may be later than this scan, if others have been closed.
         let behind = place == 0 && time_ns < self.populations[0].time_ns;
         if closed || behind {
             return Err(ScanRejection::TooLate);
@@ -276,8 +276,8 @@ impl Tracker {
         Ok((sensor, place))
     }
 
-    /// Returns the first open scan to be processed again because of the scan at `place`: this scan, or a scan that
-    /// it outranks.
+    /// Returns the first open scan to be processed again because of the scan at `place`: this scan, or a scan outranked
+    /// by this scan.
     fn first_changed(&self, place: usize) -> usize {
         if !self.has_priorities() {
             return place;
@@ -303,13 +303,13 @@ impl Tracker {
         self.settings.sensors.iter().any(|sensor| sensor.priority > 0)
     }
 
-    /// Works off the open scans from `first` on, all of them again.
+    /// Processes all open scans from `first` on again.
     fn work_off_from(&mut self, first: usize, observer: Option<&dyn Observer>) {
         self.work_off_again(first, None, observer);
     }
 
-    /// Works off the open scans from `first` on, all but `new` again. What a scan has counted of its sender's messages
-    /// stays as it was.
+    /// Processes the open scans from `first` on, all but `new` again. Counts of the sender's messages stay as counted
+    /// before.
     fn work_off_again(&mut self, first: usize, new: Option<usize>, observer: Option<&dyn Observer>) {
         for place in first..self.open {
             let counted = self.counts.designations_followed;

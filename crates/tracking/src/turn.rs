@@ -1,14 +1,15 @@
-//! Coordinated turns: a turning target continues its turn (HT-13).
+//! Coordinated turns: a turning target continues the turn (HT-13).
 //!
 //! With manoeuvres modelled as strong acceleration noise, a turning target may go anywhere at each scan; the filter
 //! lags behind on the outside of the curve. Vehicles instead turn at a nearly constant rate with constant speed. The
-//! turn rate ω is unknown; so the manoeuvring model estimates ω as a seventh component of its state, beside position
-//! and velocity. A pair of models with fixed rates to the left and to the right would need a third Gaussian per
-//! track, and fits only these rates.
+//! turn rate ω is unknown; so the manoeuvring model estimates ω as a seventh component of the state, beside position
+//! and velocity. A pair of models with fixed rates to the left and to the right would need a third Gaussian per track,
+//! and fits only these rates.
 //!
-//! The state moves on a circle, a nonlinear function of ω; covariances follow its tangent (extended Kalman filter).
-//! The first six components stay a [`Gaussian`] as in all other models; this module holds the rest: ω, its variance,
-//! and its covariance with the six. Measurements do not depend on ω; updates reach ω through this covariance.
+//! The state moves on a circle, a nonlinear function of ω; covariances follow the tangent of this function (extended
+//! Kalman filter). The first six components stay a [`Gaussian`] as in all other models; this module holds the rest: ω,
+//! the variance of ω, and the covariance with the six. Measurements do not depend on ω; updates reach ω through this
+//! covariance.
 //!
 //! Limits: turns are in the plane. The tangent is good for turns of up to about a radian between two detections.
 //!
@@ -63,7 +64,7 @@ impl TurnRate {
         }
     }
 
-    /// Moves a state on its circle, without the noise of accelerations.
+    /// Moves a state on the circle, without the noise of accelerations.
     pub(crate) fn turn(&mut self, state: &mut Gaussian, seconds: f64, turn: &TurnSettings) {
         let (rate, t) = (f64::from(self.rate), seconds);
         let [vx, vy] = [state.mean[3], state.mean[4]];
@@ -121,7 +122,7 @@ impl TurnRate {
         self.cross.map(f64::from)
     }
 
-    /// Rate of a mixture of two states with their turn rates.
+    /// Rate of a mixture of two states with turn rates.
     pub(crate) fn mixture(
         (a, a_state): (&Self, &Gaussian),
         (b, b_state): (&Self, &Gaussian),
@@ -152,7 +153,7 @@ impl TurnRate {
     }
 }
 
-/// sin(ωt)/ω, (1 − cos(ωt))/ω, and their derivatives by ω.
+/// sin(ωt)/ω, (1 − cos(ωt))/ω, and the derivatives of both by ω.
 fn arcs(rate: f64, t: f64) -> [f64; 4] {
     let angle = rate * t;
     if angle.abs() < SMALL_RAD {

@@ -1,17 +1,17 @@
-//! Estimates a sensor's turn time from its data.
+//! Estimates a sensor's turn time from the data.
 //!
-//! Scans much shorter than a turn hold a part of the sky each, and a target has no detection in most of them: no
-//! track is ever confirmed. So if no turn time is configured, it is estimated before the first scan is cut. There
-//! are three sources, in this order:
+//! Scans much shorter than a turn hold a part of the sky each, and a target has no detection in most of them: no track
+//! is ever confirmed. So a turn time that is not configured is estimated before the first scan is cut. There are three
+//! sources, in this order:
 //!
-//! 1. The sensor states it (I034/041, I002/041).
-//! 2. The sensor reports when its antenna points north. Two successive intervals that agree are a turn.
-//! 3. An antenna returns to a direction once in a turn. The times between detections in one direction, of any target
-//!    or false, are therefore a turn, or several after misses. The short intervals that agree are one turn. North
-//!    marks have precedence, so this source waits for three turns.
+//! 1. The sensor states the turn time (I034/041, I002/041).
+//! 2. The sensor reports when the antenna points north. Two successive intervals that agree are a turn.
+//! 3. An antenna returns to a direction once in a turn. The times between detections in the same direction, of any
+//!    target or false, are therefore a turn, or several after misses. The short intervals that agree are a single turn.
+//!    North marks have precedence, so this source waits for three turns.
 //!
-//! Limits: turns of less than 0.4 s, and sensors without rotation, whose detections come from all directions at
-//! once. Such sensors need a configured period.
+//! Limits: turns of less than 0.4 s, and sensors without rotation, with detections from all directions at once. Such
+//! sensors need a configured period.
 
 use std::f64::consts::{PI, TAU};
 
@@ -24,7 +24,7 @@ const TURN_MAX_NS: i64 = 60_000_000_000;
 /// Number of distinguished directions. Within the shortest turn, an antenna leaves each direction in a few
 /// milliseconds.
 const DIRECTIONS: usize = 64;
-/// Minimum of returns that agree, their minimum share of all returns, and the maximum of stored returns.
+/// Minimum of returns that agree, minimum share of agreeing returns, and the maximum of stored returns.
 const AGREEING_MIN: usize = 8;
 const AGREEING_SHARE: usize = 4;
 const RETURNS_MAX: usize = 256;
@@ -35,7 +35,7 @@ const TURNS_BEFORE: i64 = 3;
 /// Returns after which disagreement is certain.
 const UNCLEAR_RETURNS: u32 = 1000;
 
-/// Time of a turn, and how it is known.
+/// Time of a turn, and the source of the estimate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TurnEstimate {
     /// Nanoseconds.
@@ -47,11 +47,11 @@ pub struct TurnEstimate {
 /// Source of the turn time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Basis {
-    /// The sensor states it.
+    /// The sensor states the turn time.
     Stated,
-    /// Intervals of its north marks.
+    /// Intervals of the sensor's north marks.
     NorthMarks,
-    /// Times between detections in one direction.
+    /// Times between detections in the same direction.
     Detections,
 }
 
@@ -106,7 +106,7 @@ impl TurnTime {
         };
         let interval_ns = time_ns.saturating_sub(before_ns);
         if interval_ns <= 0 {
-            // The same mark again, or a late one.
+            // The same mark again, or a late mark.
             self.north_ns = Some(before_ns);
             return;
         }
@@ -133,7 +133,7 @@ impl TurnTime {
         let Some((before_ns, before_rad)) = before else {
             return;
         };
-        // More than a turn where the detection is further clockwise than the one before, else less.
+        // More than a turn where the detection is further clockwise than the detection before, else less.
         let further = ((bearing_rad - before_rad + PI).rem_euclid(TAU) - PI) / TAU;
         let turn_ns = (time_ns.saturating_sub(before_ns) as f64 / (1.0 + further)) as i64;
         if (TURN_MIN_NS..=TURN_MAX_NS).contains(&turn_ns) {
@@ -176,7 +176,7 @@ fn agree(one_ns: i64, other_ns: i64) -> bool {
     one_ns.abs_diff(other_ns) as i64 <= one_ns.min(other_ns) / AGREEMENT_PARTS
 }
 
-/// Bearing of a detection from its sensor, clockwise from north, 0 to 2π.
+/// Bearing of a detection from the sensor, clockwise from north, 0 to 2π.
 fn bearing(detection: &Detection) -> Option<f64> {
     let quantities = detection.kind.quantities();
     let value = |wanted| {
@@ -241,7 +241,7 @@ mod tests {
     #[test]
     fn two_intervals_between_north_marks_that_agree_are_a_turn() {
         let mut search = TurnTime::default();
-        // One mark comes twice, and one mark is missing.
+        // A mark comes twice, and a mark is missing.
         for tenths in [0, 40, 40, 121, 161] {
             search.north(tenths * S / 10);
             assert_eq!(search.turn(), None);

@@ -1,23 +1,24 @@
 //! Detections of two established tracks together: targets that a sensor does not resolve.
 //!
-//! Targets within one resolution cell of a sensor give a single detection between them. A tracker with at most one
-//! track per detection gives it to one of them, which is drawn aside; the other is missed until it is deleted. A
-//! second sensor, or the time before and after, knows both of them better.
+//! Targets within a resolution cell of a sensor give a single common detection. A tracker with at most one track per
+//! detection gives the detection to either track, which is drawn aside; the other is missed until deleted. A second
+//! sensor, or the time before and after, determines both tracks better.
 //!
 //! So, for each pair of confirmed tracks of a hypothesis that may lie within a cell of the sensor (difference of range
-//! and of bearing), the scan has two explanations, weighed by that probability U: resolved, where each track has its
-//! own detection or none; and unresolved, where the pair has one detection z between them, or is missed as one. The
-//! second has the measurement z = h((a + b) / 2), so each of both states a and b is updated with half the derivative
-//! and the other's covariance as a part of the measurement's. Both tracks keep the detection in their memory, so they
-//! stay in one cluster.
+//! and of bearing), the scan has two explanations, weighed by that probability U: resolved and unresolved. Resolved,
+//! each track has its own detection or none. Unresolved, the pair has a single detection z, or is missed as a whole.
+//! The unresolved explanation has the measurement z = h((a + b) / 2), so each of both states a and b is updated with
+//! half the derivative and the other's covariance as a part of the measurement's. Both tracks keep the detection in
+//! memory, so both stay in the same cluster.
 //!
-//! Two tracks of one target would share its detections for ever. A detection of two does not count as a sign of life of
-//! either: of two tracks that have only had such detections for `deletion.silent_s`, the later one is deleted.
+//! Two tracks of the same target would share detections for ever. A detection of two does not count as a sign of life
+//! of either: of two tracks that have only had such detections for `deletion.silent_s`, the later one is deleted.
 //!
-//! The detection states the address of one of the two, or none: with a third address, it is of another target.
+//! The detection states the address of either, or none: with a third address, the detection is of another target.
 //!
-//! Limits: pairs, not larger groups; a track is in one pair of a hypothesis at a time, the likeliest, and a hypothesis
-//! has at most [`PAIRS_OF_HYPOTHESIS_MAX`] of them. The correlation of both states after the update is not kept.
+//! Limits: pairs, not larger groups; a track is in a single pair of a hypothesis at a time, the likeliest, and a
+//! hypothesis has at most [`PAIRS_OF_HYPOTHESIS_MAX`] pairs. The correlation of both states after the update is not
+//! kept.
 //!
 //! Source: W. Koch, G. van Keuk, *Multiple hypothesis track maintenance with possibly unresolved measurements*, IEEE
 //! Transactions on Aerospace and Electronic Systems 33 (1997).
@@ -36,26 +37,26 @@ use crate::sensor::Sensor;
 
 /// Most pairs of a hypothesis that a scan may leave unresolved.
 pub(crate) const PAIRS_OF_HYPOTHESIS_MAX: usize = 2;
-/// Least probability that a pair is unresolved for it to be considered.
+/// Least probability of being unresolved for a pair to be considered.
 const PROBABILITY_MIN: f64 = 0.01;
-/// Largest one: the cell is never known so well.
+/// Largest probability: the cell is never known better.
 const PROBABILITY_MAX: f64 = 0.99;
 /// Standard deviations within which detections of a pair are looked for.
 const REACH: f64 = 4.0;
 
-/// Set in the number of a pair of a detection and two tracks, to tell it from a pair with one track.
+/// Set in the number of a pair of a detection and two tracks, to distinguish the pair from a pair with a single track.
 pub(crate) const SHARED: u32 = 1 << 31;
 
 /// Two confirmed tracks that a sensor may not resolve.
 #[derive(Clone, Debug)]
 pub(crate) struct UnresolvedPair {
     pub(crate) tracks: [u32; 2],
-    /// Logarithms of the probabilities of one detection for both, and of separate ones.
+    /// Logarithms of the probabilities of a single detection for both, and of separate detections.
     pub(crate) log_unresolved: f64,
     pub(crate) log_resolved: f64,
-    /// Logarithm of the probability that both are missed as one.
+    /// Logarithm of the probability that both are missed together.
     pub(crate) log_miss: f64,
-    /// Places of its detections.
+    /// Places of the pair's detections.
     pub(crate) detections: Range<u32>,
 }
 
@@ -64,7 +65,7 @@ pub(crate) struct UnresolvedPair {
 pub(crate) struct SharedDetection {
     pub(crate) pair: u32,
     pub(crate) plot: u32,
-    /// Density of the detection if it is of both.
+    /// Density of the detection if of both tracks.
     pub(crate) log_likelihood: f64,
 }
 
@@ -74,11 +75,11 @@ struct Predicted {
     track: u32,
     motion: TargetMotion,
     estimate: Gaussian,
-    /// Distance east within which others may be in one cell with it, metres.
+    /// Distance east within which others may be in the same cell, metres.
     reach_m: f64,
 }
 
-/// Pairs of a scan; working memory for one scan after the other.
+/// Pairs of a scan; working memory, reused for each scan.
 #[derive(Clone, Debug)]
 pub(crate) struct Unresolved {
     pub(crate) pairs: Vec<UnresolvedPair>,
@@ -100,13 +101,13 @@ impl Unresolved {
         }
     }
 
-    /// The tracks of a detection's pair, given as [`SHARED`] and its place.
+    /// The tracks of a detection's pair, given as [`SHARED`] and the detection's place.
     pub(crate) fn tracks_of(&self, shared: u32) -> [u32; 2] {
         let found = self.detections[(shared & !SHARED) as usize];
         self.pairs[found.pair as usize].tracks
     }
 
-    /// Finds the pairs of tracks that the sensor may not resolve in a scan, and their detections.
+    /// Finds the pairs of tracks that the sensor may not resolve in a scan, and the detections of each pair.
     pub(crate) fn find(
         &mut self,
         population: &Population,

@@ -1,4 +1,4 @@
-//! Which reports may move a track: those that the others of the target do not contradict (module `credibility`).
+//! Selection of reports that may move a track: not contradicted by other reports of the target (module `credibility`).
 
 use source_models::{AGREES, CONTRADICTS, Fact, Nearness, PairFact, apart, distance_from};
 
@@ -6,9 +6,9 @@ use crate::engine::Engine;
 use crate::tables::sensor_tracks::{Role, SensorEntry, SensorSlot};
 use crate::tables::tracks::Tracks;
 
-/// d² in the plane of a report from the track that fits it: beyond in 5 % by chance.
+/// d² in the plane of a report from a fitting track: beyond in 5 % by chance.
 const FITS: f64 = 6.0;
-/// Share of a source set aside in a filter, from which the filter restarts.
+/// Share in a filter of a source set aside, from which the filter restarts.
 const MISLEADS_FROM: f64 = 0.05;
 
 impl Engine {
@@ -55,8 +55,8 @@ impl Engine {
         sources.admits(&judgement)
     }
 
-    /// Whether a filter has been misled by a source that is set aside, or leads the target off: it is to begin anew.
-    /// One that the report fits has its share of the source from the time before the source was wrong.
+    /// Whether a filter was misled by a source now set aside, or leads the target off, and must restart. If the report
+    /// fits the filter, the source's share dates from before the source's error.
     #[inline]
     pub(crate) fn is_misled(&self, sensor: SensorSlot) -> bool {
         let (tracks, sources) = (&self.tracks, &self.tracks.sources);
@@ -71,16 +71,16 @@ impl Engine {
     }
 }
 
-/// Where the target of a sensor track is expected at the time of its latest report, metres.
+/// Expected place of the target of a sensor track at the time of the latest report, metres.
 #[inline]
 fn expected_m(tracks: &Tracks, entry: &SensorEntry) -> [f64; 2] {
     let [x, y, _] = tracks.systems.get(entry.system).filter.place_at(entry.time_ns);
     [x, y]
 }
 
-/// Whether the report of a sensor track that a name alone keeps in its system track is not to be used: it contradicts
-/// another one with a larger share in the estimate, and no report agrees with it. Between two places that a bias keeps
-/// apart, the estimate would jump to and fro.
+/// Whether to omit the report of a sensor track joined to its system track by name alone. Such a report contradicts
+/// another report with a larger share in the estimate, and no report agrees. Between two places separated by a bias,
+/// the estimate would jump to and fro.
 fn yields(tracks: &Tracks, sensor: SensorSlot, spread_m2: f64) -> bool {
     let entry = tracks.sensors.get(sensor);
     let mut contradicts_stronger = false;

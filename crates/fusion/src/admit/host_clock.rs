@@ -1,6 +1,6 @@
 //! The engine's time and the sources' time.
 //!
-//! The engine's time follows a clock that is never adjusted. If the times of all sources have the same offset, the
+//! The engine's time follows a clock without adjustments. If the times of all sources have the same offset, the
 //! machine's clock is wrong (or all sources' clocks): this *host offset* is subtracted from the times of reports, and
 //! added to the times of all output. The offset may change while tracks live, without effect on tracks.
 
@@ -17,7 +17,7 @@ pub(crate) struct HostClock {
 }
 
 impl HostClock {
-    /// The report in the engine's time; `None` if it is that already.
+    /// The report in the engine's time; `None` if unchanged.
     #[inline]
     pub(crate) fn inward(self, report: &SensorTrack) -> Option<SensorTrack> {
         (self.offset_ns != 0).then(|| SensorTrack {
@@ -26,7 +26,7 @@ impl HostClock {
         })
     }
 
-    /// A way to `sink` on which all times become the sources'.
+    /// A path to `sink` with conversion of all times to the sources' time.
     pub(crate) fn outward<S>(self, sink: &mut S) -> Outward<'_, S> {
         Outward { sink, clock: self }
     }
@@ -45,7 +45,7 @@ impl HostClock {
     }
 }
 
-/// Sink that turns the engine's time into the sources'.
+/// Sink with conversion of the engine's time to the sources' time.
 #[derive(Debug)]
 pub(crate) struct Outward<'a, S> {
     sink: &'a mut S,

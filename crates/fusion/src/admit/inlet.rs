@@ -1,4 +1,4 @@
-//! Checks of a report before it is believed.
+//! Checks of a report before use.
 
 use estimation::Gaussian;
 use fusion_rules::gross::without_biases;
@@ -8,12 +8,12 @@ use crate::settings::{ReportLimits, SourceSettings};
 use crate::tables::system_tracks::SystemTracks;
 use crate::update::filter::TargetFilter;
 
-/// Smallest variances that are believed, of position (m²) and velocity (m²/s²): to a millimetre and a tenth of a
-/// millimetre per second nothing is known.
+/// Smallest accepted variances, of position (m²) and velocity (m²/s²): no knowledge is exact to a millimetre and a
+/// tenth of a millimetre per second.
 const VARIANCE_MIN: [f64; 2] = [1e-6, 1e-8];
 /// Largest distance between two reports of the same address for the same target, metres.
 const ADDRESS_REACH_M: f64 = 10e3;
-/// Silence beyond which that distance grows no more, seconds.
+/// Silence beyond which that distance no longer grows, seconds.
 const ADDRESS_SILENCE_S: f64 = 900.0;
 
 /// Whether a point lies within `limit` of the origin of its coordinates.
@@ -21,7 +21,7 @@ fn is_in_reach([east, north]: [f64; 2], limit: f64) -> bool {
     east * east + north * north <= limit * limit
 }
 
-/// The covariance of each source's latest report that passed all checks: many sources state the same one always.
+/// The covariance of each source's latest sound report: many sources always state the same covariance.
 #[derive(Debug)]
 pub(crate) struct SoundCovariances(Vec<Option<Covariance>>);
 
@@ -30,7 +30,7 @@ impl SoundCovariances {
         Self(vec![None; sources])
     }
 
-    /// Whether the covariance of a report is that of its source's latest sound report.
+    /// Whether the covariance of a report equals the covariance of its source's latest sound report.
     #[inline]
     pub(crate) fn have(&self, report: &SensorTrack) -> bool {
         let Some(Some(sound)) = self.0.get(usize::from(report.source)) else {
@@ -41,8 +41,8 @@ impl SoundCovariances {
         pairs.fold(0, |all, (one, other)| all | (one.to_bits() ^ other.to_bits())) == 0
     }
 
-    /// Returns whether the covariance of a report [is usable](is_usable), and remembers it. A correction may have
-    /// turned the covariance: then what is known of it does not count.
+    /// Returns whether the covariance of a report [is usable](is_usable), and stores the covariance. After a possible
+    /// rotation by a correction, the earlier check of the covariance does not count.
     #[inline]
     pub(crate) fn judge(&mut self, report: &SensorTrack, is_as_given: bool, is_known: bool) -> bool {
         if is_as_given && is_known {
@@ -55,14 +55,14 @@ impl SoundCovariances {
         is_usable
     }
 
-    /// Remembers the covariance of a report that passed all checks.
+    /// Stores the covariance of a sound report.
     fn remember(&mut self, report: &SensorTrack) {
         self.0[usize::from(report.source)] = Some(report.covariance);
     }
 }
 
-/// Returns whether a report belongs to these sources, no order excludes its source, and its source's limits hold. Its
-/// covariance may be known to be sound.
+/// Returns whether a report belongs to these sources, no order excludes its source, and its source's limits hold. The
+/// covariance may already be checked.
 #[inline]
 pub(crate) fn is_valid(report: &SensorTrack, sources: &[SourceSettings], has_sound_covariance: bool) -> bool {
     let Some(source) = sources.get(usize::from(report.source)) else {
@@ -93,7 +93,7 @@ fn is_possible(report: &SensorTrack) -> bool {
     report.has_possible_state() && report.covariance.is_possible()
 }
 
-/// Counter of a report that is not valid. A limit of the configuration is named only where nothing else is wrong.
+/// Counter of an invalid report. A limit of the configuration is named only without any other fault.
 #[cold]
 pub(crate) fn rejection(report: &SensorTrack, sources: &[SourceSettings]) -> Counter {
     match sources.get(usize::from(report.source)) {
@@ -116,8 +116,8 @@ pub(crate) fn corrected(report: &SensorTrack, sources: &[SourceSettings], now_ns
     Some(without_biases(report, (known, source.place_m), now_ns))
 }
 
-/// Returns a report that leaves something unknown, completed with what its source is known for, and then with what
-/// stands for an unknown value (`messages`, module `unknown`). `None` for complete reports.
+/// Returns an incomplete report, completed first with known properties of its source, and then with the substitutes for
+/// unknown values (`messages`, module `unknown`). `None` for complete reports.
 #[inline]
 pub(crate) fn completed(report: &SensorTrack, sources: &[SourceSettings]) -> Option<SensorTrack> {
     if !report.is_incomplete() {
@@ -128,7 +128,7 @@ pub(crate) fn completed(report: &SensorTrack, sources: &[SourceSettings]) -> Opt
 
 /// The completed report of a source. In place of a whole covariance, a source may give its trace: positions with equal
 /// uncertainty on each axis, velocities as from two such positions a period apart. A position without either has the
-/// accuracy that the configuration states.
+/// configured accuracy.
 #[inline(never)]
 fn completed_from(report: &SensorTrack, source: &SourceSettings) -> SensorTrack {
     if report.gives_trace() {
@@ -168,20 +168,20 @@ pub(crate) fn repaired(report: &SensorTrack) -> Option<SensorTrack> {
     Some(SensorTrack { covariance, ..*report })
 }
 
-/// How far a target that was last seen long ago can be from where it would be in straight flight, metres: it may have
-/// turned round at once.
+/// Largest distance of a target after a long silence from its place in straight flight, metres: an immediate reversal
+/// is possible.
 #[cold]
 fn way_m(filter: &TargetFilter, time_ns: i64) -> f64 {
     let Gaussian { mean, covariance } = &filter.estimate;
-    // Of a target that was reported once, without a velocity, it is not known.
+    // The velocity is unknown for a target with a single report without a velocity.
     let sigma_mps = (covariance.get(3, 3) + covariance.get(4, 4)).sqrt();
     let speed = mean[3].hypot(mean[4]) + sigma_mps;
     let seconds = (time_ns - filter.time_ns).max(0) as f64 / NS_PER_S;
     2.0 * speed * seconds.min(ADDRESS_SILENCE_S)
 }
 
-/// Returns the accepted part of a report's identity, and the counter to increase: an address of a target far away is
-/// not accepted, because transponders are misread, and two can have the same address.
+/// Returns the accepted part of a report's identity, and the counter to increase. An address of a target far away is
+/// not accepted, because transponders are misread, and two transponders can have the same address.
 pub(crate) fn believed_identity(report: &SensorTrack, systems: &SystemTracks) -> (Identity, Option<Counter>) {
     let identity = report.identity;
     let Some(system) = identity

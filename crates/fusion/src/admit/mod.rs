@@ -1,4 +1,4 @@
-//! Admit: checks of reports, their times, and positions that targets report themselves.
+//! Admit: checks of reports, times of reports, and self-reported positions of targets.
 
 pub(crate) mod admitting;
 pub(crate) mod host_clock;

@@ -1,29 +1,29 @@
-//! Verification of positions that targets report themselves (ADS-B, AIS) by sensors that measure them.
+//! Verification of self-reported positions (ADS-B, AIS) by measuring sensors.
 //!
-//! Problem: an aircraft may report a position that is false or frozen. Its address is right, so the report joins the
-//! system track of that address and drags it away; or the report comes first, and the radar's track of the address is
-//! taken for a misread one.
+//! Problem: an aircraft may report a false or frozen position. Its address is right, so the report joins the system
+//! track of that address and drags the track away. Or the report comes first, and the radar's track of the address is
+//! taken for misread.
 //!
 //! Method: each report of a self-reporting source is compared with the tracks of measuring sources of the same address.
-//! A position is contradicted if it lies beyond all that can be: the possible bias between the two sources, four
+//! A position is contradicted beyond all possible deviations: the possible bias between the two sources, four
 //! deviations of both, and a floor (`identity.false_m`) for late stamps and inertial drift. After [`FALSE_FROM`]
 //! contradicted reports in a row, the address is *isolated* for this source alone: its reports are rejected, its system
 //! track starts anew from the measuring sensors or ends. [`TRUE_FROM`] agreeing reports in a row end the isolation.
 //!
-//! If most of a source's compared addresses are contradicted, a bias is the cause, and none is isolated.
+//! If most of a source's compared addresses are contradicted, a bias is the cause, and no address is isolated.
 //!
-//! Limit: an address that no measuring sensor reports is not checked. A radar without Mode S names none.
+//! Limit: an address not reported by any measuring sensor is not checked. A radar without Mode S reports no addresses.
 
 use serde::{Deserialize, Serialize};
 
-/// Contradicted reports in a row that isolate an address, and agreeing ones that end the isolation.
+/// Contradicted reports in a row for isolation of an address, and agreeing reports in a row for its end.
 const FALSE_FROM: u8 = 3;
 const TRUE_FROM: u8 = 5;
 
-/// What comparisons showed of a sensor track of a self-reporting source.
+/// Result of the comparisons of a sensor track of a self-reporting source.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Verification {
-    /// Reports in a row that speak against the present state.
+    /// Reports in a row against the present state.
     against: u8,
     /// Whether the address is isolated.
     pub(crate) is_isolated: bool,

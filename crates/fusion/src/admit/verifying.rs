@@ -1,4 +1,4 @@
-//! Comparison of self-reported positions with what measuring sensors report (module `verification`).
+//! Comparison of self-reported positions with reports of measuring sensors (module `verification`).
 
 use association::distance::largest_sigma2;
 use messages::{Counter, DecisionKind, NS_PER_S};
@@ -10,7 +10,7 @@ use crate::explanation::Sink;
 use crate::judge::life;
 use crate::tables::sensor_tracks::{NO_SYSTEM, SensorSlot};
 
-/// Every how many reports of an unsuspected address one is compared.
+/// Number of reports of an unsuspected address per comparison.
 const EVERY: u32 = 2;
 /// Standard deviations beyond which a position is contradicted.
 const SIGMAS: f64 = 4.0;
@@ -27,8 +27,8 @@ enum Comparison {
 }
 
 impl Engine {
-    /// Compares the stored report of a sensor track with those of measuring sensors; true if it is rejected, since its
-    /// address is isolated.
+    /// Compares the stored report of a sensor track with reports of measuring sensors; true for a rejection, with the
+    /// address isolated.
     fn is_false(&mut self, sensor: SensorSlot, sink: &mut impl Sink) -> bool {
         let entry = self.tracks.sensors.get(sensor);
         if entry.verification == Verification::default() && !entry.reports.is_multiple_of(EVERY) {
@@ -81,7 +81,7 @@ impl Engine {
         contradicted.unwrap_or(Comparison::Unchecked)
     }
 
-    /// Distance of a sensor track from another one of the same address, and the greatest possible one, metres.
+    /// Distance of a sensor track from another track of the same address, and the greatest possible distance, metres.
     fn distance_of(&self, sensor: SensorSlot, other: SensorSlot) -> (f64, f64) {
         let [own, other] = [sensor, other].map(|slot| &self.tracks.sensors.get(slot).latest);
         let seconds = (own.time_of_measurement_ns - other.time_of_measurement_ns) as f64 / NS_PER_S;
@@ -99,7 +99,7 @@ impl Engine {
         (apart(0).hypot(apart(1)), most_m)
     }
 
-    /// Takes a sensor track with a false position out of its system track.
+    /// Removes a sensor track with a false position from its system track.
     #[cold]
     fn isolate(&mut self, sensor: SensorSlot, comparison: Comparison, sink: &mut impl Sink) {
         let entry = self.tracks.sensors.get(sensor);
@@ -123,8 +123,8 @@ impl Engine {
         }
     }
 
-    /// Whether the latest report of a sensor track is to be rejected, since targets report their positions themselves
-    /// and measuring sensors contradict. Counts it.
+    /// Whether to reject the latest report of a sensor track: a self-reported position contradicted by measuring
+    /// sensors. Counts the rejection.
     #[inline]
     pub(crate) fn rejects_position(&mut self, sensor: SensorSlot, source: u16, sink: &mut impl Sink) -> bool {
         let is_checked =

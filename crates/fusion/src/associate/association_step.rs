@@ -1,19 +1,19 @@
-//! Deciding which system track a report could belong to (TI-3, BF-2).
+//! Search for the system tracks that a report could belong to (TI-3, BF-2).
 //!
-//! Choosing the nearest system track flickers: of two aircraft side by side, noise makes now the first, now the
-//! second the nearest. Therefore a sensor track *stays* after it has joined: sensors track their targets well, and
-//! their track numbers are stronger evidence than a position. This module is called only for sensor tracks without a
-//! system track, or alone on a system track: it finds the system tracks nearby that fit, with their distances.
+//! Choosing the nearest system track flickers: of two aircraft side by side, noise makes now the first, now the second
+//! the nearest. Therefore a sensor track *stays* after joining: sensors track their targets well, and track numbers
+//! are stronger evidence than a position. This module is called only for sensor tracks without a system track, or
+//! alone on a system track. The result: the fitting system tracks nearby, with their distances.
 //!
 //! The measure is the statistical distance of position and velocity between the sensor track and the system filter.
-//! Both lag behind the same manoeuvre, so that their errors are correlated, and their difference is smaller than the
-//! sum of their covariances: for the nearly constant velocity filters of the literature, d² averages 1.1 instead of
-//! 2. Distances are scaled up by a configured correlation. If sources see different points of large targets, the
+//! Both lag behind the same manoeuvre. Their errors are therefore correlated, and the difference is smaller than the
+//! sum of both covariances: for the nearly constant velocity filters of the literature, d² averages 1.1 instead of 2.
+//! Distances are scaled up by a configured correlation. If sources see different points of large targets, the
 //! configured or learned spread of these points is added.
 //!
-//! A distance must lie inside the gates (`Search::compare`): the join gate for position and for height, the scan
-//! gate for position, velocity and height together. A sensor track leaves its system track by the wider keep gate
-//! (module `linking`). The values of the gates are keys of `[fusion.association]` (`settings/association.rs`).
+//! A distance must lie inside the gates (`Search::compare`): the join gate for position and for height, the scan gate
+//! for position, velocity and height together. A sensor track leaves its system track by the wider keep gate (module
+//! `linking`). The values of the gates are keys of `[fusion.association]` (`settings/association.rs`).
 
 use estimation::{ComparedComponents, Gaussian, statistical_distance};
 use messages::{Covariance, Identity, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
@@ -29,7 +29,7 @@ use crate::tables::tracks::Tracks;
 pub(crate) const SEARCH_CELLS_MAX: i32 = 16;
 /// Variance added to a difference of velocities, m²/s²: smoothing lags in turns, independent of the stated accuracy.
 const VELOCITY_FLOOR_M2PS2: f64 = 4.0;
-/// Gate for coming back after a start, relative to that for staying.
+/// Gate for coming back after a start, relative to the gate for staying.
 const RESUMPTION: f64 = 4.0;
 /// Variance added to a difference of heights, m²: pressure altitude comes in steps of 100 ft, and drifts with the
 /// weather.
@@ -42,28 +42,28 @@ const DOUBTED_SPREAD_M2: f64 = 15.0 * 15.0;
 /// Unpredictable acceleration between two reports of a sensor track, metres per second squared.
 const ACCELERATION_MPS2: f64 = 5.0;
 
-/// Part of the speed by which two velocities of a target differ at most, apart from noise, where one of its sources
-/// turns positions about its sensor: about 3°.
+/// Largest difference of two velocities of a target, apart from noise, as a part of the speed, if a source rotates
+/// positions about its sensor: about 3°.
 const TURNED: f64 = 0.05;
 
-/// A search for the system tracks that fit.
+/// A search for fitting system tracks.
 pub(crate) struct Search<'a> {
     pub(crate) settings: &'a Settings,
     pub(crate) tracks: &'a Tracks,
 }
 
-/// Distance by which the sources may be off while nothing is known of them, metres.
+/// Largest assumed error of sources without known errors, metres.
 const UNKNOWN_M: f64 = 600.0;
-/// The same of a track that is not new, in its standard deviations.
+/// The same for a track that is not new, in standard deviations of the track.
 const SIGMAS: f64 = 4.0;
-/// Time for which a system track of those that left another one waits, nanoseconds.
+/// Time for which a system track of sensor tracks from another system track waits, nanoseconds.
 const LEFT_NS: i64 = 20_000_000_000;
 
-/// Distance within which a new track of a sensor in a turn may be of a target, metres.
+/// Largest distance of a new track of a sensor in a turn from its possible target, metres.
 const FOLLOWED_M: f64 = 1000.0;
 
 impl Search<'_> {
-    /// Calls `visit` with every system track that the sensor track in `own` could join, and their d².
+    /// Calls `visit` with every system track that the sensor track in `own` could join, and with d².
     pub(crate) fn admissible(&self, own: SensorSlot, mut visit: impl FnMut(SystemSlot, f64)) {
         let entry = self.tracks.sensors.get(own);
         let report = &entry.latest;
@@ -82,7 +82,7 @@ impl Search<'_> {
         });
     }
 
-    /// Whether no other track of its source, no order and no younger number keeps a sensor track from `system`.
+    /// Whether no other track of the same source, no order and no younger number keeps a sensor track from `system`.
     pub(crate) fn is_open_to(&self, own: SensorSlot, system: SystemSlot) -> bool {
         let entry = self.tracks.sensors.get(own);
         !self.are_kept_apart(entry.system, system)
@@ -93,8 +93,8 @@ impl Search<'_> {
             && !self.must_wait_for(own, system)
     }
 
-    /// Returns whether a sensor track may be of a target that its source follows under another number, silent for the
-    /// greater part of a period: the source may have begun anew, before enough of its reports show it.
+    /// Returns whether a sensor track may be of a target with another number at the same source, silent for the
+    /// greater part of a period: the source may have restarted its numbering, before enough reports show the restart.
     pub(crate) fn may_be_renumbered(&self, own: SensorSlot) -> bool {
         let SensorEntry {
             latest: report,
@@ -118,8 +118,8 @@ impl Search<'_> {
         may_be
     }
 
-    /// Returns a system track already tracked by the sensor track's source whose extent covers the sensor track, with
-    /// the distance in metres: the sensor track is then another part of this target.
+    /// Returns a system track already tracked by the sensor track's source, with an extent that covers the sensor
+    /// track, and the distance in metres: the sensor track is then another part of this target.
     pub(crate) fn other_part(&self, own: SensorSlot) -> Option<(SystemSlot, f64)> {
         let report = &self.tracks.sensors.get(own).latest;
         let state = gaussian_of(report);
@@ -148,8 +148,8 @@ impl Search<'_> {
     }
 
     /// Returns a possible duplicate of `own` with d²: a system track without a common source and with an agreeing
-    /// state, while no system track of another target nearly agrees. One that has no source in common with the
-    /// duplicate may be a further duplicate, and is no hindrance.
+    /// state, while no system track of another target nearly agrees. A system track without a source in common with
+    /// the duplicate may be a further duplicate, and is no hindrance.
     pub(crate) fn duplicate(&self, own: SystemSlot, now_ns: i64) -> Option<(SystemSlot, f64)> {
         const MARGIN: f64 = 6.0;
         if let Some(namesake) = self.namesake_of_system(own, now_ns) {
@@ -173,8 +173,8 @@ impl Search<'_> {
         (second > least + MARGIN).then_some((duplicate, least))
     }
 
-    /// Whether a target that is shown already may be that of the system track `own`: none of its sources follows both,
-    /// and the two agree, if need be as two points of one large target.
+    /// Whether the target of the system track `own` may be shown already: as a system track without a common source,
+    /// and with an agreeing state, if need be as two points of a large target.
     pub(crate) fn is_shown_already(&self, own: SystemSlot, now_ns: i64) -> bool {
         let learned_m2 = self.tracks.sources.spread_m2(&self.settings.association, None);
         let mut is_shown = false;
@@ -187,9 +187,9 @@ impl Search<'_> {
         is_shown
     }
 
-    /// Whether a target that is shown already may be that of the system track `own`, all of whose sources place
-    /// their targets elsewhere than other sources do: a track of other sources within `identity.reach_m` with like
-    /// velocity, while the error of the sources is not corrected.
+    /// Whether the target of the system track `own` may be shown already, if all sources of `own` place their targets
+    /// elsewhere than other sources: as a track of other sources within `identity.reach_m` with similar velocity,
+    /// while the error of the sources is not corrected.
     pub(crate) fn is_shown_elsewhere(&self, own: SystemSlot, now_ns: i64) -> bool {
         let sources = self.tracks.sources_of(own, now_ns);
         let is_doubtful = |source: u16| self.tracks.sources.is_doubtful(source);
@@ -216,10 +216,11 @@ impl Search<'_> {
         is_shown
     }
 
-    /// Whether a target that is shown already may be that of the system track `own`: a track of other sources near by
-    /// with like velocity, while nothing tells how far `own`'s sources are off. None of them has been compared enough,
-    /// and the track `is_new`, or they cannot be compared, since their errors change with the place; or all its sensor
-    /// tracks have just left another system track, beside which what they state of their accuracy was wrong.
+    /// Whether the target of the system track `own` may be shown already, as a nearby track of other sources with
+    /// similar velocity, while the errors of `own`'s sources are unknown. The errors are unknown in two cases:
+    /// - No source of `own` has been compared enough, and the track `is_new` or the sources cannot be compared, since
+    ///   their errors change with the place.
+    /// - All sensor tracks of `own` have just left another system track, where their stated accuracy was wrong.
     pub(crate) fn is_shown_aside(&self, own: SystemSlot, now_ns: i64, is_new: bool) -> bool {
         let sources = self.tracks.sources_of(own, now_ns);
         let of_own = |source: &u16| sources & (1 << source) != 0;
@@ -255,9 +256,9 @@ impl Search<'_> {
         is_shown
     }
 
-    /// Whether a target that is shown already may be that of the system track `own`, all of whose sources have begun
-    /// anew: a track near by that they followed before and follow no more. In its first reports, a track of a sensor
-    /// is late in turns, beyond what it states.
+    /// Whether the target of the system track `own`, with restarted sources only, may be shown already: as a nearby
+    /// track that these sources followed before and follow no more. In its first reports, a sensor's track lags in
+    /// turns by more than the stated accuracy.
     pub(crate) fn was_followed(&self, own: SystemSlot, now_ns: i64) -> bool {
         let known = &self.tracks.sources;
         let sources = self.tracks.sources_of(own, now_ns);
@@ -301,7 +302,7 @@ impl Search<'_> {
     }
 
     /// Calls `visit` with every system track within `reach_m` of the `state` of `own` that neither a common source, an
-    /// order nor a name shows to be of another target, with its state, and with whether both have a height.
+    /// order nor a name shows to be of another target. Further arguments: the state, and whether both have a height.
     fn others(
         &self,
         own: SystemSlot,
@@ -345,21 +346,20 @@ impl Search<'_> {
         );
     }
 
-    /// How far from `state` a system track of the same target can have been placed; detection points on one target are
-    /// spread by `spread_m2` per axis.
+    /// Largest distance of a system track of the same target from `state`; detection points on a target are spread by
+    /// `spread_m2` per axis.
     fn reach(&self, state: &Gaussian, spread_m2: f64) -> f64 {
         let settings = &self.settings.association;
         let [xx, xy, _, yy, ..] = state.position_covariance();
         let sigma = association::distance::largest_sigma2([xx, xy, yy]);
         let sigma = sigma.hypot(spread_m2.sqrt());
         let speed = state.mean[3].hypot(state.mean[4]);
-        // The system track was placed at its latest report; its own uncertainty is covered by half a cell.
+        // The system track was placed at its latest report; half a cell covers the uncertainty of that place.
         let moved = speed * self.settings.longest_period_s();
         (settings.join_gate().sqrt() * sigma).max(settings.target_extent_m) + 0.5 * settings.cell_m + moved
     }
 
-    /// d² in the plane between a sensor track and the system track that it was a member of before the start, if it may
-    /// still be.
+    /// d² in the plane between a sensor track and its system track from before the start, if that is still possible.
     pub(crate) fn resumption_distance(&self, own: SensorSlot, system: SystemSlot) -> Option<f64> {
         let report = &self.tracks.sensors.get(own).latest;
         let entry = self.tracks.systems.get(system);
@@ -419,7 +419,7 @@ impl Search<'_> {
             return None;
         }
         let both = scale * statistical_distance(&wider, b, ComparedComponents::HorizontalPositionAndVelocity);
-        // What the velocity adds, given the position.
+        // Contribution of the velocity, given the position.
         let both = if exponents.weighs_motion() {
             position + exponents.velocity * (both - stated)
         } else {
@@ -435,14 +435,15 @@ impl Search<'_> {
         inside.then_some(both + height)
     }
 
-    /// Returns whether an order keeps a system track, if it is one, and another system track apart.
+    /// Returns whether an order keeps `own`, unless [`NO_SYSTEM`], and another system track apart.
     fn are_kept_apart(&self, own: SystemSlot, system: SystemSlot) -> bool {
         let number = self.tracks.systems.get(system).number;
         own != NO_SYSTEM && self.tracks.systems.get(own).bond == Bond::Apart(number)
     }
 
-    /// Whether the sensor track in `own` has to stay for `system` to come to it: between two system tracks with one
-    /// source each, only the younger one's sensor track moves. The older number stays, and the two do not swap places.
+    /// Whether the sensor track in `own` has to stay for `system` to come to it: between two system tracks with a
+    /// single source each, only the sensor track of the younger moves. The older number stays, and the two do not swap
+    /// places.
     fn must_wait_for(&self, own: SensorSlot, system: SystemSlot) -> bool {
         let entry = self.tracks.sensors.get(own);
         entry.system != NO_SYSTEM
@@ -450,7 +451,7 @@ impl Search<'_> {
             && self.tracks.has_one_source(system, entry.latest.time_of_measurement_ns)
     }
 
-    /// Whether neither identity nor height forbids that the report belongs to the system track.
+    /// Whether both identity and height permit that the report belongs to the system track.
     pub(crate) fn is_compatible(&self, report: &SensorTrack, system: SystemSlot) -> bool {
         let entry = self.tracks.systems.get(system);
         let exponents = &self.settings.association.exponents;
@@ -459,7 +460,7 @@ impl Search<'_> {
         !forbidden && self.can_be_seen_together(report, system)
     }
 
-    /// Returns whether a report under the number of a sensor track, which has missed a scan, is of another target: the
+    /// Returns whether a report under the number of a sensor track, after a missed scan, is of another target: the
     /// report fits neither the course of the sensor track nor the system track, but a third track.
     pub(crate) fn is_of_another(&self, own: SensorSlot, report: &SensorTrack) -> bool {
         let entry = self.tracks.sensors.get(own);
@@ -486,12 +487,12 @@ impl Search<'_> {
         };
         let variance_m2 = variance_m2(0) + variance_m2(1) + spread_m2 + unforeseen_m * unforeseen_m;
         let gate = self.settings.association.keep_gate;
-        // Written so that NaN shows nothing.
+        // Written so that NaN is no evidence.
         let has_jumped = apart(0) * apart(0) + apart(1) * apart(1) > gate * variance_m2;
         has_jumped && self.fits_another(entry.system, &corrected, gate)
     }
 
-    /// Returns whether a report fits another system track, and `own` not even with this gate.
+    /// Returns whether a report fits another system track, and does not fit `own` even with this gate.
     #[cold]
     fn fits_another(&self, own: SystemSlot, report: &SensorTrack, gate: f64) -> bool {
         let state = gaussian_of(report);
@@ -511,7 +512,7 @@ impl Search<'_> {
     }
 
     /// Returns whether the addresses of two system tracks, or of their sensor tracks, show two targets: then no
-    /// agreement of their states shows one.
+    /// agreement of the states shows a single target.
     pub(crate) fn are_two_targets(&self, one: SystemSlot, other: SystemSlot) -> bool {
         let members = self.tracks.member_entries(one);
         let mut identities = members.map(|(_, member)| &member.latest.identity);
@@ -519,7 +520,7 @@ impl Search<'_> {
             || identities.any(|identity| self.excludes(other, identity))
     }
 
-    /// Returns whether the address of a system track, or of one of its sensor tracks, contradicts `identity`.
+    /// Returns whether the address of a system track, or of a sensor track of it, contradicts `identity`.
     pub(crate) fn excludes(&self, system: SystemSlot, identity: &Identity) -> bool {
         let is_other = |theirs: &Identity| identity.has_other_number(theirs);
         let mut members = self.tracks.member_entries(system);
@@ -548,7 +549,7 @@ impl Search<'_> {
     }
 }
 
-/// Whether two velocities may be of one target, of which one source turns positions about its sensor.
+/// Whether two velocities may be of the same target, if a source rotates positions about its sensor.
 fn move_alike(a: &Gaussian, b: &Gaussian) -> bool {
     const SIGMAS: f64 = 3.0;
     let variance = (3..5)

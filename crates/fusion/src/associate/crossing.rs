@@ -1,13 +1,14 @@
-//! Two targets side by side of which some source's tracks are crossed: each belongs to the other's system track (BF-2).
+//! Crossed sensor tracks: a source has two targets side by side, and each track belongs to the other's system track
+//! (BF-2).
 //!
 //! With long error ellipses, the first reports of a formation do not determine their target among two, and a sensor
 //! track stays where it was associated. Later the sources can decide, by the *difference* of their two tracks: dₛ as
 //! seen by source s, with covariance Sₛ. Errors common to both targets, above all biases, cancel in the difference.
-//! If σₛ is −1 for crossed sources and +1 for others, the likelihood of all differences, with the true difference
-//! estimated from them, grows with ½·vᵀ·Λ⁻¹·v, where v = Σ σₛ·Sₛ⁻¹·dₛ and Λ = Σ Sₛ⁻¹. All σ are tried; the
-//! log-likelihood ratio of a source is the best value with the source crossed minus the best value without. The
-//! ratios of its reports are summed while they concern the same two system tracks (E. S. Page, *Continuous inspection
-//! schemes*, 1954).
+//! Let σₛ be −1 for crossed sources and +1 for others. The likelihood of all differences, with an estimate of the true
+//! difference, grows with ½·vᵀ·Λ⁻¹·v, where v = Σ σₛ·Sₛ⁻¹·dₛ and Λ = Σ Sₛ⁻¹. All σ are tried; the log-likelihood ratio
+//! of a source is the best value with the source crossed minus the best value without. The ratios of the source's
+//! reports are summed while the same two system tracks are concerned (E. S. Page, *Continuous inspection schemes*,
+//! 1954).
 
 use estimation::Estimate;
 use messages::{NS_PER_S, SensorTrack};
@@ -23,11 +24,11 @@ pub(crate) const CROSSED: f64 = 5.0;
 /// Share of a ratio that is new relative to the previous ratio: the errors of a source's tracks are correlated from
 /// report to report.
 const NEW_SHARE: f64 = 0.5;
-/// Largest number of sources compared for two targets: as many sign patterns are tried as there are subsets.
+/// Largest number of sources compared for two targets: each subset is a sign pattern to try.
 const COMPARED_MAX: usize = 6;
 /// Number of reports of a sensor track between two checks: near another target or after the start, and otherwise.
 const EVERY: [u32; 2] = [2, 8];
-/// Number of those first reports.
+/// Number of these first reports.
 const FIRST_REPORTS: u32 = 16;
 
 /// Two system tracks between which a source's sensor tracks may be crossed.
@@ -128,7 +129,7 @@ impl Search<'_> {
 struct SourceEvidence {
     /// Sₛ⁻¹·dₛ.
     pull: Vector2<f64>,
-    /// Its share in the two system tracks together.
+    /// Share of the source in the two system tracks together.
     share: f64,
 }
 
@@ -145,7 +146,7 @@ fn most_likely(seen: &[SourceEvidence], covariance: &Matrix2<f64>, own_bit: u32)
             majority += sign(crossed, index) * seen.share;
         }
         let has_own = crossed & own_bit != 0;
-        // Of two halves it is the one that asks.
+        // Of two halves, the half of the asking source is crossed.
         if majority < 0.0 || (majority == 0.0 && !has_own) {
             continue;
         }
@@ -195,8 +196,8 @@ mod tests {
     fn the_one_that_sees_the_difference_the_other_way_round_is_crossed() {
         let others = [([300.0, 0.0], [50.0, 400.0]), ([280.0, 10.0], [200.0, 50.0])];
         let crossed = asked(&[([-300.0, 0.0], [100.0, 100.0]), others[0], others[1]]);
-        // Were it the second, the third's 280/200² would be on the other side of v = 300/100² + 300/50² + 280/200²:
-        // half of what that takes from ½·v²/Λ, Λ being 1/100² + 1/50² + 1/200².
+        // If the second were crossed, the third's 280/200² would be on the other side of v = 300/100² + 300/50² +
+        // 280/200²: half of the resulting decrease of ½·v²/Λ, with Λ = 1/100² + 1/50² + 1/200².
         assert!((crossed.0 - 2.0).abs() < 0.01 && crossed.1 == 1, "{crossed:?}");
         let right = asked(&[([300.0, 0.0], [100.0, 100.0]), others[0], others[1]]);
         assert!(right.0 < -3.0, "{right:?}");

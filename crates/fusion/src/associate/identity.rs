@@ -1,21 +1,22 @@
-//! Identity as evidence: how much the names of two sensor tracks speak for one target (TI-3, QF-2).
+//! Identity as evidence: the weight of the names of two sensor tracks for a common target (TI-3, QF-2).
 //!
 //! Problem: two radars with a bias of a kilometre between them agree on no target by place. Both name each target all
-//! the same: by its Mode 3/A code, its call sign, its address. An address is nearly unique. A code is not: there are
-//! 4096, many aircraft bear the same conspicuity code, and a code can be received wrongly.
+//! the same: by Mode 3/A code, call sign or address. An address is nearly unique. A code is not: there are 4096, many
+//! aircraft bear the same conspicuity code, and a code can be received wrongly.
 //!
-//! Method: a name speaks for a pair by its *rarity*. A name is rare if at most one fresh track of each source around
-//! the place bears it, and no list of shared codes contains it. Two targets that no source ever sees together seldom
-//! have the same rare name. The parts of the log-likelihood ratio of "same target" are added, each with its configured
-//! exponent (QF-2): rare names for, other names and other classes against. Place, velocity and height then have to fit
-//! within the bias that is possible between the two sources (`Search::namesake`): `identity.reach_m` while nothing is
-//! known, afterwards the rest of the learned biases.
+//! Method: a name is evidence for a pair by its *rarity*. A name is rare if at most a single fresh track of each
+//! source around the place bears it, and no list of shared codes contains it. Two targets that no source ever sees
+//! together seldom have the same rare name. The parts of the log-likelihood ratio of "same target" are added, each
+//! with its configured exponent (QF-2): rare names for, other names and other classes against. Place, velocity and
+//! height then have to fit within the bias that is possible between the two sources (`Search::namesake`):
+//! `identity.reach_m` without learned biases, afterwards the rest of the learned biases.
 //!
-//! A code that differs from the previous ones of its sensor track is believed when the next report repeats it.
-//! A garbled code thus names no other target, and a change of code is followed by its track. The same holds for an
-//! address, where the report can be of the same target by its place.
+//! A code that differs from the previous codes of its sensor track is believed when the next report repeats it. A
+//! garbled code thus names no other target, and a change of code is followed by its track. The same holds for an
+//! address, if the report can be of the same target by its place.
 //!
-//! Limit: two targets with one code, each seen by one source alone, look like one target until the bias is learned.
+//! Limit: two targets with the same code, each seen by a single source, look like a single target until the bias is
+//! learned.
 
 use std::collections::HashMap;
 
@@ -25,21 +26,21 @@ use serde::{Deserialize, Serialize};
 use crate::settings::FactorExponents;
 use crate::tables::number_hasher::{NumberHasher, table};
 
-/// Reports of a code after which one other code is taken for a garbled one.
+/// Number of reports with a code after which another code is taken for garbled.
 const SETTLED: u8 = 2;
 /// Log-likelihood ratio of an equal rare name: one chance pair in a thousand.
 const RARE: f64 = 7.0;
-/// Log-likelihood ratio of different names of one kind: changes that one source reports earlier, garbled codes.
+/// Log-likelihood ratio of different names of a kind: changes reported earlier by a single source, garbled codes.
 const OTHER: f64 = -4.0;
-/// Log-likelihood ratio from which names decide that two tracks can be one target.
+/// Log-likelihood ratio from which names decide that two tracks can be of the same target.
 pub(crate) const DECIDES: f64 = 5.0;
 /// Number of classes among which a class is uncertain.
 const CLASSES: f64 = 10.0;
-/// Sensor tracks of one name that are known one by one. With more, a name is not rare.
+/// Most sensor tracks listed for a name. A name with more is not rare.
 const CARRIERS_MAX: usize = 12;
 /// Kinds of names: code and call sign.
 const KINDS: usize = 2;
-/// All names that the index knows: those, and the address.
+/// All names in the index: the above, and the address.
 const INDEXED: usize = KINDS + 1;
 /// Bit that keeps addresses apart from codes. The first character of a call sign lies above.
 const ADDRESS: Name = 1 << 40;
@@ -47,22 +48,22 @@ const ADDRESS: Name = 1 << 40;
 /// A name as a key: a code, or the characters of a call sign. Both never have the same key.
 pub(crate) type Name = u64;
 
-/// Names that the reports of one sensor track gave.
+/// Names in the reports of a sensor track.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct KnownNames {
     callsign: Name,
-    /// Bits of the [`UniqueNumber`] that the latest report with one gave, believed or not; 0 if unknown.
+    /// Bits of the latest reported [`UniqueNumber`], believed or not; 0 if unknown.
     address: u32,
-    /// Bits of the believed one; 0 if unknown.
+    /// Bits of the believed number; 0 if unknown.
     believed: u32,
-    /// Reports with the believed one, up to [`SETTLED`].
+    /// Reports with the believed number, up to [`SETTLED`].
     address_hits: u8,
     code: Option<u16>,
-    /// Another code, which the latest report gave.
+    /// Another code, in the latest report.
     candidate: Option<u16>,
     /// Reports with `code`, up to [`SETTLED`].
     hits: u8,
-    /// What the latest report gave: fields, code, characters of the call sign.
+    /// Content of the latest report: fields, code, characters of the call sign.
     given: (u8, u16, [u8; 8]),
 }
 
@@ -89,7 +90,7 @@ impl KnownNames {
         identity
     }
 
-    /// Whether a report, as its source gives it, adds nothing to what is known. Nearly always.
+    /// Whether a report, as given by its source, adds nothing to the known names. Nearly always true.
     #[inline]
     pub(crate) fn knows(&self, reported: &Identity) -> bool {
         let has_settled = self.hits == SETTLED || reported.valid & identity_bits::MODE_3A == 0;
@@ -100,8 +101,8 @@ impl KnownNames {
             && reported.unique_number().is_none_or(|number| bears(number.to_bits()))
     }
 
-    /// Takes the address that the next report gives, before all others: whether it is believed. A report that may be
-    /// of the same target does not change a settled address before the next one repeats it.
+    /// Takes the address in the next report, before all other names: whether the address is believed. A report that
+    /// may be of the same target does not change a settled address until the next report repeats the change.
     pub(crate) fn believe_address(&mut self, reported: UniqueNumber, may_be_same: bool) -> bool {
         let bits = reported.to_bits();
         if bits == self.believed {
@@ -116,13 +117,13 @@ impl KnownNames {
         true
     }
 
-    /// Takes what the next report gives, believed or not.
+    /// Takes the names in the next report, believed or not.
     pub(crate) fn hear(&mut self, reported: &Identity) {
         self.given = (reported.valid, reported.mode_3a, reported.callsign);
         self.address = reported.unique_number().map_or(self.address, UniqueNumber::to_bits);
     }
 
-    /// Whether a code or call sign, and no address, is common to both.
+    /// Whether both have a code or call sign in common, and no address.
     pub(crate) fn meet(&self, other: &Self) -> bool {
         let has_address = self.address != 0 && self.address == other.address;
         let mut pairs = self.keys().into_iter().zip(other.keys());
@@ -145,8 +146,8 @@ impl KnownNames {
         [self.code.map_or(0, Name::from), self.callsign]
     }
 
-    /// Log-likelihood ratio of one target to two for two sensor tracks, of which the name of this `kind` is equal and
-    /// rare.
+    /// Log-likelihood ratio of same target to two targets for two sensor tracks with an equal and rare name of this
+    /// `kind`.
     pub(crate) fn log_ratio(&self, other: &Self, kind: usize, exponents: &FactorExponents) -> f64 {
         let exponents = [exponents.code, exponents.callsign];
         let ratios = (0..KINDS).map(|of| match (self.keys()[of], other.keys()[of]) {
@@ -158,7 +159,7 @@ impl KnownNames {
     }
 }
 
-/// Key of a call sign; 0 of an empty one.
+/// Key of a call sign; 0 if empty.
 pub(crate) fn key_of(callsign: &str) -> Name {
     let mut bytes = [0; size_of::<Name>()];
     for (byte, character) in bytes.iter_mut().zip(callsign.trim().bytes()) {
@@ -167,14 +168,14 @@ pub(crate) fn key_of(callsign: &str) -> Name {
     Name::from_be_bytes(bytes)
 }
 
-/// Whether two identities forbid that both are of one target; an exponent of 0 takes away a factor's veto.
+/// Whether two identities exclude a common target; an exponent of 0 takes away a factor's veto.
 pub(crate) fn contradict(one: &Identity, other: &Identity, exponents: &FactorExponents) -> bool {
     let codes = (one.mode_3a(), other.mode_3a());
     (exponents.address > 0.0 && one.has_other_number(other))
         || (exponents.code > 0.0 && matches!(codes, (Some(mine), Some(theirs)) if mine != theirs))
 }
 
-/// Log-likelihood ratio of one target to two by the classes that two reports state.
+/// Log-likelihood ratio of same target to two targets by the stated classes of two reports.
 pub(crate) fn class_ratio(one: &TargetType, other: &TargetType) -> f64 {
     if !one.is_known() || !other.is_known() {
         return 0.0;
@@ -195,7 +196,7 @@ pub(crate) fn class_ratio(one: &TargetType, other: &TargetType) -> f64 {
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Carriers {
     count: u32,
-    /// The known ones; the others are free.
+    /// The listed carriers; the other places are free.
     slots: [u32; CARRIERS_MAX],
 }
 
@@ -211,8 +212,8 @@ impl Carriers {
         self.count += 1;
     }
 
-    /// Removes a sensor track. Of more than the known ones, an unknown one cannot take its place: the name counts as
-    /// common until all are gone.
+    /// Removes a sensor track. If there are more carriers than places, an unlisted carrier cannot take the free place:
+    /// the name counts as common until all carriers are gone.
     fn remove(&mut self, sensor: u32) {
         let known = self.known();
         let place = self.slots[..known].iter().position(|slot| *slot == sensor);
@@ -224,7 +225,7 @@ impl Carriers {
     }
 }
 
-/// Which live sensor tracks bear which name.
+/// Live sensor tracks by name.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct NameIndex {
     #[serde(with = "table")]
@@ -232,8 +233,8 @@ pub(crate) struct NameIndex {
 }
 
 impl NameIndex {
-    /// For so many sensor tracks. With room for twice the names, the map clears its tombstones in place and never
-    /// grows.
+    /// Room for `sensor_tracks` sensor tracks. With room for twice the names, the map clears its tombstones in place
+    /// and never grows.
     pub(crate) fn new(sensor_tracks: usize) -> Self {
         let capacity = 2 * INDEXED * sensor_tracks;
         Self {
@@ -259,7 +260,7 @@ impl NameIndex {
         }
     }
 
-    /// The sensor tracks with a name; `None` if there are more than are known one by one.
+    /// The sensor tracks with a name; `None` if there are more than the list holds.
     pub(crate) fn carriers(&self, name: Name) -> Option<&[u32]> {
         match self.carriers.get(&name) {
             None => Some(&[]),

@@ -1,4 +1,4 @@
-//! How the engine brings a sensor track to its system track: at once, with its scan, or as a new target.
+//! Joining of a sensor track to its system track: at once, with its scan, or as a new target.
 
 use messages::{Counter, DecisionKind, SensorTrack, TrackState};
 use source_models::whole_report;
@@ -24,8 +24,7 @@ impl Engine {
         self.follow_up(sensor, next, sink);
     }
 
-    /// Executes the step that linking leaves to the engine: nothing, a wait for the scan, or the end of a merged
-    /// track.
+    /// Executes the step that linking leaves to the engine: none, a wait for the scan, or the end of a merged track.
     pub(crate) fn follow_up(&mut self, sensor: SensorSlot, next: Next, sink: &mut impl Sink) {
         match next {
             Next::Done => {}
@@ -41,7 +40,7 @@ impl Engine {
     /// Queues a sensor track until its scan is complete.
     pub(crate) fn wait_for_scan(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
         let entry = self.tracks.sensors.get_mut(sensor);
-        // A clock that is ahead must not delay the scan; the reports of a late scan come late as well.
+        // A clock that is ahead must not delay the scan; the reports of a late scan arrive late as well.
         let late_ns = self.tracks.sources.late_ns(entry.source);
         let time_ns = entry.time_ns.saturating_add(late_ns).min(self.schedule.now_ns());
         let source = entry.source;
@@ -65,7 +64,7 @@ impl Engine {
         let rows = self.scans.assign(source, &self.settings, &mut self.tracks);
         for row in 0..rows {
             let assigned = self.scans.assigned(row);
-            // The sensor track may have ended since it was queued.
+            // The sensor track may have ended while queued.
             if std::mem::take(&mut self.tracks.sensors.get_mut(assigned.sensor).waits) {
                 self.place_assigned(assigned, sink);
             }
@@ -111,7 +110,7 @@ impl Engine {
         }
     }
 
-    /// The system track of a sensor track of this number that rests and was never shown, if it may still be.
+    /// The resting, never shown system track of a former sensor track with this number, if it may still be the same.
     fn former_tentative(&mut self, sensor: SensorSlot) -> Option<SystemSlot> {
         let mut linking = Linking {
             settings: &self.settings,
@@ -137,7 +136,7 @@ impl Engine {
             return;
         }
         if !self.tracks.is_established(sensor) {
-            // A first report alone may join a target; it starts none.
+            // A first report alone may join a target, but does not start a target.
             return;
         }
         let report = self.tracks.sensors.get(sensor).latest;

@@ -1,14 +1,14 @@
-//! To which system track a sensor track belongs: joining, leaving, moving (TI-3, QF-3, BF-2).
+//! Membership of sensor tracks in system tracks: joining, leaving, moving (TI-3, QF-3, BF-2).
 //!
 //! A sensor track stays with its system track, and leaves only under these conditions:
 //! - its identity contradicts: an address belongs to exactly one system track, and a system track has one address;
 //! - its innovations repeatedly deviate to the same side (a wrong association, or the sensor has swapped targets);
-//! - it repeatedly appears crossed with another track of its source, on a target beside its own ([`crossing`]);
+//! - it repeatedly appears crossed with another track of its source, on a neighbouring target ([`crossing`]);
 //! - the sensor track, or its whole system track, repeatedly agrees with another system track without a common source
 //!   (a target started twice).
 //!
-//! Two system tracks with different addresses are two targets, however well they agree. They are never merged: a sensor
-//! track without an address that fits the other one better goes there alone.
+//! Two system tracks with different addresses are two targets, however well they agree, and are never merged: a sensor
+//! track without an address that fits the other system track better goes there alone.
 
 use messages::{Counter, Decision, DecisionKind, NO_SOURCE, SensorTrack, TrackState};
 
@@ -25,10 +25,10 @@ use crate::tables::system_tracks::{Bond, SystemEntry, SystemSlot};
 use crate::tables::tracks::Tracks;
 use crate::update::filter::TargetFilter;
 
-/// Time between two looks for a duplicate of one system track, nanoseconds.
+/// Time between two checks of a system track for duplicates, nanoseconds.
 const DUPLICATE_EVERY_NS: i64 = 1_000_000_000;
 
-/// Work that is left to be done for a sensor track.
+/// Remaining work for a sensor track.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[must_use]
 pub(crate) enum Next {
@@ -40,17 +40,17 @@ pub(crate) enum Next {
     End(MergedTrack),
 }
 
-/// A system track that another one has taken over.
+/// A system track taken over by another system track.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct MergedTrack {
     pub(crate) ended: SystemSlot,
-    /// Number of the other one.
+    /// Number of the other system track.
     pub(crate) into: u32,
     pub(crate) time_ns: i64,
 }
 
-/// Period from which the first report of a sensor track may join: the second report of a faster source comes soon, and
-/// tells apart the points of large targets, which faster sources see.
+/// Period from which the first report of a sensor track may join. The second report of a faster source comes soon, and
+/// distinguishes the points of large targets, visible to faster sources.
 const SLOW_NS: i64 = 2_500_000_000;
 
 /// The links between sensor tracks and system tracks, about to change.
@@ -60,7 +60,7 @@ pub(crate) struct Linking<'a> {
 }
 
 impl Linking<'_> {
-    /// Associates a sensor track, of which `report` has just been taken, with a system track.
+    /// Associates a sensor track, with `report` just taken, with a system track.
     pub(crate) fn associate<S: Sink>(
         &mut self,
         sensor: SensorSlot,
@@ -110,15 +110,15 @@ impl Linking<'_> {
         Next::Done
     }
 
-    /// Whether the next report of the sensor track's source is so far off that its first report is worth a search.
+    /// Whether the period of the sensor track's source is long enough to make a search for its first report
+    /// worthwhile.
     fn is_slow(&self, sensor: SensorSlot) -> bool {
         let source = self.tracks.sensors.get(sensor).source;
         self.settings.sources[usize::from(source)].period_ns >= SLOW_NS
     }
 
-    /// Returns the former system track of the sensor track, from before a restart or before it was suspended, if still
-    /// possible, with d².
-    /// One that was never shown is asked for if it is the last that is.
+    /// Returns the former system track of the sensor track, from before a restart or a suspension, if still possible,
+    /// with d². A system track that was never shown is considered only if `is_last`.
     pub(crate) fn recall(&mut self, sensor: SensorSlot, is_last: bool) -> Option<(SystemSlot, f64)> {
         let system = self.tracks.recall(sensor, is_last)?;
         let d2 = match self.tracks.systems.get(system).life {
@@ -128,7 +128,7 @@ impl Linking<'_> {
         Some((system, d2))
     }
 
-    /// Starts a system track from a sensor track, to be looked at first at `deadline_ns`; `false` if the table is full.
+    /// Starts a system track from a sensor track, first checked at `deadline_ns`; `false` if the table is full.
     pub(crate) fn start<S: Sink>(&mut self, sensor: SensorSlot, deadline_ns: i64, out: &mut Outlet<'_, S>) -> bool {
         let report = &self.tracks.sensors.get(sensor).latest;
         let (source, filter) = (report.source, TargetFilter::of_report(report));
@@ -151,7 +151,7 @@ impl Linking<'_> {
         true
     }
 
-    /// Decides whether the sensor track stays, or its new system track.
+    /// Decides whether the sensor track stays, or on its new system track.
     fn reassociate<S: Sink>(&mut self, sensor: SensorSlot, report: &SensorTrack, out: &mut Outlet<'_, S>) -> Next {
         let entry = self.tracks.sensors.get(sensor);
         let (system, identity) = (entry.system, entry.latest.identity);
@@ -200,7 +200,8 @@ impl Linking<'_> {
         self.tracks.systems.get(system).bond == Bond::Free
     }
 
-    /// The system track whose rare name the sensor track bears, while no other member of its own system track does.
+    /// The system track with the rare name of the sensor track, while no other member of its own system track has the
+    /// name.
     fn stray(&self, sensor: SensorSlot) -> Option<(SystemSlot, f64)> {
         let search = self.search();
         if search.has_company(sensor) {
@@ -211,7 +212,8 @@ impl Linking<'_> {
         is_apart.then_some((system, d2))
     }
 
-    /// Lets sensor tracks change places that keep looking crossed with those of another system track; whether any did.
+    /// Exchanges sensor tracks that repeatedly look crossed with sensor tracks of another system track; whether any
+    /// moved.
     fn uncross<S: Sink>(&mut self, sensor: SensorSlot, out: &mut Outlet<'_, S>) -> bool {
         let found = self.search().crossing(sensor).map(|crossing| {
             let number = self.tracks.systems.get(crossing.there).number;
@@ -239,15 +241,15 @@ impl Linking<'_> {
         true
     }
 
-    /// Removes a sensor track from its system track; its scan, or its address, decides on its new system track.
+    /// Removes a sensor track from its system track; the scan, or the address, decides on its new system track.
     #[cold]
     fn leave<S: Sink>(&mut self, sensor: SensorSlot, out: &mut Outlet<'_, S>) -> Next {
         self.tracks.unlink(sensor);
         self.place(sensor, out)
     }
 
-    /// Whether the mean innovation of the sensor track differs from that of the others by more than noise explains,
-    /// several reports in a row.
+    /// Whether the mean innovation of the sensor track differs from that of the others by more than noise, in several
+    /// successive reports.
     fn has_split<S: Sink>(&mut self, sensor: SensorSlot, out: &mut Outlet<'_, S>) -> bool {
         let gate = self.settings.association.keep_gate * self.settings.association.exponents.number;
         let entry = self.tracks.sensors.get(sensor);
@@ -265,8 +267,8 @@ impl Linking<'_> {
         split
     }
 
-    /// Whether a second track of one source has left the target's extent, or one of a dependent source the target,
-    /// several reports in a row.
+    /// Whether, in several successive reports, a second track of a source has left the target's extent, or a track of
+    /// a dependent source the target.
     fn part_has_split(&mut self, sensor: SensorSlot) -> bool {
         let entry = self.tracks.sensors.get(sensor);
         let filter = &self.tracks.systems.get(entry.system).filter;
@@ -290,16 +292,15 @@ impl Linking<'_> {
         self.misfits(sensor, outside)
     }
 
-    /// Returns whether so many successive reports did not fit, including the present `misfit`, that the sensor track
-    /// leaves.
+    /// Returns whether the number of successive misfits, including the present `misfit`, makes the sensor track leave.
     fn misfits(&mut self, sensor: SensorSlot, misfit: bool) -> bool {
         let entry = self.tracks.sensors.get_mut(sensor);
         entry.misfits = if misfit { entry.misfits + 1 } else { 0 };
         entry.misfits >= self.settings.association.split_reports
     }
 
-    /// Counts how often in a row a sensor track that stands alone was assigned to the same system track, and moves it
-    /// there when that is often enough; whether it is.
+    /// Counts successive assignments of a lone sensor track to the same system track, and moves the sensor track there
+    /// when there are enough; returns whether it moved.
     pub(crate) fn vote_to_merge<S: Sink>(
         &mut self,
         sensor: SensorSlot,
@@ -314,8 +315,8 @@ impl Linking<'_> {
         (hits >= self.settings.association.merge_reports).then(|| self.move_to(sensor, system, d2, out))
     }
 
-    /// Checks once a second for a duplicate of the system track, to which these sources contribute, as bits; merges
-    /// into the older track after repeated findings.
+    /// Checks once a second for a duplicate of the system track with these contributing sources, as bits; merges into
+    /// the older track after repeated findings.
     fn look_for_duplicate<S: Sink>(
         &mut self,
         system: SystemSlot,
@@ -342,8 +343,8 @@ impl Linking<'_> {
         }
     }
 
-    /// Moves a sensor track to another system track, unless their addresses differ. If nothing fresh stays behind, the
-    /// two system tracks are merged, if they can be one target.
+    /// Moves a sensor track to another system track, unless the addresses differ. If nothing fresh stays behind, the
+    /// two system tracks are merged, if they can be of the same target.
     fn move_to<S: Sink>(&mut self, sensor: SensorSlot, target: SystemSlot, d2: f64, out: &mut Outlet<'_, S>) -> Next {
         let entry = self.tracks.sensors.get(sensor);
         let (old, now_ns) = (entry.system, entry.latest.time_of_measurement_ns);
@@ -360,7 +361,7 @@ impl Linking<'_> {
         Next::Done
     }
 
-    /// Merges two system tracks, unless their addresses differ. The confirmed track survives; of two equal tracks the
+    /// Merges two system tracks, unless the addresses differ. The confirmed track survives; of two equal tracks the
     /// older.
     pub(crate) fn merge<S: Sink>(
         &mut self,
@@ -399,13 +400,14 @@ impl Linking<'_> {
             }
         }
         if reanchor {
-            // The filter follows the point of another source than that which now comes first: it is chosen anew.
+            // The filter follows the point of another source than the source that is now first: the point is chosen
+            // anew.
             self.tracks
                 .for_members(into, |member| member.point = DetectionPoint::default());
         }
         let entry = self.tracks.systems.get_mut(into);
         entry.reports = entry.reports.saturating_add(reports);
-        // What sources here know is not mixed with what other centres say.
+        // The knowledge of sources here is not mixed with reports of other centres.
         let takes_over = match (entry.is_foreign, is_foreign) {
             (true, false) => true,
             (false, true) => false,
@@ -437,7 +439,7 @@ impl Linking<'_> {
     }
 }
 
-/// How often in a row `number` was found, now included, if `last` was found, and how often in a row, before.
+/// Number of successive findings of `number`, the present included, given the `last` number and its findings.
 fn hits_in_a_row(last: Option<(u32, u32)>, number: u32) -> u32 {
     match last {
         Some((last, hits)) if last == number => hits + 1,

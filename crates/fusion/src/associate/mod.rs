@@ -1,4 +1,4 @@
-//! Associate: which system track a sensor track belongs to.
+//! Associate: assignment of sensor tracks to system tracks.
 
 pub(crate) mod association_step;
 pub(crate) mod crossing;

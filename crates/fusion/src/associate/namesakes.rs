@@ -1,7 +1,7 @@
-//! Namesakes: system tracks that bear a sensor track's rare name (module [`identity`](crate::associate::identity)).
+//! Namesakes: system tracks with the rare name of a sensor track (module [`identity`](crate::associate::identity)).
 //!
-//! The gates of place compare two tracks as if their sources had no bias. For namesakes the bias that is possible
-//! between the two sources is added to the variances: then the join gate lies at the reach.
+//! The gates of place compare two tracks as if their sources had no bias. For namesakes the possible bias between the
+//! two sources is added to the variances: then the join gate lies at the reach.
 
 use messages::{NS_PER_S, sensor_track_bits};
 use source_models::gaussian_of;
@@ -11,13 +11,13 @@ use crate::associate::identity::{self, DECIDES, Name};
 use crate::tables::sensor_tracks::{NO_SYSTEM, SensorEntry, SensorSlot};
 use crate::tables::system_tracks::{Bond, SystemSlot};
 
-/// Distance within which two tracks with one name are rivals, in reaches.
+/// Distance within which two tracks with the same name are rivals, in reaches.
 const RIVALS: f64 = 4.0;
 /// Unpredictable acceleration between two reports, metres per second squared.
 const ACCELERATION_MPS2: f64 = 5.0;
 
 impl Search<'_> {
-    /// System track that a rare name of the sensor track and everything else point to, with d².
+    /// System track indicated by a rare name of the sensor track and all other evidence, with d².
     pub(crate) fn namesake(&self, own: SensorSlot) -> Option<(SystemSlot, f64)> {
         let entry = self.tracks.sensors.get(own);
         let mut best: Option<(f64, SystemSlot)> = None;
@@ -45,7 +45,7 @@ impl Search<'_> {
         held
     }
 
-    /// Whether another contributing member of the sensor track's system track has a name of it, rare or not.
+    /// Whether another contributing member of the sensor track's system track has a common name, rare or not.
     pub(crate) fn has_company(&self, own: SensorSlot) -> bool {
         let entry = self.tracks.sensors.get(own);
         let keys = entry.names.keys();
@@ -60,7 +60,7 @@ impl Search<'_> {
         keys.iter().all(|key| *key == 0) || self.tracks.contributing(entry.system, entry.time_ns).any(shares)
     }
 
-    /// A system track without a common source that bears a rare name of a member of `own`, with d².
+    /// A system track without a common source, with a rare name of a member of `own`, and d².
     pub(crate) fn namesake_of_system(&self, own: SystemSlot, now_ns: i64) -> Option<(SystemSlot, f64)> {
         let sources = self.tracks.sources_of(own, now_ns);
         self.tracks
@@ -74,8 +74,8 @@ impl Search<'_> {
             })
     }
 
-    /// Returns whether a name (a Mode 3/A code is its own [`Name`]) is rare around a place at `now_ns`: no list has it,
-    /// and no source has two fresh tracks with it there. Codes are used again far away.
+    /// Returns whether a name (a Mode 3/A code is its own [`Name`]) is rare around a place at `now_ns`: no list has
+    /// it, and no source has two fresh tracks with it there. Codes are used again far away.
     pub(crate) fn is_rare(&self, name: Name, place_m: [f64; 2], now_ns: i64) -> bool {
         let mut sources = 0;
         let around_m = RIVALS * self.settings.identity.reach_m;
@@ -99,9 +99,9 @@ impl Search<'_> {
         rivals.all(is_first) && !self.is_shared_code(name)
     }
 
-    /// Calls `visit` with the fresh sensor tracks of other sources that belong to a system track and bear a rare name
-    /// of `own`, if the names decide that both can be one target: those of the same system track if `here`, otherwise
-    /// those of others.
+    /// Calls `visit` with fresh sensor tracks of other sources on a system track, with a rare name of `own`, if the
+    /// names decide that both can be of the same target. With `here`, these are members of the same system track,
+    /// otherwise of others.
     fn visit_namesakes(&self, own: SensorSlot, here: bool, mut visit: impl FnMut(SensorSlot)) {
         let entry = self.tracks.sensors.get(own);
         if !self.settings.association.use_identity {
@@ -110,7 +110,7 @@ impl Search<'_> {
         let exponents = &self.settings.association.exponents;
         let place_m = [entry.latest.position_m[0], entry.latest.position_m[1]];
         for (kind, name) in entry.names.keys().into_iter().enumerate() {
-            // Most names are borne by nobody else, or only by other members of the same system track.
+            // Most names have no other carrier, or only other members of the same system track.
             let carriers = self.tracks.sensors.names.carriers(name).filter(|_| name != 0);
             let carriers = carriers.filter(|carriers| carriers.len() > 1).unwrap_or_default();
             let mut is_known_rare = false;
@@ -147,7 +147,7 @@ impl Search<'_> {
             && matches!((number(own), number(other)), (Some(a), Some(b)) if a.excludes(b))
     }
 
-    /// d² of two sensor tracks of two sources with the bias that is possible between them, inside the gates.
+    /// d² of two sensor tracks of two sources with the possible bias between the sources, inside the gates.
     fn namesake_distance(&self, own: SensorSlot, member: SensorSlot) -> Option<f64> {
         let [own, other] = [own, member].map(|slot| &self.tracks.sensors.get(slot).latest);
         let seconds = (own.time_of_measurement_ns - other.time_of_measurement_ns) as f64 / NS_PER_S;

@@ -1,4 +1,4 @@
-//! What lies where a report with an address is: evidence for the confirmation by identity (module `recognition`).
+//! Surroundings of a report with an address: evidence for the confirmation by identity (module `recognition`).
 
 use estimation::{ComparedComponents, statistical_distance};
 use messages::{NS_PER_S, SensorTrack, TrackState, UniqueNumber, sensor_track_bits};
@@ -10,14 +10,14 @@ use crate::engine::Engine;
 use crate::tables::sensor_tracks::SensorSlot;
 use crate::tables::system_tracks::SystemSlot;
 
-/// Bits in which addresses of which one is a misreading of the other differ, at most: with four, the same misreading
-/// comes twice in ten thousand.
+/// Most differing bits of two addresses for one to be a misreading of the other. With four, the same misreading comes
+/// twice in ten thousand.
 const ALIKE_BITS: u32 = 3;
-/// Greatest speed of a confirmed target that is looked for where it was last placed, m/s.
+/// Greatest assumed speed of a confirmed target, searched for at its last place, m/s.
 const SPEED_MPS: f64 = 350.0;
 
 impl Engine {
-    /// Compares the latest report of a sensor track with what its system track, which was never shown, was before.
+    /// Compares the latest report of a sensor track with the earlier state of its system track, which was never shown.
     #[cold]
     pub(crate) fn recognise(&mut self, sensor: SensorSlot, system: SystemSlot) {
         let entry = self.tracks.systems.get(system);
@@ -39,15 +39,15 @@ impl Engine {
 }
 
 impl Search<'_> {
-    /// Whether the target of a system track can have come to where a later report is.
+    /// Whether the target of a system track can have reached the place of a later report.
     fn is_within_reach(&self, report: &SensorTrack, system: SystemSlot) -> bool {
         let filter = &self.tracks.systems.get(system).filter;
         let seconds = (report.time_of_measurement_ns - filter.time_ns) as f64 / NS_PER_S;
         seconds > 0.0 && can_come_to(&filter.estimate, &gaussian_of(report), seconds)
     }
 
-    /// The confirmed track of another address than `address` in whose gate a report of `own` is: one that may be meant
-    /// first.
+    /// The confirmed track of an address other than `address` with a gate that contains a report of `own`; a track
+    /// that may be meant comes first.
     fn beside(&self, report: &SensorTrack, own: SystemSlot, address: UniqueNumber) -> Beside {
         let (state, now_ns) = (gaussian_of(report), report.time_of_measurement_ns);
         let mut beside = Beside::Nothing;
@@ -84,8 +84,8 @@ impl Search<'_> {
         beside
     }
 
-    /// Whether the source of a report of `own` has reported the target `other` in the scan of this report, or of the
-    /// one before; `None` if the source does not follow `other`.
+    /// Whether the source of a report of `own` has reported the target `other` in the scan of this report, or in the
+    /// previous scan; `None` if the source does not follow `other`.
     fn are_together(&self, report: &SensorTrack, own: SystemSlot, other: SystemSlot) -> Option<bool> {
         let last_ns = self.tracks.systems.get(own).last_report_ns;
         let usual_ns = self.settings.sources[usize::from(report.source)].period_ns;

@@ -1,20 +1,20 @@
-//! Targets that come back, and the numbers that they had.
+//! Targets that come back, and their former numbers.
 //!
 //! A system track without reports is suspended, and its number rests (module `life`): for `numbers.rest_s`, and for a
 //! target that comes back with its identity for `numbers.identity_rest_s`. A target that comes back must
 //! resume the number, and a new target must not. There are three kinds of evidence:
 //!
 //! - An address: the sensor track joins the system track of its address, suspended or not (module `linking`).
-//! - The number of the sensor track at its source, which the source may have given to another target since.
-//! - Motion, with a code or a call sign where there is one. A first report has no velocity worth a comparison. A new
-//!   system track is therefore compared when it is confirmed, before it is first shown, and then takes the former
-//!   number over. Coasted tracks are compared as well: a search by place does not find them where they would be.
+//! - The number of the sensor track at its source; the source may have given the number to another target since.
+//! - Motion, with a code or a call sign if there is one. A first report has no velocity worth a comparison. A new
+//!   system track is therefore compared at its confirmation, before it is first shown, and then takes over the former
+//!   number. Coasted tracks are compared as well: a search by place does not find their expected places.
 //!
-//! The measure is a likelihood ratio: that this is the former target, against a new target anywhere near, with any
-//! velocity ([`NEW_TARGETS`]). The former target has flown straight on, or has manoeuvred as targets do
-//! ([`MANOEUVRE_MPS2`]). The longer the silence, the wider spread is the likelihood of the former target, and the
-//! smaller the ratio: a track of which little is known takes no newcomers in, however wide its gate would be. Two
-//! candidates that are nearly as likely are decided for neither: a new number is better than a wrong one.
+//! The measure is a likelihood ratio: the former target, against a new target anywhere near, with any velocity
+//! ([`NEW_TARGETS`]). The former target has flown straight on, or has manoeuvred as targets do ([`MANOEUVRE_MPS2`]).
+//! The longer the silence, the wider is the likelihood of the former target, and the smaller the ratio: a track with
+//! an uncertain state takes no newcomers in, however wide its gate would be. If two candidates are nearly equally
+//! likely, neither is chosen: a new number is better than a wrong number.
 
 use estimation::{ComparedComponents, Gaussian, statistical_distance};
 use messages::{
@@ -35,7 +35,7 @@ use crate::tables::system_tracks::{Bond, SystemEntry, SystemSlot};
 
 /// Density of new targets: one in a square of 20 km, with any velocity up to 250 m/s, in 1/(m² · (m/s)²).
 const NEW_TARGETS: f64 = 1.0 / (400e6 * 196_350.0);
-/// Logarithm of the least likelihood ratio of the former target to a new one.
+/// Logarithm of the least likelihood ratio of the former target to a new target.
 const LEAST_RATIO: f64 = 4.6;
 /// Logarithm of the least ratio of the likelihoods of two candidates.
 const LEAST_MARGIN: f64 = 3.0;
@@ -43,19 +43,19 @@ const LEAST_MARGIN: f64 = 3.0;
 const EQUAL_NUMBER: f64 = 6.9;
 const EQUAL_CALLSIGN: f64 = 8.0;
 const EQUAL_CODE: f64 = 5.7;
-/// Probability that a target manoeuvres while it is silent, and standard deviation of the mean acceleration if it does.
+/// Probability of a manoeuvre of a silent target, and standard deviation of the mean acceleration in a manoeuvre.
 const MANOEUVRES: f64 = 0.2;
 const MANOEUVRE_MPS2: f64 = 1.0;
-/// Rate of climb that heights may change by while a target is silent, m/s.
+/// Rate of climb assumed for changes of height during a silence, m/s.
 const CLIMB_MPS: f64 = 15.0;
 /// Variance added to a difference of velocities, m²/s²: a tracker's first velocities lag.
 const VELOCITY_FLOOR_M2PS2: f64 = 25.0;
-/// Half-width of the search for other targets that came up where a former one would be, metres.
+/// Half-width of the search for other new targets at the expected place of a former target, metres.
 const RIVALS_M: f64 = 5e3;
 
 impl Search<'_> {
     /// Logarithm of the likelihood ratio that a sensor track is the target of the suspended `system`, which had a
-    /// sensor track of its number as a member; `None` if it may not be.
+    /// member with the same number; `None` if that is excluded.
     pub(crate) fn number_resumes(&self, own: SensorSlot, system: SystemSlot) -> Option<f64> {
         let report = &self.tracks.sensors.get(own).latest;
         let height_m = report.has(sensor_track_bits::HEIGHT).then_some(report.position_m[2]);
@@ -70,7 +70,7 @@ impl Search<'_> {
         (is_later && ratio >= LEAST_RATIO).then_some(ratio)
     }
 
-    /// The silent system track whose target the new system track `own` follows, with the logarithm of the likelihood
+    /// The silent system track with the same target as the new system track `own`, and the logarithm of the likelihood
     /// ratio.
     fn former(&self, own: SystemSlot, now_ns: i64) -> Option<(SystemSlot, f64)> {
         let entry = self.tracks.systems.get(own);
@@ -95,7 +95,7 @@ impl Search<'_> {
         (is_sure && !self.has_rival(own, former, (ratio, now_ns))).then_some((former, ratio))
     }
 
-    /// Whether another target that came up since may be that of `former` nearly as likely as `own`.
+    /// Whether another new target may be the target of `former` with nearly the likelihood of `own`.
     fn has_rival(&self, own: SystemSlot, former: SystemSlot, (ratio, now_ns): (f64, i64)) -> bool {
         let systems = &self.tracks.systems;
         let [x, y, _] = systems.get(own).filter.estimate.position_m();
@@ -123,7 +123,7 @@ impl Search<'_> {
         }
     }
 
-    /// The ratio of a system track, if it began after the silent track's last report, which contributes no more.
+    /// The ratio of a system track that began after the last report of the silent track, which contributes no more.
     fn ratio_of(&self, entry: &SystemEntry, newcomer: &Newcomer<'_>, silent: SystemSlot) -> Option<f64> {
         let theirs = self.tracks.systems.get(silent);
         let is_over = self.tracks.contributing(silent, newcomer.time_ns).next().is_none()
@@ -135,7 +135,7 @@ impl Search<'_> {
         self.ratio(newcomer, silent)
     }
 
-    /// Logarithm of the likelihood ratio of the former target to a new one.
+    /// Logarithm of the likelihood ratio of the former target to a new target.
     fn ratio(&self, newcomer: &Newcomer<'_>, silent: SystemSlot) -> Option<f64> {
         let entry = self.tracks.systems.get(silent);
         let silence_s = ((newcomer.time_ns - entry.last_report_ns) as f64 / NS_PER_S).max(0.0);
@@ -171,7 +171,7 @@ impl Search<'_> {
     }
 }
 
-/// A target that has come up.
+/// A newly appeared target.
 struct Newcomer<'a> {
     time_ns: i64,
     state: Gaussian,
@@ -179,7 +179,7 @@ struct Newcomer<'a> {
     identity: &'a Identity,
 }
 
-/// Logarithm of the likelihood ratio that equal codes or call signs give.
+/// Logarithm of the likelihood ratio of equal codes or call signs.
 fn equal_identity(one: &Identity, other: &Identity, settings: &IdentitySettings) -> f64 {
     let callsign = one
         .callsign()
@@ -213,7 +213,7 @@ fn log_density(one: &Gaussian, other: &Gaussian, [position_m2, velocity_m2ps2]: 
 }
 
 impl Engine {
-    /// Lets the suspended system track of a sensor track, which has just joined it with `report`, live again.
+    /// Resumes the suspended system track of a sensor track, which has just joined it with `report`.
     #[cold]
     pub(crate) fn resume_number(&mut self, sensor: SensorSlot, report: &SensorTrack, sink: &mut impl Sink) {
         let system = self.tracks.sensors.get(sensor).system;
@@ -236,7 +236,7 @@ impl Engine {
         if !was_shown {
             self.recognise(sensor, system);
         }
-        // The number at the source has served, whatever the sensor track came back by.
+        // The number at the source has served, whatever the evidence for the return was.
         self.tracks.recall(sensor, true);
         let shown_ns = self.tracks.systems.get(system).state.time_ns;
         self.tracks.for_members(system, |member| member.share = 0.0);
@@ -258,7 +258,7 @@ impl Engine {
         (entry.first_seen_ns, entry.astray, entry.duplicate) = (started_ns, 0, None);
         entry.point_source = NO_SOURCE;
         if !was_shown {
-            // What it was reported as before counts for its confirmation, which is still to come.
+            // The earlier reports count for the confirmation, which is still to come.
             (entry.first_seen_ns, entry.is_counted) = (first_seen_ns, false);
             let sensor = self.tracks.sensors.get_mut(sensor);
             sensor.reports = sensor.reports.saturating_add(reports);
@@ -267,8 +267,8 @@ impl Engine {
         self.update(sensor, report, None, sink);
     }
 
-    /// Gives the new system track of a sensor track, confirmed at `now_ns`, the number of a silent one if that was the
-    /// same target.
+    /// Gives the new system track of a sensor track, confirmed at `now_ns`, the number of a silent system track of the
+    /// same target, if any.
     #[cold]
     pub(crate) fn take_former_number(&mut self, sensor: SensorSlot, now_ns: i64, sink: &mut impl Sink) {
         let own = self.tracks.sensors.get(sensor).system;
@@ -296,12 +296,12 @@ impl Engine {
         if entry.state.time_ns < state.time_ns {
             entry.state = entry.state.at(state.time_ns, self.settings.process_noise_m2ps3);
         }
-        // A process that dies here leaves two tracks of one number; the next one drops the silent one.
+        // A process that dies here leaves two tracks of the same number; the next process drops the silent track.
         self.tracks.renumber(own, number);
         let entry = self.tracks.systems.get_mut(former);
         (entry.number, entry.state, entry.bond, entry.kept_ns) = (young, shown, Bond::Free, i64::MIN);
         let out = &mut self.outbox.to(sink);
-        // What came before the silence says nothing about the way from there.
+        // Inputs from before the silence are no evidence for the path afterwards.
         out.input(|| self.tracks.input(sensor, None));
         out.decision(&Decision {
             time_ns: now_ns,

@@ -15,16 +15,16 @@ use crate::tables::sensor_tracks::SensorSlot;
 use crate::tables::system_tracks::SystemSlot;
 use crate::tables::tracks::Tracks;
 
-/// Most sensor tracks of one source that are assigned at a time; a larger scan is assigned in parts.
+/// Most sensor tracks of a source that are assigned at a time; a larger scan is assigned in parts.
 const WAITING_MAX: usize = 4096;
-/// Most admissible pairs of one scan.
+/// Most admissible pairs of a scan.
 const PAIRS_MAX: usize = 4 * WAITING_MAX;
 
 /// Sensor tracks waiting for the end of their scan, per source, and room for the assignment.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Scans {
     scans: Vec<WaitingScan>,
-    /// When the first scan is complete, nanoseconds; never (`i64::MAX`) if none waits.
+    /// Time of completion of the first scan, nanoseconds; never (`i64::MAX`) if none waits.
     due_ns: i64,
     #[serde(skip)]
     pairs: Vec<Pair>,
@@ -37,17 +37,17 @@ pub(crate) struct Scans {
     assigned: Vec<ScanAssignment>,
 }
 
-/// The part of one source's scan that waits.
+/// The waiting part of a source's scan.
 #[derive(Debug, Serialize, Deserialize)]
 struct WaitingScan {
     waiting: Vec<SensorSlot>,
     first_ns: i64,
-    /// How long after its first report the scan is complete, nanoseconds.
+    /// Time from the first report of the scan to its completion, nanoseconds.
     duration_ns: i64,
 }
 
 impl WaitingScan {
-    /// When the scan is complete; never (`i64::MAX`) if nothing waits.
+    /// Time of completion of the scan; never (`i64::MAX`) if nothing waits.
     fn complete_ns(&self) -> i64 {
         self.first_ns.saturating_add(self.duration_ns)
     }
@@ -57,7 +57,7 @@ impl WaitingScan {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ScanAssignment {
     pub(crate) sensor: SensorSlot,
-    /// The system track, and d²; `None` if it fits none.
+    /// The system track, and d²; `None` if no system track fits.
     pub(crate) best: Option<(SystemSlot, f64)>,
 }
 
@@ -91,7 +91,7 @@ impl Scans {
         }
     }
 
-    /// When the first scan is complete, nanoseconds; never (`i64::MAX`) if none waits.
+    /// Time of completion of the first scan, nanoseconds; never (`i64::MAX`) if none waits.
     pub(crate) fn due_ns(&self) -> i64 {
         self.due_ns
     }
@@ -101,7 +101,7 @@ impl Scans {
         self.scans[usize::from(source)].waiting.len() == WAITING_MAX
     }
 
-    /// Lets a sensor track of `source`, seen at `time_ns`, wait for the end of its scan, which is not full.
+    /// Queues a sensor track of `source`, seen at `time_ns`, until the end of its scan, which is not full.
     pub(crate) fn wait(&mut self, sensor: SensorSlot, source: u16, time_ns: i64) {
         let scan = &mut self.scans[usize::from(source)];
         scan.waiting.push(sensor);
@@ -124,8 +124,7 @@ impl Scans {
         source.map(|source| source as u16)
     }
 
-    /// Assigns the scan of `source`, which is thereby over; as many sensor tracks as are given back can be asked for
-    /// with
+    /// Assigns the scan of `source`, and thereby ends it; returns the number of assigned sensor tracks, available by
     /// [`Self::assigned`].
     pub(crate) fn assign(&mut self, source: u16, settings: &Settings, tracks: &mut Tracks) -> usize {
         let scan = &mut self.scans[usize::from(source)];
@@ -147,12 +146,12 @@ impl Scans {
         self.assigned.len()
     }
 
-    /// The sensor track in one row of the scan that was assigned last.
+    /// The sensor track in a row of the latest assigned scan.
     pub(crate) fn assigned(&self, row: usize) -> ScanAssignment {
         self.assigned[row]
     }
 
-    /// Finds all pairs of a waiting sensor track and a system track that it could join.
+    /// Finds all pairs of a waiting sensor track and an admissible system track.
     fn find_pairs(&mut self, search: &Search<'_>) {
         self.pairs.clear();
         for (row, assigned) in self.assigned.iter().enumerate() {
@@ -169,7 +168,7 @@ impl Scans {
                     });
                 }
             });
-            // A first report has no velocity: it joins where nothing else is possible, or waits for the second.
+            // A first report has no velocity: it joins only without an alternative, or waits for the second.
             let tracks = search.tracks;
             let is_one_of_several = self.pairs.len() > first + 1 && !tracks.is_established(assigned.sensor);
             let is_first = tracks.sensors.get(assigned.sensor).reports < 2;
@@ -180,7 +179,7 @@ impl Scans {
         }
     }
 
-    /// Numbers the system tracks of all pairs in the order in which they occur.
+    /// Numbers the system tracks of all pairs in order of occurrence.
     fn number_columns(&mut self, tracks: &mut Tracks) {
         self.columns.clear();
         for pair in &mut self.pairs {

@@ -7,25 +7,25 @@
 //! | area | a record for | written |
 //! |---|---|---|
 //! | numbers | the numbers that are reserved | before the first of a block is used |
-//! | clock | the time that has passed, the process, and the state of its clocks | by the caller, in each turn |
-//! | suspects | reports in which fusion has died | at the start, and when one is cleared |
-//! | positions | each source: how far its reports have been worked off | after each report |
-//! | systems | each system track: number, state, life, identity | when it changes; every second state |
-//! | members | each sensor track that belongs to a system track | when it joins or leaves |
+//! | clock | the time that has passed, the process, and the state of the clocks | by the caller, in each turn |
+//! | suspects | reports in which fusion has died | at the start, and when a suspect is cleared |
+//! | positions | each source: progress through the reports | after each report |
+//! | systems | each system track: number, state, life, identity | at each change; every second state |
+//! | members | each sensor track that belongs to a system track | at joining and leaving |
 //! | remembered | each former member that has not reported since: before the start, of a suspended track | at both |
 //! | sources | learned properties of each source | in turn |
 //! | pairs | of each pair of sources: sums of registration, gross errors, dependence | in turn |
 //! | classes | how hard each class of targets turns | in turn |
 //! | cells | where on the ground each source follows targets | in turn |
-//! | orders | each order in force, and orders that ended recently | when it changes |
+//! | orders | each order in force, and orders that ended recently | at each change |
 //!
 //! The crate [`kept`](mod@kept) writes a record so that a kill costs at most one record. Writing needs no system
 //! call, no lock and no allocation; the size is fixed at the start ([`CheckpointLayout::len`]).
 //!
-//! A word before the areas ([`IN_WORK`]) identifies the report in process; it is stored before each report.
+//! A word before the areas ([`IN_WORK`]) identifies the report in process; the word is stored before each report.
 //!
-//! Other state is learned again within seconds: reports and histories of sensor tracks. The first report of a sensor
-//! track that was a member returns it to its system track.
+//! Other state is learned again within seconds: reports and histories of sensor tracks. The first report of a former
+//! member returns the sensor track to its system track.
 //!
 //! A [`Snapshot`] is the content found by the successor: the engine's start is a function of this content alone, so
 //! that a recording with the content can be replayed from there.
@@ -82,13 +82,13 @@ kept! {
     /// State of the process that writes a checkpoint.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub struct CheckpointClock {
-        /// Start-up number of the fusion that wrote it.
+        /// Start-up number of the writing fusion.
         pub epoch: u64,
-        /// Number of its process.
+        /// Number of the process.
         pub process_id: u32,
-        /// Monotonic time of its latest turn, nanoseconds.
+        /// Monotonic time of the latest turn, nanoseconds.
         pub turn_ns: i64,
-        /// UTC of its latest turn, nanoseconds since 1970.
+        /// UTC of the latest turn, nanoseconds since 1970.
         pub utc_ns: i64,
         /// Time up to which time had passed in the engine, nanoseconds; `i64::MIN` before the first report.
         pub passed_ns: i64,
@@ -105,7 +105,7 @@ kept! {
     pub struct SourcePosition {
         /// Incarnation of the source's publisher.
         pub incarnation: u64,
-        /// Sequence number of the first report that has not been.
+        /// Sequence number of the first report not yet worked off.
         pub next_sequence: u64,
     }
 }
@@ -187,7 +187,7 @@ pub(crate) struct CheckpointWriter {
     times: Vec<u32>,
     /// Where each area begins there.
     begins: [usize; KINDS.len()],
-    /// Place in the round: which of the kinds, and which place of it, comes next.
+    /// Next record of the round: index of the kind, and place.
     turn: (usize, usize),
     /// The record that is being written.
     words: Box<[u64; RECORD_MAX]>,
@@ -334,7 +334,7 @@ impl Snapshot {
         })
     }
 
-    /// The records of `kind` with their places, as words.
+    /// The records of `kind` with places, as words.
     pub(crate) fn of_kind(&self, kind: RecordKind) -> impl Iterator<Item = (usize, &[u64])> {
         let records = self.records().flatten();
         records
@@ -342,13 +342,13 @@ impl Snapshot {
             .map(|(_, place, words)| (place, words))
     }
 
-    /// The records of `kind` with their places.
+    /// The records of `kind` with places.
     pub(crate) fn all<T: Kept>(&self, kind: RecordKind) -> impl Iterator<Item = (usize, T)> {
         self.of_kind(kind)
             .filter_map(|(place, words)| Some((place, T::get(&mut Get(words))?)))
     }
 
-    /// Returns the clock state of the writing process; `None` if it was killed before its first turn.
+    /// Returns the clock state of the writing process; `None` if the process was killed before the first turn.
     pub fn clock(&self) -> Option<CheckpointClock> {
         self.all(RecordKind::Clock).map(|(_, clock)| clock).next()
     }
@@ -370,7 +370,8 @@ impl Snapshot {
     }
 }
 
-/// The state of the process that writes the checkpoint in `memory`, which may live; `None` if it has written none yet.
+/// Returns the state of the process, possibly alive, that writes the checkpoint in `memory`; `None` before its first
+/// record.
 pub fn clock_of(memory: &[AtomicU64], layout: &CheckpointLayout) -> Option<CheckpointClock> {
     let mut words = Vec::new();
     let area = layout.area(RecordKind::Clock);
@@ -378,8 +379,8 @@ pub fn clock_of(memory: &[AtomicU64], layout: &CheckpointLayout) -> Option<Check
     CheckpointClock::get(&mut Get(&words)).filter(|clock| clock.epoch != 0)
 }
 
-/// How far `source`'s reports have been worked off by the process that writes the checkpoint in `memory`, which may
-/// live.
+/// How far `source`'s reports have been worked off by the process, possibly alive, that writes the checkpoint in
+/// `memory`.
 pub fn position_of(memory: &[AtomicU64], layout: &CheckpointLayout, source: u16) -> Option<SourcePosition> {
     let mut words = Vec::new();
     let area = layout.area(RecordKind::Positions);

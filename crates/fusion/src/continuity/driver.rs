@@ -4,7 +4,7 @@
 //! drives an engine with the same methods. `koseki fuse` drives an engine with the rows of files. The same calls give
 //! the same states, bit for bit.
 //!
-//! A step stands in the log before the effect of its event is published, since the sink only stores what it receives.
+//! A step stands in the log before the effect of its event is published, since the sink only stores the effect.
 
 use messages::{Counter, Decision, Order, OrderState, Refusal, SensorTrack, SystemTrack, sensor_track_bits};
 
@@ -33,7 +33,7 @@ pub struct ReportNumber {
 }
 
 impl ReportNumber {
-    /// Marks a report whose time is rejected.
+    /// Marks a report with a rejected time.
     #[inline]
     fn mark(self, report: &mut SensorTrack) {
         if self.is_wild {
@@ -70,7 +70,7 @@ impl<L: EventLog> Driver<L> {
         self.engine
     }
 
-    /// Returns the engine for its counters and its checkpoint, which no state depends on.
+    /// Returns the engine for the counters and the checkpoint; no state depends on these.
     pub fn engine_mut(&mut self) -> &mut Engine {
         &mut self.engine
     }

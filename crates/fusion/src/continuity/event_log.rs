@@ -1,14 +1,14 @@
-//! The event log: all that changes an engine, in its order, as steps of 16 bytes ([`WorkStep`]).
+//! The event log: all changes of an engine in order, as steps of 16 bytes ([`WorkStep`]).
 //!
-//! Reports and snapshots are not in the log: an event names them. `EventWriter` turns events into steps, and
+//! Reports and snapshots are not in the log: events name both. `EventWriter` turns events into steps, and
 //! [`EventReader`] turns steps back into events.
 
 use messages::{NO_SOURCE, Order, StepKind, WorkStep, work_step_bits};
 
-/// Event of the log. Times are on the engine's clock, in nanoseconds; source numbers are those of the writer.
+/// Event of the log. Times are on the engine's clock, in nanoseconds; source numbers are the writer's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Event {
-    /// Fusion begins, from its configuration.
+    /// Fusion begins, from the configuration.
     Begin {
         /// Epoch of fusion.
         epoch: u64,
@@ -95,7 +95,7 @@ impl EventLog for () {
     fn write(&mut self, _: &WorkStep) {}
 }
 
-/// Step that cannot be read: its kind belongs to a later version, or steps before it are missing.
+/// Unreadable step: the kind belongs to a later version, or preceding steps are missing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct UnreadableStep;
 
@@ -156,7 +156,7 @@ impl<L: EventLog> EventWriter<L> {
 }
 
 impl Event {
-    /// Returns the step of the event; an order has further steps before it.
+    /// Returns the step of the event; an order has further steps before this step.
     #[inline]
     fn step(&self) -> WorkStep {
         match *self {
@@ -210,14 +210,14 @@ impl Event {
 /// Reader of a log, step by step.
 #[derive(Clone, Debug, Default)]
 pub struct EventReader {
-    /// Latest publisher of each source, as far as the log has named one.
+    /// Latest publisher of each source, as far as named in the log.
     publishers: Vec<u64>,
     /// Parts of the next order.
     order_parts: Vec<WorkStep>,
 }
 
 impl EventReader {
-    /// Returns the event that the step completes; `None` if further steps belong to it.
+    /// Returns the event that the step completes; `None` if further steps belong to the event.
     ///
     /// # Errors
     /// If the step is unreadable.

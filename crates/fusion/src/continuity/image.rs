@@ -1,9 +1,9 @@
 //! Snapshot of an engine as bytes, from which another engine continues identically.
 //!
-//! A checkpoint has the state needed by a successor, and is written during operation. A snapshot has all state
-//! changed by reports and time, taken at one moment: with the snapshot and each later report, another engine gives
-//! the same system tracks to the bit. State derived from the settings alone and counters are not included. Making a
-//! snapshot takes time in proportion to the tracks, and allocates: it is for a recorder that starts.
+//! A checkpoint has the state needed by a successor, and is written during operation. A snapshot has all state changed
+//! by reports and time, taken at one moment: with the snapshot and each later report, another engine gives the same
+//! system tracks to the bit. State derived from the settings alone and counters are not included. Making a snapshot
+//! takes time in proportion to the tracks, and allocates: snapshots serve recorders that start.
 
 use kept::mixed;
 
@@ -11,8 +11,8 @@ use crate::continuity::checkpoint::MemoryRefusal;
 use crate::engine::Engine;
 use crate::orders::order_table::OrderTable;
 
-/// Version of the parts of an image. It rises with every change of a serialised type, the samples in it included:
-/// the fingerprint of the checkpoint covers other types.
+/// Version of the parts of an image. The version rises with every change of a serialised type, samples included: the
+/// fingerprint of the checkpoint covers other types.
 const FORMAT: u64 = 16;
 
 impl Engine {
@@ -44,7 +44,7 @@ impl Engine {
         let parts = (
             of, periods, tracks, scans, life, publisher, schedule, host_clock, orders,
         );
-        // Into memory, where there is always room, and all of it is of a known length.
+        // Memory always has room, and all parts have known lengths.
         postcard::to_stdvec(&parts).unwrap_or_default()
     }
 

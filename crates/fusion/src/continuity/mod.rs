@@ -1,4 +1,4 @@
-//! What outlives the process, and repeats its work: checkpoint, snapshot, event log.
+//! Continuation and repetition of the process's work: checkpoint, snapshot, event log.
 
 pub mod checkpoint;
 pub(crate) mod driver;

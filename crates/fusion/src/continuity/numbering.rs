@@ -1,9 +1,9 @@
 //! Numbers of system tracks, none of which is given to two targets within a day.
 //!
-//! Numbers count up from 1. If the used numbers are unknown, numbering begins at a number derived from the time of
-//! day in the upper half of all numbers, which no numbering from 1 reaches within a day: later starts begin at higher
-//! numbers, and no engine starts tracks faster than these numbers increase (25 in a millisecond). The last number is
-//! followed by the first number of the upper half, which belongs to midnight.
+//! Numbers count up from 1. If the used numbers are unknown, numbering begins at a number derived from the time of day,
+//! in the upper half of all numbers. No numbering from 1 reaches the upper half within a day. Later starts begin at
+//! higher numbers, and no engine starts tracks faster than these numbers increase (25 in a millisecond). The last
+//! number is followed by the first number of the upper half, which belongs to midnight.
 
 /// First number of the upper half.
 const FIRST_ANEW: u32 = 1 << 31;
@@ -16,7 +16,7 @@ pub(crate) fn following(number: u32) -> u32 {
     number.checked_add(1).unwrap_or(FIRST_ANEW)
 }
 
-/// The first number that is not reserved when `next` comes next: the end of the block after its own.
+/// The first number that is not reserved when `next` comes next: the end of the block after the block of `next`.
 pub(crate) fn reserved(next: u32) -> u32 {
     let end = (u64::from(next / BLOCK) + 2) * u64::from(BLOCK);
     u32::try_from(end).unwrap_or_else(|_| FIRST_ANEW + (end - (1 << 32)) as u32)

@@ -1,7 +1,7 @@
 //! Content of the engine's checkpoint, and start from a checkpoint.
 //!
-//! Tracks write themselves when they change ([`Tracks::keep`](crate::tables::tracks::Tracks)); learned properties of
-//! sources are written in turn when the caller has time ([`Engine::keep_learned`]), without other effects.
+//! Tracks are written at each change ([`Tracks::keep`](crate::tables::tracks::Tracks)); learned properties of sources
+//! are written in turn when the caller has time ([`Engine::keep_learned`]), without other effects.
 
 use kept::{Get, Kept, kept};
 use messages::{NS_PER_S, TrackState};
@@ -21,7 +21,7 @@ use crate::tables::tracks::TrackMembership;
 
 /// Time before a kill within which the end of a track may not have been published, nanoseconds.
 const TOLD_AGAIN_NS: i64 = 5 * NS_PER_S as i64;
-/// Kinds that are written in turn.
+/// Kinds written in turn.
 const IN_TURN: [RecordKind; 4] = [
     RecordKind::Sources,
     RecordKind::Pairs,
@@ -30,7 +30,7 @@ const IN_TURN: [RecordKind; 4] = [
 ];
 
 kept! {
-    /// All that was learned of one source.
+    /// All learned properties of a source.
     struct SourceEstimates {
         models: KeptSource,
         mean_square: Option<f64>,
@@ -61,9 +61,9 @@ impl Engine {
         self.keep_learned(self.learned_records());
     }
 
-    /// Starts from the state kept by another engine. System tracks continue under their numbers; with `ends`, because
-    /// the checkpoint is too old, each is reported to `sink` as terminated. The same applies to tracks that ended
-    /// shortly before, because their end may not have been published.
+    /// Starts from the state kept by another engine. System tracks continue under the same numbers; with `ends`,
+    /// because the checkpoint is too old, each is reported to `sink` as terminated. The same applies to tracks that
+    /// ended shortly before, because the end may not have been published.
     pub fn resume(&mut self, snapshot: &Snapshot, ends: bool, sink: &mut impl Sink) {
         let passed_ns = snapshot.clock().map_or(i64::MIN, |clock| clock.passed_ns);
         self.host_clock.offset_ns = snapshot.clock().map_or(0, |clock| clock.host_offset_ns);

@@ -1,10 +1,9 @@
 //! Reports in which fusion has died.
 //!
-//! The process stores the name of each report in the checkpoint before its work
-//! ([`IN_WORK`]), and the source's position after the work. A successor that finds a name
-//! without its position has found the report in which the process died: a *suspect*. The successor works a suspect off
-//! once more, since a kill from outside can fall into any report. A report in which fusion dies twice is put in
-//! quarantine: the next successor passes over the report.
+//! The process stores the name of each report in the checkpoint before its work ([`IN_WORK`]), and the source's
+//! position after the work. A name without its position marks the report in which the process died: a *suspect*. The
+//! successor works a suspect off once more, since a kill from outside can fall into any report. A report in which
+//! fusion dies twice is put in quarantine: the next successor passes over the report.
 
 use std::sync::atomic::AtomicU64;
 use std::sync::atomic::Ordering::Relaxed;
@@ -13,8 +12,8 @@ use kept::kept;
 
 use crate::continuity::checkpoint::{IN_WORK, RecordKind, Snapshot};
 
-/// Suspects at a time. A process dies in one report, so that further places hold suspects of which a successor died
-/// before it reached them.
+/// Maximum number of suspects. A process dies in a single report: further places hold suspects not yet reached at the
+/// death of a successor.
 const SUSPECTS_MAX: usize = 4;
 /// Deaths in a report that put the report in quarantine.
 const DEATHS_MAX: u32 = 2;
@@ -35,7 +34,7 @@ kept! {
     }
 }
 
-/// What to do with a suspect.
+/// Treatment of a suspect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SuspectTreatment {
     /// Fusion has never died in the report.
@@ -47,8 +46,8 @@ pub enum SuspectTreatment {
 }
 
 impl Suspects {
-    /// Suspects that the successor of a dead process begins with: those of `snapshot`, and the report in which the
-    /// writer of `memory` died, if there is one.
+    /// Returns the first suspects of a dead process's successor: the suspects of `snapshot`, and the report in which
+    /// the writer of `memory` died, if any.
     pub fn found(memory: &[AtomicU64], snapshot: &Snapshot) -> Self {
         let mut suspects: Self = snapshot
             .all(RecordKind::Suspects)
@@ -94,7 +93,7 @@ impl Suspects {
         self.deaths.iter().any(|deaths| *deaths >= DEATHS_MAX)
     }
 
-    /// What to do with the report of this name.
+    /// Returns the treatment of the report with this name.
     pub fn verdict(&self, key: u64) -> SuspectTreatment {
         let place = self.keys.iter().position(|known| *known == key && key != 0);
         match place.map(|place| self.deaths[place]) {

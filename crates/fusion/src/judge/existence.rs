@@ -1,30 +1,30 @@
 //! Existence of targets (BF-2): decided from reports and missing reports of the sources with coverage.
 //!
-//! Every sensor has false tracks, and a system that shows every reported track shows all of them. Requiring two
-//! sources loses targets visible to one source only. The decisive quantity is the information in the silence of the
-//! other sources: if a source that tracks nineteen of twenty targets in an area has no track here, a target is
-//! unlikely; if it tracks no targets in the area, its silence has no meaning. Let pₖ be the probability that source k
-//! tracks a target at this place, configured or learned by the module `detection_map`. The log-likelihood ratio of a
-//! single source's claim is
+//! Every sensor has false tracks; a system without selection shows all false tracks. Requiring two sources loses
+//! targets visible to a single source. The decisive quantity is the information in the silence of the other sources. If
+//! a source with tracks of nineteen of twenty targets in an area has no track here, a target is unlikely. If the source
+//! tracks no targets in the area, its silence has no meaning. Let pₖ be the probability that source k tracks a target
+//! at this place, configured or learned by the module `detection_map`. The log-likelihood ratio of a single source's
+//! claim is
 //!
-//! L = Σ ln(1 − pₖ) over the silent sources with coverage + the purity of the source: the share of its new tracks that
-//! turned out to be targets (module `purity`) + a term for persistence: false tracks end with a probability of about
-//! a fifth per scan + a term for an address: noise does not answer interrogations.
+//! L = Σ ln(1 − pₖ) over the silent sources with coverage + the purity of the source: the share of targets among its
+//! new tracks (module `purity`) + a term for persistence: false tracks end with a probability of about a fifth per
+//! scan + a term for an address: noise does not answer interrogations.
 //!
-//! The silence of a source counts in proportion to the part of its period that has passed since the claim began: a
-//! source that has not looked yet is no evidence. Three sources in agreement are sufficient, and two if few tracks are
-//! false. With many false tracks, two of them coincide sometimes by chance. The ratio of an agreement is then reduced
-//! so far that the silence of the other sources, and persistence, count as well.
+//! The silence of a source counts in proportion to the elapsed part of its period since the claim began: before its
+//! first look, a source is no evidence. Three sources in agreement are sufficient, and two if few tracks are false.
+//! With many false tracks, two of them coincide sometimes by chance. The ratio of an agreement is then so small that
+//! the silence of the other sources, and persistence, count as well.
 //!
-//! A second report with the same address or MMSI, where the target can have come to, needs none of this (module
+//! A second report with the same address or MMSI, within reach of the target, needs none of this (module
 //! `recognition`).
 //!
-//! While a shown target may be the same target, seen by other sources at another point, a second track waits: the
-//! sources are not silent then. The same holds where a source disagrees with two others that agree with each other
-//! (module `alignment`): its tracks are not shown beside tracks of other sources with like velocity within
-//! `identity.reach_m`, as long as its bias is not removed. A confirmed track stays confirmed until its sources *report*
-//! that they no longer detect the target: each miss since the last report of any source adds ln(1 − its probability of
-//! detection). The probability of existence that follows from L and the misses is published.
+//! While a shown target may be the same target, observed by other sources at another point, a second track waits: the
+//! sources are not silent then. The same holds for a source in conflict with two other sources in agreement (module
+//! `alignment`). Until the removal of its bias, its tracks are not shown beside tracks of other sources with like
+//! velocity within `identity.reach_m`. A confirmed track stays confirmed until its sources *report* the loss of the
+//! target: each miss since the last report of any source adds ln(1 − its probability of detection). The probability of
+//! existence from L and the misses is published.
 //!
 //! Source: D. Mušicki, R. Evans, S. Stankovic, *Integrated probabilistic data association*, IEEE Transactions on
 //! Automatic Control 39 (1994), for the recursion of existence.
@@ -36,10 +36,10 @@ pub(crate) fn probability(log_odds: f64) -> f64 {
     1.0 / (1.0 + (-log_odds).exp())
 }
 
-/// Evidence for a target that only one source reports.
+/// Evidence for a target reported by a single source.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SingleSourceClaim {
-    /// Σ ln(1 − pₖ) over the sources that are silent.
+    /// Σ ln(1 − pₖ) over the silent sources.
     pub(crate) silence: f64,
     /// Logarithm of the odds that a new track of the source is a target.
     pub(crate) purity: f64,

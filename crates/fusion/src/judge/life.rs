@@ -1,20 +1,19 @@
-//! The life of a system track: tentative, confirmed, coasted, suspended, terminated (QF-8), by evidence where there is
-//! any.
+//! Life of a system track: tentative, confirmed, coasted, suspended, terminated (QF-8), by evidence if available.
 //!
-//! A track becomes tentative with its first report, and confirmed once the evidence suffices. A confirmed track coasts
-//! if no source has reported the target for a while, and is suspended a life time after the last report: it is shown
-//! no more, but its number rests for `numbers.rest_s`, and a target that comes back resumes it (module `resumption`).
-//! A track ends in one of five ways:
+//! A track becomes tentative with its first report, and confirmed with sufficient evidence. A confirmed track coasts
+//! after a while without reports, and is suspended a life time after the last report. A suspended track is not shown,
+//! but its number rests for `numbers.rest_s`; a returning target resumes the track (module `resumption`). A track ends
+//! in any of five ways:
 //!
-//! - Without reports: `tentative_ns` after the last report of a tentative track that was never shown and has no
-//!   identity by which its target could come back, at the end of the rest any other (module `lifetimes` derives the
-//!   times from the sources' periods, module `rhythm` from the target's own intervals).
-//! - Suspended, if too many others are suspended, or a new track needs its place.
+//! - Without reports: a tentative track, never shown and without an identity for a return of its target, ends
+//!   `tentative_ns` after its last report. Any other track ends after the rest of its number (module `lifetimes`
+//!   derives the times from the sources' periods, module `rhythm` from the target's own intervals).
+//! - Suspended, if too many others are suspended, or a new track needs the place.
 //! - By a merge into another track (module `linking`).
 //! - By an order (module `orders`).
 //! - In a start from a checkpoint, if the stored track has become too old (module `restore`).
 //!
-//! A target that its sources should detect but do not is withheld: its track is tentative until the next detection.
+//! A target missed by its sources despite coverage is withheld: its track is tentative until the next detection.
 
 use messages::{Counter, DecisionKind, NO_SOURCE, NS_PER_S, SensorTrack, TrackState};
 use serde::{Deserialize, Serialize};
@@ -31,34 +30,34 @@ use crate::tables::silent_tracks::SUSPENDED_MAX;
 use crate::tables::system_tracks::SystemSlot;
 use crate::tables::tracks::Tracks;
 
-/// Time between two looks, per system track, at which sources follow it, nanoseconds.
+/// Time between two looks at the followers of a system track, nanoseconds.
 const COVERAGE_EVERY_NS: i64 = 4_000_000_000;
 
-/// Share of the silence that does not count where a track teaches coverage: the silence rests on that coverage.
+/// Ineffective share of the silence for a track that teaches coverage: the silence rests on that coverage.
 const UNTAUGHT: f64 = 0.3;
 /// Distance within which another track of a source may be the source's track of the target, metres.
 const NEAR_M: f64 = 1000.0;
-/// Looks that every source with coverage is given before a claim that it does not support is believed.
+/// Looks granted to every source with coverage before an unsupported claim is accepted.
 const CHANCE_LOOKS: f64 = 1.0;
-/// Time for which a second track beside a target waits to be distinguished from another point of the target, in
-/// periods of the slowest source.
+/// Time for which a second track beside a target waits for distinction from another point of the target, in periods of
+/// the slowest source.
 const PATIENCE_PERIODS: f64 = 30.0;
-/// Periods of the slowest source for which a track waits beside one that its sources followed before they restarted.
+/// Waiting time of a track beside an earlier track of its sources from before a restart, in periods of the slowest
+/// source.
 const RESTART_PERIODS: f64 = 4.0;
 /// Log-likelihood ratio of two sources in agreement if as many tracks are tentative as confirmed, and the exponent of
 /// its decrease: so steep that a few tentative tracks delay no target.
 const AGREEMENT: f64 = 2.0;
 const AGREEMENT_FALLS: f64 = 5.0;
-/// Reports that confirm a target whose identity agrees (module `recognition`).
+/// Reports to confirm a target with a matching identity (module `recognition`).
 const RECOGNISED_REPORTS: u32 = 2;
-/// A source that follows fewer targets than this here need not be waited for.
+/// Share of targets followed here below which a source need not be waited for.
 const DETECTION_SELDOM: f64 = 0.1;
 
-/// Evidence and times on which the life of system tracks rests.
+/// Evidence and times for the life of system tracks.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Life {
-    /// No system track is left unlooked-at for longer than this, so that its deadline can be put off but never missed,
-    /// nanoseconds.
+    /// Longest time without a look at a system track, nanoseconds, so a deadline can be put off but never missed.
     shortest_fresh_ns: i64,
 }
 
@@ -71,9 +70,9 @@ struct ExistenceEvidence {
     log_ratio: f64,
     /// The same with a part of the silence: see [`UNTAUGHT`].
     teaching: f64,
-    /// Whether every source with coverage has had its chance.
+    /// Whether every source with coverage had its chance.
     is_ripe: bool,
-    /// Value of the decision: number of witnesses that agree, or the ratio of a single claim.
+    /// Value of the decision: number of witnesses in agreement, or the ratio of a single claim.
     stated: f64,
 }
 
@@ -111,7 +110,7 @@ impl Life {
         time_ns + self.shortest_fresh_ns
     }
 
-    /// Confirms a system track to which a report has just contributed, if there is enough evidence now.
+    /// Confirms a system track after a contribution of a report, if the evidence is sufficient now.
     pub(crate) fn update_existence<S: Sink>(
         &mut self,
         settings: &Settings,
@@ -166,7 +165,7 @@ impl Life {
         for member in tracks.contributing(system, now_ns) {
             let entry = tracks.sensors.get(member);
             if entry.is_foreign && entry.latest.state == TrackState::Confirmed as u8 {
-                // Another centre believes it, of however many sensors.
+                // Another centre confirms the track, with any number of sensors.
                 return ExistenceEvidence::certain(f64::NAN);
             }
             sources |= 1 << entry.source;
@@ -188,7 +187,7 @@ impl Life {
         }
         let (silence, had_their_chance) = self.silence(settings, tracks, (system, now_ns), sources);
         let purity = match witnesses {
-            // A single source that is no copy of another one.
+            // A single source, not a copy of another source.
             1 => tracks.sources.target_log_odds(sources.trailing_zeros() as u16),
             _ => 0.0,
         };
@@ -218,8 +217,8 @@ impl Life {
         }
     }
 
-    /// Log-likelihood ratio of the silence of all sources but `sources`, and whether each of them with coverage has
-    /// had its chance.
+    /// Log-likelihood ratio of the silence of all sources but `sources`, and whether all of the silent sources with
+    /// coverage had a chance.
     fn silence(
         &self,
         settings: &Settings,
@@ -235,7 +234,7 @@ impl Life {
             .fold(0, groups);
         let (mut silence, mut had_their_chance) = (0.0, true);
         for (index, source) in settings.sources.iter().enumerate() {
-            // What is higher than a source can see says nothing about it.
+            // The silence of a source about a target above the source's ceiling is no evidence.
             let may_see = !source.is_out && (!filter.has_height || filter.estimate.mean[2] <= source.ceiling_m);
             let is_silent =
                 groups(0, index as u16) & heard == 0 && tracks.sources.is_witness_beside(index as u16, sources);
@@ -256,7 +255,7 @@ impl Life {
         (silence, had_their_chance)
     }
 
-    /// Notes which sources follow a system track here whose target exists with the probability `existence`.
+    /// Teaches the coverage of sources from a system track with the probability of existence `existence`.
     fn learn_coverage(
         &mut self,
         settings: &Settings,
@@ -270,7 +269,7 @@ impl Life {
         let age_ns = now_ns - entry.first_seen_ns;
         let place_m = entry.filter.estimate.position_m();
         let [x, y, _] = place_m;
-        // A source with another track near by may follow the target there: it is not asked.
+        // A source with another track near by may follow the target there: the source is left out.
         let mut near = 0;
         tracks.systems.grid.near(x, y, NEAR_M, SEARCH_CELLS_MAX, |other| {
             near |= tracks.sources_of(other, now_ns);
@@ -295,7 +294,7 @@ impl Life {
             .learn(settings, Fact::Target(TargetFact::Followed(target)));
     }
 
-    /// Works off the earliest deadline before `time_ns`, up to which nothing else happens; `false` if there is none.
+    /// Processes the earliest deadline before `time_ns`, without other events until then; `false` if there is none.
     pub(crate) fn run_timer_before<S: Sink>(
         &self,
         settings: &Settings,
@@ -315,9 +314,9 @@ impl Life {
         true
     }
 
-    /// When the deadline of a system track that was looked at at `looked_ns` must be looked at again, if until
-    /// `until_ns` nothing can bring it forward: looks lie whole multiples of the shortest time apart in which that may
-    /// happen.
+    /// Time of the next look at the deadline of a system track after a look at `looked_ns`, if no event can bring the
+    /// deadline forward until `until_ns`. Looks are whole multiples of the shortest possible time to such an event
+    /// apart.
     fn look_after(&self, looked_ns: i64, until_ns: i64) -> i64 {
         let step_ns = self.shortest_fresh_ns;
         let missing_ns = until_ns.saturating_sub(looked_ns).saturating_sub(1);
@@ -330,8 +329,8 @@ impl Life {
     }
 }
 
-/// Counts a system track as a target, once, in the purity of its sources: where two agree on a confirmed track, or
-/// where the track has lasted.
+/// Counts a system track as a target, once, in the purity of its sources: after the agreement of two sources on a
+/// confirmed track, or after enough reports.
 #[inline]
 fn count_target(settings: &Settings, tracks: &mut Tracks, system: SystemSlot, now_ns: i64) {
     if !tracks.systems.get(system).is_counted {
@@ -359,7 +358,7 @@ fn count_target_if_sure(settings: &Settings, tracks: &mut Tracks, system: System
     }
 }
 
-/// Counts a system track that only one source reported, and reports no more, as no target, once.
+/// Counts a system track of a single source as no target, once, after the end of its reports.
 fn count_false(settings: &Settings, tracks: &mut Tracks, system: SystemSlot) {
     let entry = tracks.systems.get_mut(system);
     if !entry.is_counted && entry.contributors.count_ones() == 1 {
@@ -447,7 +446,7 @@ fn run_timer<S: Sink>(
 /// When a confirmed system track without further reports ends, nanoseconds.
 fn ends_at(tracks: &Tracks, slot: SystemSlot) -> i64 {
     let entry = tracks.systems.get(slot);
-    // Only what is a target for certain leaves gaps; a false track is not to be shown any longer.
+    // Only certain targets have gaps; the display of a false track is not prolonged.
     let usual_ns = match entry.is_counted {
         true => tracks.sources.silence_of(entry.contributors),
         false => tracks.sources.terminate_ns(),
@@ -456,7 +455,7 @@ fn ends_at(tracks: &Tracks, slot: SystemSlot) -> i64 {
     entry.last_report_ns.saturating_add(terminate_ns)
 }
 
-/// Until when a target may take up the number of a silent system track, nanoseconds: by its identity, or else by its
+/// Time until which a target may resume the number of a silent system track, nanoseconds: by identity, or else by
 /// motion alone.
 pub(crate) fn rests_until(settings: &Settings, tracks: &Tracks, slot: SystemSlot, by_identity: bool) -> i64 {
     let numbers = &settings.numbers;
@@ -467,9 +466,9 @@ pub(crate) fn rests_until(settings: &Settings, tracks: &Tracks, slot: SystemSlot
     ends_at(tracks, slot).saturating_add(rest_ns)
 }
 
-/// Whether the target of a system track that rests can come back by its identity: by its address, or by the number of a
-/// sensor track that its source believes. The latter holds so long only where long silences are to be expected: sources
-/// give numbers to other targets.
+/// Whether the target of a resting system track can return by identity: by its address, or by the number of a sensor
+/// track confirmed by its source. The number is valid for this time only with long expected silences: sources reuse
+/// numbers for other targets.
 fn is_known(tracks: &Tracks, slot: SystemSlot) -> bool {
     let entry = tracks.systems.get(slot);
     let is_believed = |member: &SensorEntry| member.latest.state == TrackState::Confirmed as u8;
@@ -478,7 +477,7 @@ fn is_known(tracks: &Tracks, slot: SystemSlot) -> bool {
         || is_seldom && tracks.member_entries(slot).any(|(_, member)| is_believed(member))
 }
 
-/// Takes a system track that no source reports out of the picture and lets its number rest.
+/// Removes a system track without reports from the picture and lets its number rest.
 fn suspend<S: Sink>(settings: &Settings, tracks: &mut Tracks, slot: SystemSlot, now_ns: i64, out: &mut Outlet<'_, S>) {
     if tracks.systems.count_in_state(TrackState::Suspended) >= SUSPENDED_MAX
         && let Some(oldest) = tracks.systems.longest_suspended(None)
@@ -486,7 +485,7 @@ fn suspend<S: Sink>(settings: &Settings, tracks: &mut Tracks, slot: SystemSlot, 
         end(settings, tracks, oldest, now_ns, 0, out);
     }
     tracks.suspend(slot);
-    // A track with an address that was never shown may still turn out to be a target.
+    // A track with an address, never shown so far, may still turn out to be a target.
     let entry = tracks.systems.get(slot);
     if entry.was_shown || entry.identity.unique_number().is_none() {
         count_false(settings, tracks, slot);
@@ -495,7 +494,7 @@ fn suspend<S: Sink>(settings: &Settings, tracks: &mut Tracks, slot: SystemSlot, 
     publish_extrapolated(settings, tracks, slot, now_ns, out);
 }
 
-/// Counts that a contributing source has seen nothing, `misses` times in a row, where it expected a target.
+/// Counts a miss of a contributing source with an expected target, the last of `misses` in a row.
 pub(crate) fn count_miss<S: Sink>(
     settings: &Settings,
     tracks: &mut Tracks,
@@ -522,8 +521,8 @@ pub(crate) fn count_miss<S: Sink>(
     }
 }
 
-/// Makes a system track tentative again because its sources no longer detect the target: it is withheld until the
-/// next detection.
+/// Makes a system track tentative again after its sources lost the target: the track is withheld until the next
+/// detection.
 #[cold]
 pub(crate) fn suppress<S: Sink>(
     settings: &Settings,

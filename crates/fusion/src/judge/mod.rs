@@ -1,4 +1,4 @@
-//! Judge: whether there is a target, and how long its track lives.
+//! Judge: existence of targets, and life times of tracks.
 
 pub(crate) mod existence;
 pub(crate) mod life;

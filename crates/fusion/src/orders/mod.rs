@@ -1,7 +1,7 @@
-//! Orders of operators, as the engine obeys them.
+//! Orders of operators, and execution by the engine.
 //!
-//! Effects on settings (condition, out, eta, k, rule) are a function of the configuration and of the orders in force:
-//! each change of the table applies all of them anew, in the order of their numbers (module `settings`). Effects on
+//! Effects on settings (condition, out, eta, k, rule) are a function of the configuration and of the orders in force.
+//! Each change of the table applies all orders anew, in the order of their numbers (module `settings`). Effects on
 //! tracks (drop, join, split, renumber) happen once; the table then keeps the tracks apart or together (module
 //! `tracks`). The checkpoint holds the table, so orders survive the process.
 
@@ -129,7 +129,7 @@ impl Engine {
         self.apply_orders();
     }
 
-    /// Ends the orders whose time is over at `time_ns`, and looks at the tracks of the others.
+    /// Ends the orders expired at `time_ns`, and looks at the tracks of the other orders.
     #[cold]
     pub(crate) fn look_at_orders(&mut self, time_ns: i64, sink: &mut impl Sink) {
         while let Some(place) = self
@@ -177,7 +177,7 @@ impl Engine {
         self.apply_orders();
     }
 
-    /// Resumes the table of a former process, whose system tracks live already.
+    /// Resumes the table of a former process; the system tracks live already.
     pub(crate) fn resume_orders(&mut self, records: impl Iterator<Item = (usize, OrderRecord)>, sink: &mut impl Sink) {
         for (place, record) in records {
             if let Some(to) = self.orders.records.get_mut(place) {

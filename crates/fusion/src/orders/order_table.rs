@@ -12,11 +12,11 @@ pub(crate) const IN_FORCE_MAX: usize = 64;
 pub(crate) const PLACES: usize = 2 * IN_FORCE_MAX;
 /// Time between two looks at the tracks of orders, nanoseconds.
 pub(crate) const WATCH_NS: i64 = 1_000_000_000;
-/// Maximum number of sensor tracks that one order keeps from starting a system track.
+/// Maximum number of sensor tracks that an order keeps from starting a system track.
 const BLOCKED_MAX: usize = 16;
 
 kept! {
-    /// One order with its state.
+    /// An order with its state.
     #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
     pub(crate) struct OrderRecord {
         pub(crate) words: [u64; ORDER_WORDS],
@@ -31,7 +31,7 @@ kept! {
         pub(crate) blocked_count: u8,
         /// Time of the latest report of these.
         pub(crate) blocked_ns: i64,
-        /// Time since which the tracks have been too far apart; `i64::MAX`: they are not.
+        /// Time since which the tracks have been too far apart; `i64::MAX` otherwise.
         pub(crate) apart_since_ns: i64,
     }
 }

@@ -1,7 +1,7 @@
 //! Orders that change system tracks: drop, join, split, renumber.
 //!
 //! A joined track stays together, and the parts of a split track stay apart, until the order ends. The order ends by
-//! itself as soon as a track has ended, or the measured distance has exceeded [`APART_D2`] for [`APART_NS`]: a joined
+//! itself as soon as a track has ended, or the measured distance has exceeded [`APART_D2`] for [`APART_NS`]. A joined
 //! track then consists of two targets, and split parts no longer need the order.
 
 use estimation::{ComparedComponents, Gaussian, statistical_distance};
@@ -106,7 +106,7 @@ impl Engine {
         life::end(&self.settings, &mut self.tracks, system, time_ns, 0, out);
     }
 
-    /// Makes one system track of two and keeps it together.
+    /// Joins two system tracks and keeps the joined track together.
     pub(super) fn join_tracks(&mut self, order: &Order, record: &mut OrderRecord, sink: &mut impl Sink) {
         let (Some(one), Some(other)) = (self.live_track(order.track), self.live_track(order.other_track)) else {
             return;
@@ -177,7 +177,7 @@ impl Engine {
         life::publish(settings, tracks, system, out);
     }
 
-    /// Sets the bonds of the tracks of one order.
+    /// Sets the bonds of the tracks of an order.
     fn bind(&mut self, record: &OrderRecord) {
         let bonds = match record.kind() {
             Some(OrderKind::Join) => [Bond::Joined, Bond::Free],

@@ -1,12 +1,12 @@
 //! Borders: owners of targets, if centres have regions.
 //!
-//! Each centre has regions of the ground, polygons. The centre of the region with a target owns the target. A target
-//! that flies along a border must not change its owner at every turn: it is handed over after it has been beyond the
-//! border, by some distance, for some time. Both centres decide by their own track pictures, which are nearly equal.
+//! Each centre has regions of the ground, polygons. The centre of the region with a target owns the target. A target in
+//! flight along a border must not change its owner at every turn: the handover follows after some time beyond the
+//! border, by some distance. Both centres decide by their own track pictures, which are nearly equal.
 //!
-//! A target keeps its number at each centre, independent of its owner; a track owned by another centre contains its
-//! number there. Near the border, both numbers are therefore known on both sides. A silent owner gives no number: the
-//! track is then owned locally until the owner returns.
+//! A target keeps its number at each centre, independent of its owner; a track owned by another centre contains the
+//! target's number there. Near the border, both numbers are therefore known on both sides. A silent owner gives no
+//! number: the track is then owned locally until the owner returns.
 //!
 //! Other centres receive the targets in a strip along the border: targets in the region of another centre, or nearer
 //! to the region than the width of the strip.
@@ -22,18 +22,18 @@ use crate::settings::region::Region;
 pub(crate) struct Ownership {
     /// `origin` of the owning centre, if another; else 0.
     other: u32,
-    /// Number of the track there; 0 while that centre does not contribute.
+    /// Number of the track at the owning centre; 0 while that centre does not contribute.
     number: u32,
-    /// Whether it was ever decided.
+    /// Whether ownership was ever decided.
     is_known: bool,
-    /// Since when the target has been in the region of another centre than that which owns it, ns.
+    /// Time since when the target has been in a region of a centre other than the owner, ns.
     since_ns: Option<i64>,
 }
 
 impl Ownership {
-    /// Decides by where the target is at `now_ns`, east and north, metres.
+    /// Decides by the place of the target at `now_ns`, east and north, metres.
     pub(crate) fn look(&mut self, settings: &BorderSettings, place: [f64; 2], now_ns: i64) {
-        // An owner that is silent owns nothing that anybody could ask for: it must be heard anew.
+        // A silent owner owns nothing that other centres could request: a new report of the owner is required.
         self.number = 0;
         let here = settings.regions.iter().find(|region| region.contains(place));
         let Some(here) = here.filter(|region| !self.is_known || self.other != other(region)) else {
@@ -69,7 +69,7 @@ impl Ownership {
     }
 }
 
-/// Origin of a region of another centre; 0 for one of the own.
+/// Origin of a region of another centre; 0 for an own region.
 fn other(region: &Region) -> u32 {
     if region.is_own { 0 } else { region.origin }
 }
@@ -80,7 +80,7 @@ mod tests {
 
     use super::*;
 
-    /// East of 0 is the other centre's, of which the west knows a rectangle.
+    /// East of 0 is the other centre's region, a rectangle as configured in the west.
     fn settings() -> BorderSettings {
         let region = |origin, is_own, east: [f64; 2]| Region {
             origin,
@@ -101,7 +101,7 @@ mod tests {
         let mut owner = Ownership::default();
         let mut changes = Vec::new();
         for second in 0..200i64 {
-            // Along the border first, on both sides of it, then over it.
+            // Along the border first, on both sides, then across.
             let east_m = if second < 100 {
                 400.0 * (second as f64).sin()
             } else {

@@ -6,7 +6,7 @@ use crate::engine_counters::EngineCounters;
 use crate::explanation::Sink;
 use crate::update::filter_input::FilterInput;
 
-/// The counters, and the message that is being written: a large one, filled anew each time and never copied here.
+/// The counters, and the message in preparation: a large message, filled anew each time and never copied here.
 #[derive(Debug)]
 pub(crate) struct EngineOutbox {
     pub(crate) counts: EngineCounters,
@@ -35,7 +35,7 @@ pub(crate) struct Outlet<'a, S> {
 }
 
 impl<S: Sink> Outlet<'_, S> {
-    /// Passes on the message written by `write` from the previous message. `false` if its state is not finite: the
+    /// Passes on the message written by `write` from the previous message. `false` for a state that is not finite: the
     /// message is then dropped and counted.
     pub(crate) fn track(&mut self, write: impl FnOnce(&mut SystemTrack)) -> bool {
         let message = &mut self.outbox.message;
@@ -64,7 +64,7 @@ impl<S: Sink> Outlet<'_, S> {
         self.sink.decision(decision);
     }
 
-    /// Passes on what a filter has received, where somebody follows that.
+    /// Passes on the input of a filter, if a receiver is present.
     #[inline]
     pub(crate) fn input(&mut self, input: impl FnOnce() -> FilterInput) {
         if self.sink.follows_inputs() {

@@ -1,4 +1,4 @@
-//! When a system track is weighed, and which state it has then.
+//! Times of weighing system tracks, and the resulting states.
 
 use serde::{Deserialize, Serialize};
 
@@ -31,7 +31,7 @@ pub(crate) struct TrackPublisher {
     pub(crate) accuracies: Accuracies,
     #[serde(skip)]
     weighed: Box<Weighed>,
-    /// Variance per axis that is added to states from the filter, m²: see [`Self::set_common_error`].
+    /// Variance per axis added to states from the filter, m²: see [`Self::set_common_error`].
     common_error_m2: f64,
 }
 
@@ -51,7 +51,7 @@ impl TrackPublisher {
         self.rule = rule;
     }
 
-    /// The rule that weighs.
+    /// The rule for weighing.
     pub(crate) fn rule(&self) -> &'static RuleEntry {
         self.rule
     }
@@ -66,7 +66,7 @@ impl TrackPublisher {
         self.common_error_m2
     }
 
-    /// Weighs the system track that a report of a primary source has updated, unless states come at uniform times.
+    /// Weighs a system track after a report of a primary source, unless states come at uniform times.
     pub(crate) fn refresh<S: Sink>(
         &mut self,
         settings: &Settings,
@@ -79,13 +79,13 @@ impl TrackPublisher {
         if settings.refresh_s.is_none() {
             self.weigh(settings, tracks, (system, reference_ns, Some(report)), out);
         } else if learns(&settings.sources, report.source) {
-            // A report teaches once, however often its system track is weighed.
+            // A report teaches once, even if its system track is weighed several times.
             self.gather(settings, tracks, system, reference_ns);
             self.learn(&settings.sources, report.source);
         }
     }
 
-    /// Weighs every live system track at `time_ns`, in the order of their places in the table.
+    /// Weighs every live system track at `time_ns`, in the order of the table.
     pub(crate) fn weigh_all<S: Sink>(
         &mut self,
         settings: &Settings,
@@ -112,7 +112,7 @@ impl TrackPublisher {
         weigher.gather(system, reference_ns, &mut self.weighed);
     }
 
-    /// Lets the accuracy of `source` learn from its residual.
+    /// Updates the accuracy of `source` from its residual.
     fn learn(&mut self, sources: &[SourceSettings], source: u16) {
         let mut candidates = self.weighed.candidates().iter();
         if let Some(residual) = candidates.find(|c| c.source == source).and_then(|c| c.residual) {
@@ -120,8 +120,8 @@ impl TrackPublisher {
         }
     }
 
-    /// Weighs the contributions to a system track at a reference time, and stores and publishes the state. The cause
-    /// is the report that triggered this.
+    /// Weighs the contributions to a system track at a reference time, and stores and publishes the state. The cause is
+    /// the triggering report.
     fn weigh<S: Sink>(
         &mut self,
         settings: &Settings,
@@ -184,7 +184,7 @@ impl TrackPublisher {
         settings.is_in_strip([east, north])
     }
 
-    /// Decides which centre owns the target.
+    /// Decides the owner of the target.
     #[cold]
     fn find_owner(&self, settings: &BorderSettings, tracks: &mut Tracks, system: SystemSlot) {
         let entry = tracks.systems.get(system);
@@ -265,7 +265,7 @@ impl TrackPublisher {
         is_usable
     }
 
-    /// Joins the state of the local sources, if it `is_usable`, with those of other centres; returns whether there
+    /// Joins the state of the local sources, if it `is_usable`, with the states of other centres; returns whether there
     /// are any.
     #[cold]
     fn join_centres(
@@ -328,8 +328,8 @@ impl TrackPublisher {
     }
 }
 
-/// Lists, after the contributions, `contributors` (sources, as bits) that no longer contribute: their information is
-/// in the state.
+/// Lists, after the contributions, `contributors` (sources, as bits) without a present contribution: their information
+/// is in the state.
 fn list_contributors(message: &mut SystemTrack, sources: &[SourceSettings], contributors: u64) {
     for (number, source) in (0..).zip(sources) {
         let is_listed = message.contributions().iter().any(|listed| listed.source == number);
@@ -349,7 +349,7 @@ fn list_contributors(message: &mut SystemTrack, sources: &[SourceSettings], cont
     }
 }
 
-/// Restarts a state that is not finite with the latest report of a member.
+/// Restarts a state with non-finite values from the latest report of a member.
 #[cold]
 fn restart(tracks: &mut Tracks, system: SystemSlot) {
     if let Some(member) = tracks.systems.get(system).members {

@@ -16,13 +16,14 @@ use crate::tables::tracks::Tracks;
 
 const NS_PER_MS: i64 = 1_000_000;
 
-/// Age that a level may have, for a source that reports every `period_ns`: two periods, and a tenth since no antenna
-/// turns quite evenly.
+/// Maximum age of a level, for a source with the period `period_ns`: two periods, and a tenth for uneven turns of the
+/// antenna.
 fn level_age_max_ns(period_ns: i64) -> i64 {
     period_ns * 22 / 10
 }
 
-/// Publishes that the life of a system track has changed without a report. At uniform times, the next refresh shows it.
+/// Publishes a change of the life of a system track without a report. At uniform times, the next refresh shows the
+/// change.
 pub(crate) fn publish_change<S: Sink>(
     settings: &Settings,
     tracks: &mut Tracks,
@@ -48,7 +49,7 @@ pub(crate) fn publish_extrapolated<S: Sink>(
     entry.state = entry
         .state
         .at(now_ns.max(entry.state.time_ns), settings.process_noise_m2ps3);
-    // A state that was finite when it was formed stays so on its way.
+    // A finite state stays finite when extrapolated.
     out.track(|message| write(message, settings, tracks, slot, None, None));
     // Another centre lets the number rest by itself.
     let has_ended = matches!(
@@ -126,7 +127,7 @@ pub(crate) fn write(
     let listed_before = std::mem::replace(&mut message.contribution_count, members.len() as u16);
     let flag = |is_set: bool, flag| if is_set { flag } else { 0 };
     let mut heaviest = 0.0;
-    // Newest level of all that support the track now.
+    // Newest level of all present supporters of the track.
     let (mut level, mut level_age_ns) = (0, i64::MAX);
     let weighed = members.iter().zip(shares.iter().zip(candidates));
     for (place, (member, (share, candidate))) in message.contributions.iter_mut().zip(weighed) {
@@ -180,7 +181,7 @@ pub(crate) fn write(
     message.contributions[left_over].fill(Contribution::default());
 }
 
-/// Lists, after the contributions, other centres that tracked the target and are silent now.
+/// Lists, after the contributions, other centres with an earlier track of the target that are silent now.
 #[cold]
 pub(crate) fn list_silent_centres(message: &mut SystemTrack, tracks: &Tracks, slot: SystemSlot) {
     for member in tracks.members(slot) {

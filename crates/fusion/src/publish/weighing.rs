@@ -1,9 +1,9 @@
-//! Weighing: from the contributions of one system track to its state at a reference time.
+//! Weighing: from the contributions of a system track to the track's state at a reference time.
 //!
-//! Each source that speaks for a system track contributes its latest report, brought to the reference time. What is
-//! known of it besides (its accuracy value, age, quality index …) goes with it to the rule as a [`Candidate`]; the rule
-//! gives each its share and the state they yield together. Rules that take the state from the target's filter need
-//! nothing of the contributions but their share in it.
+//! Each source in support of a system track contributes its latest report, brought to the reference time. Further
+//! properties (accuracy value, age, quality index …) go to the rule as a [`Candidate`]. The rule gives each
+//! contribution its share and yields the common state. Rules with states from the target's filter need only the share
+//! of each contribution.
 
 use fusion_rules::candidate::{candidate_of, value};
 use messages::{CONTRIBUTIONS_MAX, SensorTrack, TrackState, sensor_track_bits};
@@ -22,16 +22,16 @@ pub(crate) struct Weigher<'a> {
     pub(crate) settings: &'a Settings,
     pub(crate) tracks: &'a Tracks,
     pub(crate) accuracies: &'a Accuracies,
-    /// Method of the rule that the contributions are gathered for.
+    /// Method of the rule for the gathered contributions.
     pub(crate) method: RuleMethod,
 }
 
-/// What contributions state of a target beside its motion.
+/// Description of a target by its contributions, beside its motion.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Stated {
     pub(crate) alerts: u8,
     pub(crate) on_ground: bool,
-    /// Whether one states a group or a type.
+    /// Whether any contribution states a group or a type.
     pub(crate) is_described: bool,
 }
 
@@ -44,22 +44,21 @@ impl Stated {
     }
 }
 
-/// The contributions to one system track and what the rule makes of them; `len` entries of each array hold something.
-/// Large, and so kept and filled anew for each system track.
+/// The contributions to one system track and the result of the rule; `len` entries of each array are in use. Large, and
+/// so kept and filled anew for each system track.
 #[derive(Debug)]
 pub(crate) struct Weighed {
     members: [SensorSlot; CONTRIBUTIONS_MAX],
     candidates: [Candidate; CONTRIBUTIONS_MAX],
     shares: [Share; CONTRIBUTIONS_MAX],
     len: usize,
-    /// All that contribute, also those for which there is no room.
+    /// Number of all contributions, also those without room.
     contributing: u16,
     /// Whether another centre tracks the target, or has done so.
     has_centres: bool,
-    /// What the members state of the target beside its motion.
+    /// The members' statements on the target beside its motion.
     stated: Stated,
-    /// Keys by which members are sorted, greatest first: source, order in the list of members, and place, from the
-    /// highest bits on.
+    /// Sort keys of members, greatest first: source, order in the list of members, and place, from the highest bits on.
     keys: [u64; CONTRIBUTIONS_MAX],
 }
 
@@ -84,7 +83,7 @@ impl Weighed {
         &self.members[..self.len]
     }
 
-    /// Number of all contributing sensor tracks. Of more than can be held those of the first sources are.
+    /// Number of all contributing sensor tracks. If not all can be held, the first sources are.
     pub(crate) fn contributing(&self) -> u16 {
         self.contributing
     }
@@ -94,12 +93,12 @@ impl Weighed {
         self.has_centres
     }
 
-    /// What the members state of the target beside its motion.
+    /// The members' statements on the target beside its motion.
     pub(crate) fn stated(&self) -> Stated {
         self.stated
     }
 
-    /// Collects what the members state: others have been taken in.
+    /// Collects the members' statements after the addition of others.
     pub(crate) fn collect_stated(&mut self, tracks: &Tracks) {
         self.stated = Stated::default();
         for member in &self.members[..self.len] {
@@ -107,18 +106,18 @@ impl Weighed {
         }
     }
 
-    /// One per member.
+    /// One candidate per member.
     pub(crate) fn candidates(&self) -> &[Candidate] {
         &self.candidates[..self.len]
     }
 
-    /// One per member.
+    /// One share per member.
     pub(crate) fn shares(&self) -> &[Share] {
         &self.shares[..self.len]
     }
 
-    /// Lets a rule weigh the contributions that were gathered at `reference_ns` for a target whose state so far is
-    /// `last`. `None` if it can use none of them.
+    /// Weighs by a rule the contributions gathered at `reference_ns`; `last` is the previous state of the target.
+    /// `None` if the rule can use no contribution.
     pub(crate) fn fuse(
         &mut self,
         rule: RuleFunction,
@@ -139,7 +138,7 @@ impl Weighed {
         rules::fuse(rule, &settings.rule, &target, memory, &mut self.shares[..self.len])
     }
 
-    /// Gives each contribution its share in the target's filter. `false` if there is none.
+    /// Gives each contribution its share in the target's filter. `false` without contributions.
     pub(crate) fn share_out(&mut self) -> bool {
         if self.len == 0 {
             return false;
@@ -148,8 +147,8 @@ impl Weighed {
         true
     }
 
-    /// Joins the state of the `own` contributions, if there is one, with those of other centres, which are taken in
-    /// among the contributions. `None`, and nothing is, if that cannot be.
+    /// Joins the state of the `own` contributions, if any, with the states of other centres, and adds these to the
+    /// contributions. `None`, without any addition, if the states cannot be joined.
     pub(crate) fn join_centres(
         &mut self,
         own: Option<&State>,
@@ -184,7 +183,7 @@ impl Weighed {
         Some(state)
     }
 
-    /// Gives each contribution its accuracy value.
+    /// Computes the accuracy value of each contribution.
     fn value(&mut self) {
         value(&mut self.candidates[..self.len]);
     }
@@ -220,8 +219,8 @@ impl Weigher<'_> {
         }
     }
 
-    /// The contributions to `system` in the order of their sources, with their share in the filter, and nothing else
-    /// unless accuracy values are wanted.
+    /// The contributions to `system` in the order of their sources, with the share in the filter, and without further
+    /// content unless accuracy values are wanted.
     fn gather_shares(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
         let sensors = &self.tracks.sensors;
         let keys = &mut weighed.keys;
@@ -243,8 +242,8 @@ impl Weigher<'_> {
                 len -= 1;
             }
             let key = u64::from(entry.source) << 48 | u64::from(weighed.contributing) << 32 | u64::from(member);
-            // Few, and mostly from the last source to the first, since the newest member comes first: each goes to its
-            // place at once.
+            // Few members, and mostly from the last source to the first, since the newest member comes first: each goes
+            // to its place at once.
             let mut place = len;
             while place > 0 && keys[place - 1] < key {
                 keys[place] = keys[place - 1];
@@ -269,7 +268,7 @@ impl Weigher<'_> {
         }
     }
 
-    /// Gives the contributions to a filter their accuracy values.
+    /// Computes the accuracy values of contributions to a filter.
     #[inline(never)]
     fn value_shares(&self, reference_ns: i64, weighed: &mut Weighed) {
         for (member, candidate) in weighed.members[..weighed.len].iter().zip(&mut weighed.candidates) {
@@ -298,7 +297,7 @@ impl Weigher<'_> {
         weighed.value();
     }
 
-    /// The last reports of sources that are being left, though they are no longer fresh (TI-15).
+    /// The last reports of sources being left, though no longer fresh (TI-15).
     fn gather_stale(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
         let (sensors, memory) = (&self.tracks.sensors, self.tracks.systems.memory(system));
         for member in self.tracks.members(system) {
@@ -316,7 +315,7 @@ impl Weigher<'_> {
         }
     }
 
-    /// The latest report of `member` at `reference_ns`: interpolated where later ones are there, else extrapolated
+    /// The latest report of `member` at `reference_ns`: interpolated if later reports are available, else extrapolated
     /// (QF-6).
     fn state(&self, member: SensorSlot, reported: &State, reference_ns: i64) -> State {
         let between = || {
@@ -339,8 +338,8 @@ impl Weigher<'_> {
         reported.at(reference_ns, self.settings.process_noise_m2ps3)
     }
 
-    /// Observation error coefficient (TI-8) of the source of this report for its target, which is at this place and has
-    /// this velocity at the reference time.
+    /// Observation error coefficient (TI-8) of the source of this report for its target, with this place and velocity
+    /// at the reference time.
     fn alpha(&self, report: &SensorTrack, position_m: [f64; 3], velocity_mps: [f64; 3]) -> f64 {
         let target = (position_m, velocity_mps);
         let stated = StatedAccuracy {
@@ -350,8 +349,8 @@ impl Weigher<'_> {
         self.accuracies.alpha(self.settings, report.source, target, stated)
     }
 
-    /// V of `member` (TI-6). A track that its source does not believe yet is scored like one with a single report
-    /// (TI-10): its velocity is a guess.
+    /// V of `member` (TI-6). A track not yet confirmed by its source is scored like a track with a single report
+    /// (TI-10): the velocity is a guess.
     fn residual(&self, member: SensorSlot, reference_ns: i64) -> Option<[f64; 3]> {
         let sensors = &self.tracks.sensors;
         let is_believed = sensors.get(member).latest.state != TrackState::Tentative as u8;

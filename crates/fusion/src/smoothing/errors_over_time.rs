@@ -1,11 +1,11 @@
-//! The errors of the sources over a recording: which estimate holds for a report.
+//! The errors of the sources over a recording: selection of the estimate for a report.
 //!
-//! The estimate at the end of a recording is not the best for all of it: registration forgets, and the errors of a
-//! source may change. The estimate at the time of a report lacks what the reports after it show. Estimates are
-//! therefore kept as they change. For a report, the best one is that of a while later, when the memory of registration
-//! lies around the report. If the errors change sooner, it is the last one before the change: before registration has
-//! dropped the estimate, or before it has moved further than its own uncertainty explains. The first seconds after a
-//! report do not count, because a change is noticed late.
+//! The estimate at the end of a recording is not the best for all of the recording: registration forgets, and the
+//! errors of a source may change. The estimate at the time of a report lacks the evidence of later reports. Estimates
+//! are therefore kept at each change. The best estimate for a report comes from a while later, with the memory of
+//! registration around the report. If the errors change sooner, the last estimate before the change holds: before
+//! registration dropped the estimate, or before a shift beyond the estimate's own uncertainty. The first seconds after
+//! a report do not count, because a change is noticed late.
 
 use messages::NS_PER_S;
 use source_models::place_of;
@@ -16,16 +16,16 @@ use crate::update::filter_input::FilterInput;
 
 /// Time between two looks at the estimates, nanoseconds.
 const LOOK_NS: i64 = 1_000_000_000;
-/// Time that registration takes to notice a change, nanoseconds.
+/// Time for registration to notice a change, nanoseconds.
 const NOTICED_NS: i64 = 6_000_000_000;
-/// Change of an error relative to its standard deviation from which an estimate is kept, and from which the error
-/// itself has changed.
+/// Change of an error relative to its standard deviation: threshold to keep an estimate, and threshold for a change of
+/// the error itself.
 const KEPT: f64 = 0.1;
 const CHANGED: f64 = 5.0;
-/// Share of the samples left after which an estimate has been dropped.
+/// Remaining share of the samples below which an estimate counts as dropped.
 const DROPPED: f64 = 0.5;
 
-/// Estimates of the errors of all sources, as they changed.
+/// Estimates of the errors of all sources, by change.
 #[derive(Debug, Default)]
 pub(super) struct ErrorsOverTime {
     /// By source, in the order of time.
@@ -38,7 +38,7 @@ pub(super) struct ErrorsOverTime {
 struct Estimate {
     time_ns: i64,
     errors: SourceErrors,
-    /// Place of the estimate that holds for reports of this time.
+    /// Index of the valid estimate for reports of this time.
     best: usize,
 }
 
@@ -96,7 +96,7 @@ impl ErrorsOverTime {
     }
 }
 
-/// Whether an estimate differs from the one kept last.
+/// Whether an estimate differs from the last kept estimate.
 fn is_news(last: &SourceErrors, now: &SourceErrors) -> bool {
     let moved = |row: usize| (now.errors[row] - last.errors[row]).powi(2) > KEPT * KEPT * now.variances[row];
     now.removed != last.removed || is_dropped(last, now) || (0..ERRORS).any(moved)

@@ -1,4 +1,4 @@
-//! What a smoother knows beside the measurements: how targets move, and the errors of the sources.
+//! Knowledge of a smoother beside the measurements: motion of targets, and errors of the sources.
 
 use messages::SensorTrack;
 use source_models::{Correction, Motion};
@@ -7,17 +7,17 @@ use super::errors_over_time::ErrorsOverTime;
 use crate::Engine;
 use crate::update::filter_input::{Assumed, FilterInput};
 
-/// Factors on how targets move, as the filters assume it.
+/// Factors on the motion of targets assumed by the filters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MotionFactors {
     /// On the noise of straight motion.
     pub(super) steady: f64,
-    /// On the mean time for which targets fly straight.
+    /// Factor on the mean time of straight flight.
     pub(super) straight: f64,
 }
 
 impl MotionFactors {
-    /// As the filters assume it.
+    /// The assumption of the filters.
     pub(super) const ONE: Self = Self {
         steady: 1.0,
         straight: 1.0,
@@ -71,7 +71,7 @@ impl Knowledge for Afterwards<'_> {
     }
 }
 
-/// As fusion has assumed it at the time of each input.
+/// The assumption of fusion at the time of each input.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AsAssumed(pub(super) Assumed);
 

@@ -1,18 +1,18 @@
-//! Smoothed states while fusion runs: those of some seconds ago, with the measurements since then.
+//! Smoothed states while fusion runs: states some seconds old, with the measurements since then.
 //!
-//! A [`LagSmoother`] takes the inputs of all filters and the published states, in the order in which fusion emits them.
-//! A state waits until its track has one that is a *lag* later. Then the smoother of [`super`] runs over the inputs
-//! since the last smoothed state, and the waiting states up to the lag leave with smoothed kinematics. The filters at
-//! the last of them are kept, and the next run begins there. The result equals that of the smoother over the whole
-//! trajectory so far, apart from the speeds and courses on which the models depend: for what lies behind they stay as
-//! they were found.
+//! A [`LagSmoother`] takes the inputs of all filters and the published states, in the order of emission by fusion. A
+//! state waits until its track has a state a *lag* later. Then the smoother of [`super`] runs over the inputs since the
+//! last smoothed state, and the waiting states up to the lag leave with smoothed kinematics. The filters at the last of
+//! these states are kept as the start of the next run. The result equals a run of that smoother over the whole
+//! trajectory so far, apart from the speeds and courses for the models. Before the start of a run, speeds and courses
+//! stay unchanged.
 //!
-//! The errors of sources and the motion of targets are those that fusion has assumed at each time. Later inputs do not
-//! change states that have left: a measurement that comes later than the lag is not used.
+//! The errors of sources and the motion of targets are the assumptions of fusion at each time. Later inputs do not
+//! change states after output: a measurement later than the lag is not used.
 //!
 //! The result depends only on the order of inputs and states, so live data and files give the same states. Work and
-//! memory are bounded: at most two states a second of a track are smoothed, and the states of a
-//! track with very many inputs wait less.
+//! memory are bounded: at most two states a second of a track are smoothed, and the states of a track with very many
+//! inputs wait less.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -27,7 +27,7 @@ use crate::update::filter_input::{Assumed, FilterInput};
 const SPACING_NS: i64 = 500_000_000;
 /// A run smooths the states of at least this part of the lag together.
 const TOGETHER: i64 = 4;
-/// Most inputs of a track that wait.
+/// Most waiting inputs of a track.
 const INPUTS_MAX: usize = 512;
 
 /// Smoother of all system tracks, some seconds behind.
@@ -40,18 +40,18 @@ pub struct LagSmoother {
 
 #[derive(Debug, Default)]
 struct LaggingTrack {
-    /// The filters after the last smoothed state; `None` where the stretch begins with the first input.
+    /// The filters after the last smoothed state; `None` for a stretch from the first input.
     base: Option<Base>,
     /// Inputs since then, in the order of time.
     inputs: Vec<FilterInput>,
-    /// States that wait, and the latest state, which may wait or not.
+    /// Waiting states, and the latest state, waiting or not.
     waiting: VecDeque<SystemTrack>,
     latest: Option<(i64, u8)>,
     assumed: Option<Assumed>,
 }
 
 impl LagSmoother {
-    /// Creates a smoother that is so far behind, nanoseconds.
+    /// Creates a smoother with this lag, nanoseconds.
     pub fn new(lag_ns: i64) -> Self {
         Self {
             lag_ns,
@@ -59,7 +59,7 @@ impl LagSmoother {
         }
     }
 
-    /// Takes the next input of a filter. States that leave go to `out`.
+    /// Takes the next input of a filter. Finished states go to `out`.
     pub fn input(&mut self, input: &FilterInput, out: impl FnMut(&SystemTrack)) {
         let track = self.tracks.entry(input.system_track).or_default();
         track.assumed = input.assumed.or(track.assumed);
@@ -75,13 +75,13 @@ impl LagSmoother {
         if track.inputs.len() > INPUTS_MAX {
             track.smooth(track.inputs[INPUTS_MAX / 2].time_ns, out);
             if track.inputs.len() > INPUTS_MAX {
-                // No state waits among them.
+                // No state waits among these inputs.
                 track.inputs.remove(0);
             }
         }
     }
 
-    /// Takes the next state of a system track. States that leave go to `out`.
+    /// Takes the next state of a system track. Finished states go to `out`.
     pub fn state(&mut self, state: &SystemTrack, out: impl FnMut(&SystemTrack)) {
         let track = self.tracks.entry(state.track_number).or_default();
         let time_ns = state.reference_time_ns;
@@ -92,7 +92,7 @@ impl LagSmoother {
             track.waiting.push_back(*state);
             track.latest = Some((time_ns, state.state));
         }
-        // A suspended track has no states to come, and its filter begins anew if it goes on.
+        // A suspended track has no further states, and its filter restarts on resumption.
         if matches!(
             TrackState::from_code(state.state),
             Some(TrackState::Suspended | TrackState::Terminated)
@@ -107,7 +107,7 @@ impl LagSmoother {
         }
     }
 
-    /// Nothing follows: all states that wait go to `out`.
+    /// Ends the input: all waiting states go to `out`.
     pub fn finish(&mut self, mut out: impl FnMut(&SystemTrack)) {
         for track in self.tracks.values_mut() {
             track.smooth(i64::MAX, &mut out);
@@ -117,7 +117,7 @@ impl LagSmoother {
 }
 
 impl LaggingTrack {
-    /// Adds an input in its place in time. One from before the base comes too late.
+    /// Inserts an input at its place in time. An input from before the base is too late.
     fn add(&mut self, input: &FilterInput) {
         if self.base.as_ref().is_some_and(|base| input.time_ns <= base.time_ns) {
             return;
@@ -128,13 +128,13 @@ impl LaggingTrack {
             return;
         }
         let place = self.inputs.partition_point(|other| other.time_ns <= input.time_ns);
-        // Before the report with which the filter began there is nothing.
+        // The trajectory is empty before the first report of the filter.
         if place > 0 || self.base.is_some() {
             self.inputs.insert(place, *input);
         }
     }
 
-    /// Smooths the waiting states up to `until_ns`, which leave.
+    /// Smooths and emits the waiting states up to `until_ns`.
     fn smooth(&mut self, until_ns: i64, mut out: impl FnMut(&SystemTrack)) {
         let leaving = self
             .waiting
@@ -170,7 +170,7 @@ impl LaggingTrack {
                 (Ok(place), Some(assumed)) => {
                     out(&with_kinematics(&state, &smoothed[place], assumed.common_error_m2));
                 }
-                // Without a measurement of its own it stays as it is.
+                // Without a measurement of its own, the state stays unchanged.
                 _ => out(&state),
             }
         }

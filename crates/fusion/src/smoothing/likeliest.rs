@@ -1,27 +1,27 @@
-//! How targets of a recording move: which assumption makes its measurements the likeliest.
+//! Motion of targets of a recording: selection of the likeliest assumption for the measurements.
 //!
-//! A filter must expect more than most targets do, because it follows unexpected motion too late. A smoother has both
-//! sides of each moment, and the same expectation makes its covariances too large. Of the smoothed velocity three
-//! quarters of the variance come from the noise of the motion, of the position one quarter; and turns that are expected
-//! too often leave a wide tail.
+//! A filter must expect more motion than most targets have, because a filter follows unexpected motion too late. A
+//! smoother has both sides of each moment, and the same expectation makes its covariances too large. The noise of the
+//! motion accounts for three quarters of the variance of the smoothed velocity, and for a quarter of the variance of
+//! the position. Too frequent expected turns leave a wide tail.
 //!
 //! The noise of straight motion and the mean time of straight flight are therefore chosen afterwards, one after the
-//! other and from a few factors: the one with which the measurements are the likeliest. A sample of the tracks is used.
-//! The noise of turns stays: less of it would be likelier as well, but makes smoothed turns worse, because their rates
-//! lie between those of the models.
+//! other, from a few factors: the factor with the likeliest measurements. A sample of the tracks is used. The noise of
+//! turns stays: a smaller noise would be likelier as well, but makes smoothed turns worse, because real turn rates lie
+//! between the rates of the models.
 
 use super::knowledge::{Knowledge, MotionFactors};
 use super::plane::evidence;
 use super::stretch::Stretch;
 use super::trajectory::Trajectory;
 
-/// Number of inputs that are looked at.
+/// Number of inputs in the sample.
 const INPUTS_MAX: usize = 20_000;
-/// Factors that are compared.
+/// Compared factors.
 const STEADY: [f64; 5] = [1.0, 4.0, 0.25, 0.0625, 0.015625];
 const STRAIGHT: [f64; 5] = [1.0, 0.5, 2.0, 4.0, 8.0];
 
-/// The likeliest factors; `with` gives the knowledge that contains some.
+/// The likeliest factors; `with` gives the knowledge for given factors.
 pub(super) fn likeliest<'a, K: Knowledge>(
     tracks: impl Iterator<Item = &'a Trajectory>,
     with: impl Fn(MotionFactors) -> K,
@@ -42,7 +42,7 @@ pub(super) fn likeliest<'a, K: Knowledge>(
     best(STRAIGHT.map(|straight| MotionFactors { straight, ..found }), of)
 }
 
-/// The candidate with the greatest evidence; of equal ones the first.
+/// The candidate with the greatest evidence; among equal candidates the first.
 fn best<const N: usize>(candidates: [MotionFactors; N], of: impl Fn(MotionFactors) -> f64) -> MotionFactors {
     let mut found = (f64::NEG_INFINITY, MotionFactors::ONE);
     for factors in candidates {

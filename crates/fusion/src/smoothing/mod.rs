@@ -1,27 +1,27 @@
 //! Smoothed trajectories: the states of recorded system tracks from all measurements, later ones included.
 //!
-//! The engine fuses a recording once more and passes on what each filter receives ([`FilterInput`]). [`Trajectories`]
-//! collects the inputs, and the times of the published states. Once the recording has ended,
-//! [`Trajectories::smooth`] gives the state of each track at each of these times:
+//! The engine fuses a recording once more and passes on the inputs of each filter ([`FilterInput`]). [`Trajectories`]
+//! collects the inputs, and the times of the published states. After the end of the recording, [`Trajectories::smooth`]
+//! gives the state of each track at each of these times:
 //!
-//! 1. The errors of the sources are taken off as the reports around each time show them (module `errors_over_time`),
-//!    not as they were known at the time. The sizes of covariances and how targets manoeuvre are those known at the
-//!    end.
-//! 2. The measurements are brought into the order of their times. Late ones thus count like those in time. Where a late
-//!    report changes what the one after it shows, that one is replaced.
-//! 3. How straight targets fly, and for how long, is assumed as it makes the measurements the likeliest (module
+//! 1. The errors of the sources are removed as shown by the reports around each time (module `errors_over_time`), not
+//!    as known at the time. The sizes of covariances and the manoeuvres of targets are the final estimates.
+//! 2. The measurements are sorted by time. Late measurements thus count like measurements in time. If a late report
+//!    changes the measurement of the next report, that measurement is replaced.
+//! 3. The noise and the mean duration of straight flight are set to the values with the likeliest measurements (module
 //!    `likeliest`).
 //! 4. A smoother per mode of motion ([`estimation::Smoother`]) runs over the plane, another over the vertical, with the
-//!    models of the filters. It runs twice: speed and course, on which the models depend, are those of the first run.
+//!    models of the filters. There are two runs: speed and course, as parameters of the models, come from the first
+//!    run.
 //!
-//! Measurements behind the reports of sources' own trackers are recovered as for the filter, so their errors are
-//! independent. A report whose measurement cannot be recovered repeats earlier information; as in the filter, it counts
-//! as a measurement of three times its covariance.
+//! Measurements behind the reports of sources' own trackers are recovered as for the filter, so the errors are
+//! independent. A report without recoverable measurement repeats earlier information; as in the filter, the report
+//! counts as a measurement of three times its covariance.
 //!
 //! [`LagSmoother`] does the same while fusion runs, some seconds behind it.
 //!
-//! Limits: the association is that of the engine and not done again. A track that the engine begins anew has a new
-//! trajectory from there. States of other centres have no measurements and stay as they are.
+//! Limits: the association of the engine is kept, not repeated. A restart of a track by the engine begins a new
+//! trajectory. States of other centres have no measurements and stay unchanged.
 
 mod errors_over_time;
 mod knowledge;
@@ -48,7 +48,7 @@ use knowledge::Afterwards;
 use likeliest::likeliest;
 use trajectory::{SmoothedState, Trajectory};
 
-/// Probabilities from which a target surely flies straight, and from which it turns.
+/// Probabilities for sure straight flight, and for a turn.
 const SURE: f32 = 0.9;
 const PROBABLE: f32 = 0.5;
 
@@ -65,7 +65,7 @@ pub struct Trajectories {
 pub struct SmoothedTracks {
     /// By the track's number, in the order of time.
     tracks: BTreeMap<u32, Vec<SmoothedState>>,
-    /// Variance per axis of errors that no measurement shows, m².
+    /// Variance per axis of errors without evidence in measurements, m².
     common_error_m2: f64,
 }
 
@@ -84,7 +84,7 @@ impl Trajectories {
         }
     }
 
-    /// Looks at what the engine knows of the sources' errors; to be called after each report.
+    /// Reads the engine's estimates of the sources' errors; to be called after each report.
     pub fn look(&mut self, engine: &Engine) {
         self.errors.look(engine);
     }
@@ -94,11 +94,11 @@ impl Trajectories {
         self.inputs
     }
 
-    /// Smooths all trajectories with what `engine` knows at the end of the recording. `progress` receives the number of
-    /// inputs done, and ends the work by an error.
+    /// Smooths all trajectories with the knowledge of `engine` at the end of the recording. `progress` receives the
+    /// number of inputs done, and ends the work by an error.
     ///
     /// # Errors
-    /// That of `progress`.
+    /// The error of `progress`.
     pub fn smooth<E>(
         mut self,
         engine: &Engine,
@@ -137,7 +137,8 @@ impl SmoothedTracks {
     }
 }
 
-/// A state with smoothed kinematics; `common_error_m2` is the variance per axis of errors that no measurement shows.
+/// A state with smoothed kinematics; `common_error_m2` is the variance per axis of errors without evidence in
+/// measurements.
 fn with_kinematics(state: &SystemTrack, smoothed: &SmoothedState, common_error_m2: f64) -> SystemTrack {
     let mut message = *state;
     let [x, y, vx, vy] = smoothed.plane.mean;
@@ -191,7 +192,7 @@ fn set_vertical(message: &mut SystemTrack, live: &SystemTrack, smoothed: &Smooth
     message.mode_probabilities[5..].copy_from_slice(&modes);
 }
 
-/// Modes of movement, as far as they are sure.
+/// Sure modes of movement.
 fn movement(message: &SystemTrack) -> Movement {
     let [steady, _, left, right, ..] = message.mode_probabilities;
     let [vx, vy, climb_mps] = message.velocity_mps;

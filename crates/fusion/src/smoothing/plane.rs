@@ -10,10 +10,10 @@ use crate::update::plane_filter::{AGILE, HARDNESS, HOME, MANOEUVRE_S, MODELS, ST
 
 /// Number of components.
 const COMPONENTS: usize = 4;
-/// Normalised innovation squared beyond which a measurement is weighed down.
+/// Normalised innovation squared beyond which a measurement gets less weight.
 const BLUNDER: f64 = 30.0;
-/// Steps after which the first ones are smoothed, and steps that are then kept: later measurements hardly change what
-/// lies so far back.
+/// Steps after which the first steps are smoothed, and number of steps kept then: later measurements hardly change
+/// older states.
 const STEPS_MAX: usize = 2048;
 const STEPS_KEPT: usize = 512;
 /// Speed above which a target has a rate of turn, m/s.
@@ -23,7 +23,7 @@ const PRIOR: [f64; 3] = [0.86, 0.06, 0.08];
 
 type Filter = Smoother<COMPONENTS, MODELS, 2>;
 
-/// Smoothed states of a stretch, one for each of its moments.
+/// Smoothed states of a stretch, one state for each of its moments.
 #[derive(Debug)]
 pub(super) struct PlaneSmoother {
     states: Vec<Smoothed<COMPONENTS, MODELS>>,
@@ -33,7 +33,7 @@ pub(super) struct PlaneSmoother {
     lateral_mps2: Vec<[f64; LEVELS]>,
 }
 
-/// A smoothed state of the plane, as messages have it.
+/// A smoothed state of the plane, in the form of messages.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlaneState {
     pub(super) state: Plane,
@@ -50,15 +50,15 @@ pub(super) struct PlaneBase {
 }
 
 impl PlaneSmoother {
-    /// Smooths a stretch, which begins at `base` if there is one. Gives up `done` moments: returns the filter after
-    /// them, for the stretch that follows.
+    /// Smooths a stretch, starting at `base` if given. Releases `done` moments: returns the filter after these moments,
+    /// for the next stretch.
     pub(super) fn smooth(
         known: &impl Knowledge,
         stretch: &Stretch,
         base: Option<&PlaneBase>,
         done: usize,
     ) -> (Self, Option<PlaneBase>) {
-        // Speed and course, on which the models depend, are first those of the filter, then smoothed ones.
+        // Speed and course, the parameters of the models, come first from the filter, then from the smoothed states.
         let (first, _) = run(known, stretch, (base, done), None);
         let (states, filter) = run(known, stretch, (base, done), Some(&first));
         let wanted = (0..stretch.moments.len()).filter(|place| stretch.moments[*place].is_wanted);
@@ -116,7 +116,7 @@ impl PlaneSmoother {
     }
 }
 
-/// One pass forwards and backwards; `smoothed` are the states of the pass before. Returns the states, and the filter
+/// A pass forwards and backwards; `smoothed` are the states of the previous pass. Returns the states, and the filter
 /// after `done` moments.
 fn run(
     known: &impl Knowledge,
@@ -222,7 +222,7 @@ fn measure(filter: &mut Filter, stretch: &Stretch, moment: &Event, is_first: boo
                 r *= squared / BLUNDER;
             }
         }
-        // A measurement that cannot be used leaves the state as it is.
+        // An unusable measurement leaves the state unchanged.
         let _ = filter.update(&z, &r);
     }
 }
@@ -283,7 +283,7 @@ fn model_of(rotation: &Rotation, [xx, xy, yy]: [f64; 3], t: f64) -> LinearModel<
     }
 }
 
-/// Probabilities of switches in `seconds`, as in the filter: what follows a manoeuvre does not depend on its kind.
+/// Probabilities of switches in `seconds`, as in the filter: the mode after a manoeuvre does not depend on its kind.
 fn switches(motion: &Motion, steady_s: f64, seconds: f64) -> SMatrix<f64, MODELS, MODELS> {
     let [begins, ends] = [steady_s, MANOEUVRE_S].map(|duration| seconds / (seconds + duration));
     let share = |model: usize| match model {

@@ -6,12 +6,12 @@ use source_models::Measurement;
 use super::knowledge::Knowledge;
 use crate::update::filter_input::FilterInput;
 
-/// Standard deviation of the velocity at the beginning, beside what the first report states, m/s.
+/// Standard deviation of the initial velocity, beside the variance stated in the first report, m/s.
 const BEGINNING_MPS: f64 = 150.0;
-/// Factor on the stated variance of the first report's velocity: later measurements know better.
+/// Factor on the stated variance of the first report's velocity: later measurements are more accurate.
 const BEGINNING: f64 = 25.0;
 
-/// What happens at a time: a measurement, a wanted state, or both.
+/// Event at a time: a measurement, a wanted state, or both.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Moment {
     /// Time, nanoseconds.
@@ -34,8 +34,8 @@ pub(super) struct Stretch {
 }
 
 impl Stretch {
-    /// Measurements of inputs without the sources' errors, and the times at which something happens. The inputs are in
-    /// the order of time. The stretch begins at `from_ns`, else with its first input.
+    /// Measurements of inputs without the sources' errors, and the times of events. The inputs are in the order of
+    /// time. The stretch begins at `from_ns`, else with its first input.
     pub(super) fn new(known: &impl Knowledge, inputs: &[FilterInput], wanted_ns: &[i64], from_ns: Option<i64>) -> Self {
         let first = inputs.first();
         let mut stretch = Self {

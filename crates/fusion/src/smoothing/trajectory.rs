@@ -1,4 +1,4 @@
-//! One track's measurements and times, and its smoothed states.
+//! Measurements and times of one track, and its smoothed states.
 
 use std::ops::Range;
 
@@ -10,10 +10,10 @@ use super::stretch::Stretch;
 use super::vertical::{VerticalBase, VerticalSmoother};
 use crate::update::filter_input::FilterInput;
 
-/// Most inputs among which an earlier one is replaced: more are not kept for late reports.
+/// Most inputs searched for an earlier input to replace: no more are kept for late reports.
 const REPLACED_MAX: usize = 256;
 
-/// Inputs of a track's filter in the order in which they came, and the times of its states.
+/// Inputs of a track's filter in the order of arrival, and the times of the track's states.
 #[derive(Debug, Default)]
 pub(super) struct Trajectory {
     pub(super) inputs: Vec<FilterInput>,
@@ -29,7 +29,7 @@ pub(super) struct SmoothedState {
     pub(super) plane_modes: [f32; 5],
     /// Rate of turn, clockwise from above, and its standard deviation, rad/s; 0 for a target that hardly moves.
     pub(super) turn_rate: [f64; 2],
-    /// With the probabilities of its models; `None` before a height is measured.
+    /// Vertical state with the probabilities of its models; `None` before the first measured height.
     pub(super) vertical: Option<(Vertical, [f32; 3])>,
 }
 
@@ -43,7 +43,7 @@ impl SmoothedState {
     }
 }
 
-/// State of the filters at a moment, from which a later stretch goes on.
+/// State of the filters at a moment, as the start of a later stretch.
 #[derive(Clone, Debug)]
 pub(super) struct Base {
     pub(super) time_ns: i64,
@@ -61,7 +61,7 @@ impl Trajectory {
         }
     }
 
-    /// Smoothed states at the wanted times, as far as measurements precede or follow them.
+    /// Smoothed states at the wanted times, if measurements precede or follow.
     pub(super) fn smooth(&self, known: &impl Knowledge) -> Vec<SmoothedState> {
         let mut times_ns = self.times_ns.clone();
         times_ns.sort_unstable();
@@ -76,7 +76,7 @@ impl Trajectory {
             inputs.sort_by_key(|input| input.time_ns);
             smooth_stretch(known, (&inputs, None), (&times_ns[wanted], i64::MIN), &mut states);
         }
-        // A filter may begin anew with a report older than the one before.
+        // A filter may restart with a report older than the previous report.
         states.sort_by_key(|state: &SmoothedState| state.time_ns);
         states
     }
@@ -89,7 +89,7 @@ impl Trajectory {
     }
 }
 
-/// Smooths a stretch: inputs in the order of time, from a base or else from the first of them. Adds the states at the
+/// Smooths a stretch: inputs in the order of time, from a base or else from the first input. Adds the states at the
 /// wanted times. Returns the base at the last moment up to `done_ns`, if there is one.
 pub(super) fn smooth_stretch(
     known: &impl Knowledge,
@@ -116,7 +116,7 @@ pub(super) fn smooth_stretch(
             turn_rate: plane.turn_rate,
             vertical: *vertical,
         };
-        // A state that is not finite stays as it was fused.
+        // A state with non-finite values stays as fused.
         if state.is_finite() {
             states.push(state);
         }

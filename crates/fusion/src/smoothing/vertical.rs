@@ -10,7 +10,7 @@ use crate::update::vertical_filter::{
     CHANGE_S, CLIMB_M2PS3, CLIMB_S, LEVEL_S, LEVELS_OFF, MODELS, PRIOR, REMAINDER_MPS, WANDER_M2PS,
 };
 
-/// Normalised innovation squared beyond which a height is weighed down.
+/// Normalised innovation squared beyond which a height gets less weight.
 const BLUNDER: f64 = 25.0;
 /// As in the plane.
 const STEPS_MAX: usize = 2048;
@@ -34,8 +34,8 @@ pub(super) struct VerticalBase {
 }
 
 impl VerticalSmoother {
-    /// The state at each wanted time of a stretch that begins at `base`, if there is one; `None` before a height is
-    /// measured. Gives up `done` moments: returns the filter after them, too.
+    /// The state at each wanted time of a stretch, starting at `base` if given; `None` before the first measured
+    /// height. Releases `done` moments: returns the filter after these moments, too.
     pub(super) fn smooth(
         known: &impl Knowledge,
         stretch: &Stretch,
@@ -109,7 +109,7 @@ fn measure(filter: &mut Filter, (height_m, variance_m2): (f64, f64)) {
     let residual_m = height_m - expected[0];
     let squared = residual_m * residual_m / (spread[0] + variance_m2);
     let factor = if squared > BLUNDER { squared / BLUNDER } else { 1.0 };
-    // A height that cannot be used leaves the state as it is.
+    // An unusable height leaves the state unchanged.
     let _ = filter.update(&Vector1::new(height_m), &Matrix1::new(variance_m2 * factor));
 }
 

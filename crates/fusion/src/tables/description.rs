@@ -1,6 +1,6 @@
 //! Description of a target by its sources: single or group, and type (WA-7, WA-9).
 //!
-//! Most sources have no such data, and report *single* without a type. Their silence overrides no statement: a system
+//! Most sources have no such data, and report *single* without a type. Their silence overrides no statement. A system
 //! track is a group if a contribution is a group, with the expected members of the contribution with the largest
 //! weight; its type is the type stated with the greatest confidence. Among equals the source with the lowest number
 //! decides. Positions are not changed.
@@ -23,7 +23,7 @@ impl Description {
         is_group(report) || report.target_type.is_known()
     }
 
-    /// Returns the description by contributions with weights, in the order of their sources.
+    /// Returns the description by contributions with weights, in the order of the sources.
     pub(crate) fn of<'a>(contributions: impl Iterator<Item = (&'a SensorTrack, f64)>) -> Self {
         let mut all = Self::default();
         let mut heaviest = f64::NEG_INFINITY;
@@ -41,7 +41,7 @@ impl Description {
     }
 }
 
-/// A group without members is none.
+/// A group without members does not count as a group.
 fn is_group(report: &SensorTrack) -> bool {
     report.kind == TrackKind::Group as u8 && report.members > 0
 }

@@ -1,7 +1,8 @@
-//! Sensor tracks that were members of system tracks and report no more: the way back under the same number.
+//! Sensor tracks that were members of system tracks and report no more: return to the system track under the same
+//! number.
 //!
 //! There are two kinds: members from before the start of the process, and members of suspended system tracks. A sensor
-//! track that reports for the first time is looked up once, by its source and its number there.
+//! track that reports for the first time is looked up once, by source and number.
 
 use std::collections::HashMap;
 
@@ -10,11 +11,11 @@ use serde::{Deserialize, Serialize};
 use crate::tables::number_hasher::{NumberHasher, table};
 use crate::tables::system_tracks::SystemSlot;
 
-/// A system track that a sensor track was a member of.
+/// The former system track of a sensor track.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct FormerSystem {
     pub(crate) slot: SystemSlot,
-    /// Number of the system track: the place may have another one since.
+    /// Number of the system track: another system track may occupy the place by now.
     pub(crate) number: u32,
     /// Place of the record in the checkpoint.
     pub(crate) place: u32,
@@ -42,7 +43,7 @@ impl FormerMembers {
         self.systems.is_empty()
     }
 
-    /// Notes the system track of a sensor track, and returns the place of its record. `None` without room.
+    /// Notes the system track of a sensor track, and returns the place of the record. `None` without room.
     pub(crate) fn add(&mut self, (source, track_number): (u16, u32), slot: SystemSlot, number: u32) -> Option<u32> {
         let known = self.systems.get(&(source, track_number)).map(|known| known.place);
         let place = known.or_else(|| self.free.pop())?;

@@ -1,19 +1,19 @@
-//! How the tables of track numbers, and of addresses, are hashed.
+//! Hash of track numbers, and of addresses, for the tables.
 //!
-//! A hash that scatters is right for keys of which nothing is known. Track numbers are known: a source counts them up
-//! and reports them in much the same order every time, and scattered over a table of megabytes each look-up would go to
-//! another corner of memory. So numbers of one source that follow each other lie next to each other, and the sources
-//! lie as far apart as the table allows (bit-reversed, so that this holds for however many there are). Only numbers far
-//! apart are scattered, by blocks: a source may number by multiples of anything.
+//! A scattering hash is right for keys of unknown structure. Track numbers have a structure: a source counts them up
+//! and reports them in much the same order every time. Scattered over a table of megabytes, each look-up would go to
+//! another corner of memory. Therefore consecutive numbers of a source lie next to each other, and the sources lie as
+//! far apart as the table allows (bit-reversed, for any number of sources). Only numbers far apart are scattered, by
+//! blocks: a source may number by multiples of anything.
 //!
 //! Limit: numbers chosen with bad intent can make look-ups slow, as with any hash without a secret.
 
 use serde::{Deserialize, Serialize};
 use std::hash::{BuildHasher, Hasher};
 
-/// Numbers of one block lie next to each other.
+/// Numbers of the same block lie next to each other.
 const BLOCK_BITS: u32 = 16;
-/// Uppermost bits, by which the table distinguishes neighbours without reading them.
+/// Uppermost bits, by which the table distinguishes neighbours without a read.
 const TAG_SHIFT: u32 = 57;
 
 /// Makes hashes of (source, track number), or of an address, for a table of a certain size.
@@ -26,7 +26,7 @@ impl NumberHasher {
     /// For a table with room for `capacity` numbers.
     pub(crate) fn new(capacity: usize) -> Self {
         Self {
-            // As many as the table makes of it: it keeps an eighth empty.
+            // The number of places in the table, which keeps an eighth empty.
             places: (capacity as u64 * 8 / 7).next_power_of_two(),
         }
     }
@@ -43,7 +43,7 @@ impl BuildHasher for NumberHasher {
     }
 }
 
-/// Where in the table a number belongs.
+/// Place of a number in the table.
 #[derive(Debug)]
 pub(crate) struct TableSlot {
     places: u64,

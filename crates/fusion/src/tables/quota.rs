@@ -1,21 +1,21 @@
-//! Places of a table that several sources share: one source's flood must not keep the others out.
+//! Places of a table shared by several sources: a flood from one source must not keep the others out.
 //!
-//! A source may always use its fair share, an equal part of the table, and additionally free places. Unused shares
-//! are available to others: a source's *claim* is the largest part of its share that it has used, or was refused.
-//! Claimed free places are reserved for the source. A source that alone sees nearly everything thus gets nearly the
-//! whole table; a flooding source takes nothing from earlier sources, and loses places to later sources as its own
-//! entries end.
+//! A source may always use the fair share, an equal part of the table, and additionally free places. Unused shares are
+//! available to others: a source's *claim* is the largest part of the share that was used, or was refused. Claimed
+//! free places are reserved for the source. A source that alone sees nearly everything thus gets nearly the whole
+//! table; a flooding source takes nothing from earlier sources, and loses places to later sources as its own entries
+//! end.
 
 use serde::{Deserialize, Serialize};
 
-/// The places of one table, by source.
+/// The places of a table, by source.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Quota {
     sources: Vec<Places>,
     /// Equal part of the table.
     share: usize,
     free: usize,
-    /// Places that sources claim and do not have.
+    /// Claimed places that the sources do not have.
     reserved: usize,
 }
 
@@ -54,7 +54,7 @@ impl Quota {
         if places.reserved() > 0 && self.free > 0 {
             self.reserved -= 1;
         } else if self.free <= self.reserved {
-            // The next place that is given back is its own.
+            // The next returned place is reserved for the source.
             if places.claimed < self.share {
                 places.claimed += 1;
                 self.reserved += 1;
@@ -73,7 +73,7 @@ impl Quota {
         self.free > self.reserved || (reserved > 0 && self.free > 0)
     }
 
-    /// Whether a place of `from`, given back, would be there for `to`.
+    /// Whether a place of `from`, given back, would be available to `to`.
     pub(crate) fn may_hand_over(&self, from: u16, to: u16) -> bool {
         let before = self.sources[usize::from(from)];
         let after = Places {
@@ -88,7 +88,7 @@ impl Quota {
         receiver.reserved() > 0 || self.free + 1 > self.reserved + after.reserved() - before.reserved()
     }
 
-    /// Gives a place of `from` to `to`, if that may be; whether it was.
+    /// Gives a place of `from` to `to`, if permitted; returns whether permitted.
     pub(crate) fn hand_over(&mut self, from: u16, to: u16) -> bool {
         let may = self.may_hand_over(from, to);
         if may {

@@ -1,4 +1,4 @@
-//! The live sensor tracks of all sources: latest report, history, and the system track each belongs to.
+//! The live sensor tracks of all sources: latest report, history, and system track.
 
 use std::collections::HashMap;
 
@@ -20,15 +20,15 @@ use crate::tables::number_hasher::{NumberHasher, table};
 use crate::tables::quota::Quota;
 use crate::update::filter_input::FilterInput;
 
-/// Place of a sensor track in its table.
+/// Place of a sensor track in the table.
 pub(crate) type SensorSlot = u32;
 
 /// [`SensorEntry::system`] of a sensor track that belongs to no system track yet.
 pub(crate) const NO_SYSTEM: u32 = u32::MAX;
 
-/// Squared way off the expected place, in variances of it per axis, beyond which no measurement led a track there.
+/// Squared deviation from the expected place, in variances per axis, beyond which no measurement caused it.
 const DISPLACED: f64 = 30.0;
-/// Least share of such a way by which the velocity of a track follows, in the period of its reports.
+/// Least share of such a deviation by which the velocity of a track follows, in the period of the reports.
 const FOLLOWS: f64 = 0.05;
 
 /// Role of a sensor track in its system track.
@@ -43,7 +43,7 @@ pub(crate) enum Role {
     SetAside,
 }
 
-/// The next sensor track of the same system track, if there is one.
+/// The next sensor track of the same system track, if any.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct MemberLink(SensorSlot);
 
@@ -59,7 +59,7 @@ impl MemberLink {
     }
 }
 
-/// The sensor tracks of a system track with their entries, newest link first.
+/// The sensor tracks of a system track with entries, newest link first.
 #[derive(Clone, Debug)]
 pub(crate) struct MemberEntries<'a> {
     entries: &'a [SensorEntry],
@@ -80,7 +80,7 @@ impl<'a> Iterator for MemberEntries<'a> {
 }
 
 /// Live sensor track. Fields read by every report of the other members of its system track come first, in one cache
-/// line. Small ones stand together: the entry fills thirteen lines.
+/// line. Small fields stand together: the entry fills thirteen lines.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[repr(C, align(64))]
 pub(crate) struct SensorEntry {
@@ -88,12 +88,12 @@ pub(crate) struct SensorEntry {
     pub(crate) time_ns: i64,
     /// Share in the estimate of the system track's filter.
     pub(crate) share: f64,
-    /// Mean innovation of the system track's filter over the last reports (east, north), its variance per axis, and the
+    /// Mean innovation of the system track's filter over the last reports (east, north), variance per axis, and the
     /// number of innovations so far.
     pub(crate) residual_mean_m: [f64; 2],
     pub(crate) residual_variance_m2: f64,
     pub(crate) residuals: u32,
-    /// System track it belongs to, or [`NO_SYSTEM`].
+    /// System track of this sensor track, or [`NO_SYSTEM`].
     pub(crate) system: u32,
     pub(crate) next: MemberLink,
     /// Number at the source.
@@ -101,73 +101,73 @@ pub(crate) struct SensorEntry {
     /// Source of `latest`.
     pub(crate) source: u16,
     pub(crate) role: Role,
-    /// Alerts of `latest`, and whether its target is on the ground.
+    /// Alerts of `latest`, and whether the target is on the ground.
     pub(crate) alerts: u8,
     pub(crate) on_ground: bool,
     /// Whether `latest` states a group or a type.
     pub(crate) is_described: bool,
-    /// Whether it is a system track of another centre.
+    /// Whether this is a system track of another centre.
     pub(crate) is_foreign: bool,
-    /// The latest report, without its source's known errors.
+    /// The latest report, without the source's known errors.
     pub(crate) latest: SensorTrack,
-    /// Whether the covariance of `latest` was repaired: its source is then not judged by it.
+    /// Whether the covariance of `latest` was repaired: then the source is not judged by this report.
     pub(crate) repaired: bool,
-    /// Where the covariance of `latest` comes from.
+    /// Origin of the covariance of `latest`.
     pub(crate) basis: CovarianceBasis,
-    /// True if its source has displaced it, and nothing supports the new place yet.
+    /// True if the source has displaced the track, and nothing supports the new place yet.
     pub(crate) is_displaced: bool,
-    /// Whether its source leads it off the target, as the other sources show.
+    /// Whether the source leads the track off the target, as shown by the other sources.
     pub(crate) is_led_off: bool,
-    /// Reports in a row that did not fit the rest of the system track.
+    /// Successive reports that did not fit the rest of the system track.
     pub(crate) misfits: u32,
-    /// Number of another system track that the last reports fitted, and how many in a row.
+    /// Number of another system track that fitted the last reports, and the number of successive fits.
     pub(crate) competing: Option<(u32, u32)>,
-    /// Number of the system track with which it may be crossed, and the sum of log-likelihood ratios.
+    /// Number of the possibly crossed system track, and the sum of log-likelihood ratios.
     pub(crate) crossed: Option<(u32, f64)>,
-    /// How often the correction of gross errors of its source had changed before: `Alignment::epoch_of`.
+    /// Number of earlier changes of the correction of gross errors of the source: `Alignment::epoch_of`.
     pub(crate) epoch: u8,
     /// Whether this place of the table is taken.
     live: bool,
-    /// Whether the track waits for the end of its scan.
+    /// Whether the track waits for the end of a scan.
     pub(crate) waits: bool,
-    /// Whether it has left a system track that it did not fit.
+    /// Whether the track has left a system track after a misfit.
     pub(crate) has_left: bool,
-    /// True while an order keeps it from starting or joining a system track.
+    /// True while an order keeps the track from starting or joining a system track.
     pub(crate) blocked: bool,
-    /// Correction that was made to `latest`.
+    /// Correction applied to `latest`.
     correction: Correction,
     /// Reports so far.
     pub(crate) reports: u32,
-    /// Scans in a row without a report.
+    /// Successive scans without a report.
     pub(crate) misses: u32,
-    /// Time of its first report, nanoseconds.
+    /// Time of the first report, nanoseconds.
     pub(crate) started_ns: i64,
-    /// Where on the target the source sees it.
+    /// Detection point of the source on the target.
     pub(crate) point: DetectionPoint,
-    /// Code and call sign that its reports gave.
+    /// Code and call sign from the reports.
     pub(crate) names: KnownNames,
-    /// What sensors showed of the positions that its target reports.
+    /// Verification of the positions reported by the target, by sensors.
     pub(crate) verification: Verification,
-    /// What its reports showed of the gain of the source's tracker.
+    /// Evidence from the reports for the gain of the source's tracker.
     pub(crate) evidence: GainEvidence,
-    /// What its measurements show of leaps of its detection point.
+    /// Evidence from the measurements for leaps of the detection point.
     pub(crate) leap_watch: LeapWatch,
-    /// Way of `latest` from where the report before led to, east and north, metres.
+    /// Distance of `latest` from the place predicted by the previous report, east and north, metres.
     pub(crate) moved_m: [f32; 2],
-    /// By how much the covariances that the system filter took before `latest` turned out too small, as a factor.
+    /// Factor by which the covariances used by the system filter before `latest` turned out too small.
     pub(crate) claimed_too_much: f64,
 }
 
 // Another line would cost a tenth of the engine's data misses.
 const _: () = assert!(size_of::<SensorEntry>() == 13 * 64);
 
-/// What the measurements of a sensor track show of leaps.
+/// Evidence for leaps from the measurements of a sensor track.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct LeapWatch {
-    /// Distance of the first measurement that waits, and how many of them wait.
+    /// Distance of the first waiting measurement, and number of waiting measurements.
     pub(crate) leap_m: [f32; 2],
     pub(crate) waiting: u8,
-    /// Logarithm of the likelihood ratio, from other sources, of a target that has stayed to one that has moved.
+    /// Logarithm of the likelihood ratio, from other sources, of a target that has stayed to a target that has moved.
     pub(crate) stayed: f32,
 }
 
@@ -224,7 +224,7 @@ impl Default for SensorEntry {
 }
 
 impl SensorEntry {
-    /// The latest report, and what was taken off.
+    /// The latest report, and the corrections subtracted.
     #[inline]
     pub(crate) fn stated(&self) -> StatedState<'_> {
         StatedState {
@@ -233,7 +233,7 @@ impl SensorEntry {
         }
     }
 
-    /// The latest report before another one comes.
+    /// The latest report before the next report is taken.
     #[inline]
     pub(crate) fn earlier(&self) -> EarlierReport<'_> {
         EarlierReport {
@@ -243,12 +243,12 @@ impl SensorEntry {
         }
     }
 
-    /// Correction that was made to the latest report.
+    /// Correction applied to the latest report.
     pub(crate) fn correction(&self) -> &Correction {
         &self.correction
     }
 
-    /// Adds the next report, with the accepted `identity` and its `content`, without the source's known biases.
+    /// Adds the next report, with the accepted `identity` and the `content`, without the source's known biases.
     pub(crate) fn take(
         &mut self,
         report: &SensorTrack,
@@ -267,7 +267,7 @@ impl SensorEntry {
         let moved_m = std::array::from_fn(|axis| report.position_m[axis] - before_m[axis] - before_mps[axis] * seconds);
         self.moved_m = moved_m.map(|way_m| way_m as f32);
         self.is_displaced |= self.displaces(report, moved_m, seconds);
-        // Written in one go: to read back what has just been written so far away would take as long as the way there.
+        // Written in one go: a read-back of data just written so far away would take as long as the way there.
         self.latest = SensorTrack {
             identity,
             position_m: std::array::from_fn(|axis| report.position_m[axis] - shift_m[axis]),
@@ -296,8 +296,8 @@ impl SensorEntry {
         self.misses = 0;
     }
 
-    /// Returns whether `report`, the next one, displaces the track: its position is far from where the latest report
-    /// led to, by both covariances, and its velocity does not follow. A measurement moves both.
+    /// Returns whether `report`, the next report, displaces the track: its position is far from the place predicted by
+    /// the latest report, by both covariances, and its velocity does not follow. A measurement moves both.
     #[inline]
     fn displaces(&self, report: &SensorTrack, moved_m: [f64; 2], seconds: f64) -> bool {
         let before_mps = &self.latest.velocity_mps;
@@ -317,7 +317,7 @@ impl SensorEntry {
         followed(0) + followed(1) < FOLLOWS * square_m2
     }
 
-    /// By how much the covariance of the latest report is too small, as the content of the next report shows it.
+    /// Factor by which the covariance of the latest report is too small, as shown by the content of the next report.
     fn claimed_before(&self, content: &Content) -> f64 {
         let is_better_known = content
             .unfiltered
@@ -331,7 +331,8 @@ impl SensorEntry {
         }
     }
 
-    /// A measurement in it, or all of it, without corrections, as input of the filter of a system track.
+    /// A measurement in the report, or the whole report, without corrections, as input of the filter of a system
+    /// track.
     pub(crate) fn input(&self, system_track: u32, measurement: Option<&Measurement>) -> FilterInput {
         let mut raw = measurement.copied().unwrap_or_else(|| whole_report(&self.latest));
         raw.uncorrect(&self.correction);
@@ -392,7 +393,7 @@ pub(crate) struct SensorTracks {
     quota: Quota,
     #[serde(with = "table")]
     by_number: HashMap<(u16, u32), SensorSlot, NumberHasher>,
-    /// Which of them bear which name.
+    /// Sensor tracks by name.
     pub(crate) names: NameIndex,
     /// Start of the next search for silent sensor tracks, and end of the present part of the table.
     swept: usize,
@@ -406,7 +407,7 @@ pub(crate) struct SensorTracks {
 
 impl SensorTracks {
     /// Returns a table for `capacity` sensor tracks of `sources` sources, with the requested histories, and with the
-    /// results of recent scans if a rule `scores` them.
+    /// results of recent scans if a rule `scores` these.
     pub(crate) fn new(capacity: usize, sources: usize, histories: Option<Histories>, scores: bool) -> Self {
         // With room for twice the entries, the map clears its tombstones in place and never grows.
         let by_number = HashMap::with_capacity_and_hasher(2 * capacity, NumberHasher::new(2 * capacity));
@@ -425,7 +426,7 @@ impl SensorTracks {
         }
     }
 
-    /// Most sensor tracks that there can be.
+    /// Largest possible number of sensor tracks.
     pub(crate) fn capacity(&self) -> usize {
         self.entries.len()
     }
@@ -434,8 +435,8 @@ impl SensorTracks {
         self.by_number.get(&(source, number)).copied()
     }
 
-    /// A new entry for the sensor track of `report`, which it has not taken yet, not linked to a system track; `None`
-    /// if the table is full for its source.
+    /// A new entry for the sensor track of `report`, which is not taken yet, without a system track; `None` if the
+    /// table is full for the source.
     pub(crate) fn insert(&mut self, report: &SensorTrack) -> Option<SensorSlot> {
         let slot = self.quota.take(report.source).then(|| self.free.pop())??;
         self.by_number.insert((report.source, report.track_number), slot);
@@ -455,7 +456,7 @@ impl SensorTracks {
         Some(slot)
     }
 
-    /// Notes the latest report of the sensor track in `slot`, for rules that look back. Its source reports every
+    /// Notes the latest report of the sensor track in `slot`, for rules with a history. The source reports every
     /// `period_ns`.
     pub(crate) fn note(&mut self, slot: SensorSlot, period_ns: i64) {
         if !self.looks_back {
@@ -470,8 +471,8 @@ impl SensorTracks {
         }
     }
 
-    /// Takes the names in the next `report` of `slot`, with an identity of which `identity` is believed; returns the
-    /// latter, without a code or an address that may be garbled.
+    /// Takes the names in the next `report` of `slot`; `identity` is the believed part of the report's identity.
+    /// Returns `identity`, without a code or an address that may be garbled.
     #[inline]
     pub(crate) fn believe(&mut self, slot: SensorSlot, report: &SensorTrack, mut identity: Identity) -> Identity {
         let entry = &mut self.entries[slot as usize];
@@ -516,8 +517,8 @@ impl SensorTracks {
         self.part_end = (self.swept + self.entries.len() / PARTS + 1).min(self.entries.len());
     }
 
-    /// The next places of that part, few at a time: each costs a look far into memory, and no report shall wait for
-    /// many.
+    /// The next places of that part, few at a time: each costs an access far into memory, and no report should wait
+    /// for many accesses.
     pub(crate) fn next_places(&mut self) -> std::ops::Range<SensorSlot> {
         const PLACES: usize = 16;
         let end = (self.swept + PLACES).min(self.part_end);
@@ -552,7 +553,7 @@ impl SensorTracks {
         self.quota.taken(source)
     }
 
-    /// Calls `change` with each of these members, which it may not link elsewhere.
+    /// Calls `change` with each of these members; `change` may not link the members elsewhere.
     #[inline]
     pub(crate) fn for_members_from(&mut self, first: Option<SensorSlot>, mut change: impl FnMut(&mut SensorEntry)) {
         let mut at = MemberLink::to(first);

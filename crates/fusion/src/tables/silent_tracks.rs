@@ -1,8 +1,8 @@
 //! The system tracks that were shown and are without fresh reports: coasted, withheld, or suspended.
 //!
-//! The grid holds each system track where its latest report was. A target that has flown on for half a minute is far
-//! from there, so that a search of the grid does not find it. These tracks are therefore listed apart, with what a
-//! search must read of each side by side: their motion does not change while they are silent.
+//! The grid holds each system track at the place of its latest report. A target that has flown on for half a minute is
+//! far from there, so that a search of the grid does not find it. These tracks are therefore listed apart, with the
+//! data for a search side by side: their motion does not change while they are silent.
 
 use messages::NS_PER_S;
 use serde::{Deserialize, Serialize};
@@ -12,23 +12,23 @@ use crate::update::filter::TargetFilter;
 /// Place of a system track in the table of system tracks.
 type Slot = u32;
 
-/// Most suspended system tracks at a time; a further one ends the oldest.
+/// Most suspended system tracks at a time; a further track ends the oldest.
 pub(crate) const SUSPENDED_MAX: usize = 512;
 /// [`SilentTracks::places`] of a system track that is not silent.
 const ABSENT: u32 = u32::MAX;
-/// Distance from where a silent target would be in straight flight within which it is looked for, metres.
+/// Search radius around the place of a silent target in straight flight, metres.
 const REACH_M: f64 = 10e3;
-/// Change of velocity with which it is looked for, m/s: a target that flies at 250 m/s has turned by 35°.
+/// Largest change of velocity in the search, m/s: a target that flies at 250 m/s has turned by 35°.
 const VELOCITY_REACH_MPS: f64 = 150.0;
 
-/// Whether the number of a silent system track rests, in the order in which others take its place.
+/// State of the number of a silent system track, in the order in which others take its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub(crate) enum Rest {
-    /// It rests, and was never shown.
+    /// The number rests, and the track was never shown.
     Unshown,
-    /// It rests.
+    /// The number rests.
     Shown,
-    /// It does not rest.
+    /// The number does not rest.
     None,
 }
 
@@ -42,14 +42,14 @@ impl Rest {
     }
 }
 
-/// A silent system track as a search reads it.
+/// A silent system track in the form read by a search.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct SilentTrack {
     slot: Slot,
-    /// Source that started it.
+    /// Source that started the track.
     owner: u16,
     rest: Rest,
-    /// Time of its latest measurement, nanoseconds.
+    /// Time of the latest measurement, nanoseconds.
     time_ns: i64,
     position_m: [f64; 2],
     velocity_mps: [f64; 2],
@@ -96,7 +96,7 @@ impl SilentTracks {
         }
     }
 
-    /// Takes a system track out; no effect if it is not listed.
+    /// Removes a system track; no effect if the track is not listed.
     pub(crate) fn remove(&mut self, slot: Slot) {
         let place = std::mem::replace(&mut self.places[slot as usize], ABSENT);
         if place == ABSENT {
@@ -108,7 +108,7 @@ impl SilentTracks {
         }
     }
 
-    /// The suspended system track that has been silent longest, of those whose owner `may_go`; those that were never
+    /// The suspended system track with the longest silence, among those whose owner `may_go`; tracks that were never
     /// shown come first.
     pub(crate) fn longest_suspended(&self, may_go: impl Fn(u16) -> bool) -> Option<Slot> {
         let suspended = self

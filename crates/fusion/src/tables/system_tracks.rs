@@ -1,4 +1,4 @@
-//! The system tracks: state, members, and the two ways to find one (place and address).
+//! The system tracks: state, members, and look-up by place and by address.
 
 use kept::kept;
 use std::cmp::Reverse;
@@ -25,7 +25,7 @@ use crate::tables::silent_tracks::{Rest, SilentTracks};
 use crate::update::filter::{KeptFilter, TargetFilter};
 use crate::update::foresight::Foresight;
 
-/// Place of a system track in its table.
+/// Place of a system track in the table.
 pub(crate) type SystemSlot = u32;
 
 /// Effect of an order on a system track.
@@ -40,83 +40,83 @@ pub(crate) enum Bond {
     Apart(u32),
 }
 
-/// One system track.
+/// A system track.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct SystemEntry {
     /// Number; 0 if the place is free.
     pub(crate) number: u32,
-    /// Source that started it: the place in the table is of its quota.
+    /// Source that started the track: the place in the table is of its quota.
     owner: u16,
     pub(crate) life: TrackState,
     pub(crate) bond: Bond,
     pub(crate) identity: Identity,
     /// State as last weighed.
     pub(crate) state: State,
-    /// The system filter: what reports are compared with.
+    /// The system filter: reference for comparisons of reports.
     pub(crate) filter: TargetFilter,
-    /// Course of the target, as sine and cosine; north until it has moved.
+    /// Course of the target, as sine and cosine; north until the target has moved.
     pub(crate) course: [f64; 2],
     /// Logarithm of the odds that the target exists, after the latest report; NaN before there is evidence.
     pub(crate) log_odds: f64,
     /// Sum of ln(1 − probability of detection) over the misses since the last report.
     pub(crate) absence: f64,
-    /// Normalised innovation squared of its latest report, in the plane; 0 if that was not compared with the filter.
+    /// Normalised innovation squared of the latest report, in the plane; 0 without a comparison with the filter.
     pub(crate) nis: f32,
-    /// Reports in a row that lie far off the filter's estimate, by all that is known of both.
+    /// Successive reports far off the filter's estimate, by all known errors of both.
     pub(crate) astray: u32,
-    /// Comparison of its only source with the filter.
+    /// Comparison of the only source with the filter.
     pub(crate) foresight: Foresight,
-    /// When a sensor track that joined began, earliest.
+    /// Earliest start of a joined sensor track.
     pub(crate) first_seen_ns: i64,
-    /// Source whose point of the target the filter follows; [`NO_SOURCE`] if it follows none.
+    /// Source with the point of the target that the filter follows; [`NO_SOURCE`] if there is no such point.
     pub(crate) point_source: u16,
     /// Centre that owns the target.
     pub(crate) ownership: Ownership,
-    /// How often it is reported.
+    /// Rhythm of the reports.
     pub(crate) rhythm: Rhythm,
-    /// What its address has shown, before it was ever confirmed.
+    /// Evidence from the address before the first confirmation.
     pub(crate) recognition: Recognition,
-    /// Whether its target can take the number up by its identity, while it rests.
+    /// Whether the target can take up the number by its identity while the number rests.
     pub(crate) is_known: bool,
-    /// Whether it was ever confirmed.
+    /// Whether the track was ever confirmed.
     pub(crate) was_shown: bool,
-    /// Whether the purity of its sources has counted it.
+    /// Whether the purity of the sources has counted the track.
     pub(crate) is_counted: bool,
-    /// Whether the filter repeats what another centre says, since no source here follows the target.
+    /// Whether the filter repeats reports of another centre, since no source here follows the target.
     pub(crate) is_foreign: bool,
     /// Whether a source leads the target off.
     pub(crate) has_led_off: bool,
     /// Whether measurements of a detection point that may have leapt wait.
     pub(crate) awaits_leap: bool,
-    /// Sources that the filter has learned from, as bits.
+    /// Sources used by the filter, as bits.
     pub(crate) contributors: u64,
-    /// Number of another system track that seems to be the same target, and how many looks in a row it did.
+    /// Number of another system track that seems to be the same target, and the number of successive findings.
     pub(crate) duplicate: Option<(u32, u32)>,
-    /// When to look again for such a one, nanoseconds.
+    /// Time of the next check for such a track, nanoseconds.
     pub(crate) duplicate_due_ns: i64,
-    /// When to note again which sources follow it, nanoseconds.
+    /// Time of the next note of the sources that follow the track, nanoseconds.
     pub(crate) coverage_due_ns: i64,
     /// Column while a scan is being assigned.
     pub(crate) column: u32,
-    /// First of its sensor tracks; the others are linked from there.
+    /// First sensor track; the others are linked from there.
     pub(crate) members: Option<SensorSlot>,
-    /// Reports so far, as far as confirmation counts them.
+    /// Reports so far, as counted for confirmation.
     pub(crate) reports: u32,
     /// Extrapolations published since the latest report.
     pub(crate) extrapolations: u32,
     /// Time of measurement of the latest report of any member, nanoseconds.
     pub(crate) last_report_ns: i64,
-    /// When the present contributions cease to be fresh, nanoseconds.
+    /// End of freshness of the present contributions, nanoseconds.
     pub(crate) fresh_until_ns: i64,
     /// Alerts of the contributing sources.
     pub(crate) alerts: u8,
-    /// Whether a contributing source says that the target is on the ground.
+    /// Whether a contributing source reports the target on the ground.
     pub(crate) on_ground: bool,
-    /// Kind, members and type, as the contributing sources say.
+    /// Kind, members and type, as stated by the contributing sources.
     pub(crate) description: Description,
-    /// Number of the system track it was merged into; 0 if it was not.
+    /// Number of the system track after a merge; 0 without a merge.
     pub(crate) merged_into: u32,
-    /// Time of the state that was kept last; `i64::MIN` if another change has not been kept yet.
+    /// Time of the state last kept; `i64::MIN` if another change has not been kept yet.
     pub(crate) kept_ns: i64,
     /// States since then.
     pub(crate) unkept: u8,
@@ -150,33 +150,33 @@ kept! {
 }
 
 impl KeptTrack {
-    /// Where it was in its life.
+    /// State of the track in its life.
     pub(crate) fn life(&self) -> Option<TrackState> {
         TrackState::from_code(self.life)
     }
 
-    /// Whether it can be of a deployment with so many sources.
+    /// Whether the track can be of a deployment with this number of sources.
     pub(crate) fn is_of(&self, sources: usize) -> bool {
         usize::from(self.owner) < sources && self.number != 0
     }
 
-    /// Time of the state that subscribers were told last, nanoseconds.
+    /// Time of the state last sent to subscribers, nanoseconds.
     pub(crate) fn state_ns(&self) -> i64 {
         self.state_ns
     }
 }
 
-/// A deadline, the number of its system track, and the track's place; the earliest comes first.
+/// A deadline, the number of the system track, and the track's place; the earliest comes first.
 type Deadline = Reverse<(i64, u32, SystemSlot)>;
 
-/// Serialises deadlines in their order: the order in the memory of a heap depends on its history.
+/// Serialises deadlines in order: the order in the memory of a heap depends on its history.
 fn in_order<S: Serializer>(deadlines: &BinaryHeap<Deadline>, serializer: S) -> Result<S::Ok, S::Error> {
     deadlines.clone().into_sorted_vec().serialize(serializer)
 }
 
 /// Largest logarithm of the odds: one confirmed track in ten thousand is false.
 const LOG_ODDS_MAX: f64 = 9.2;
-/// `probability(LOG_ODDS_MAX)`: that of most targets.
+/// `probability(LOG_ODDS_MAX)`: the value of most targets.
 const EXISTENCE_MAX: f32 = 0.999_898_97;
 
 impl SystemEntry {
@@ -225,7 +225,7 @@ impl SystemEntry {
         }
     }
 
-    /// A track as it was kept; without its members, which come back with their reports.
+    /// A track from a checkpoint; without its members, which come back with their reports.
     fn resumed(kept: &KeptTrack, life: TrackState) -> Self {
         let filter = TargetFilter::resumed(&kept.filter);
         Self {
@@ -319,19 +319,19 @@ impl TablePlace for SystemEntry {
 pub(crate) struct SystemTracks {
     #[serde(with = "places")]
     entries: Vec<SystemEntry>,
-    /// The rule's memory of each; empty if it has none.
+    /// The rule's memory of each track; empty if the rule has none.
     memories: Vec<RuleMemory>,
     free: Vec<SystemSlot>,
     quota: Quota,
     pub(crate) grid: Grid,
     /// Shown tracks without fresh reports.
     pub(crate) silent: SilentTracks,
-    /// A place that an ended track has left to the next one that starts.
+    /// A place left by an ended track for the next started track.
     vacated: Option<SystemSlot>,
     #[serde(with = "table")]
     by_address: HashMap<UniqueNumber, SystemSlot, NumberHasher>,
-    /// When each entry must be looked at next, earliest first. Every entry in use has exactly one deadline here; one
-    /// that has become too early is put back when it comes up, so that a report costs no change to the heap.
+    /// Time of the next check of each entry, earliest first. Every entry in use has exactly one deadline here; a
+    /// deadline that has become too early is put back when due, so that a report costs no change to the heap.
     #[serde(serialize_with = "in_order")]
     deadlines: BinaryHeap<Deadline>,
     next_number: u32,
@@ -339,8 +339,8 @@ pub(crate) struct SystemTracks {
 }
 
 impl SystemTracks {
-    /// With room for `capacity` system tracks that `sources` sources start, and, if the rule `remembers`, for what it
-    /// remembers of them.
+    /// Room for `capacity` system tracks started by `sources` sources, and, if the rule `remembers`, for the rule's
+    /// memory.
     pub(crate) fn new(capacity: usize, sources: usize, cell_m: f64, remembers: bool) -> Self {
         Self {
             entries: vec![SystemEntry::free(); capacity],
@@ -357,7 +357,7 @@ impl SystemTracks {
         }
     }
 
-    /// A new tentative system track with `filter` that `owner` starts; `None` if the table is full for it.
+    /// A new tentative system track with `filter`, started by `owner`; `None` if the table is full for `owner`.
     pub(crate) fn insert(&mut self, owner: u16, filter: TargetFilter, deadline_ns: i64) -> Option<SystemSlot> {
         let number = self.next_number;
         let entry = SystemEntry::new((number, owner), TrackState::Tentative, filter, deadline_ns);
@@ -380,7 +380,7 @@ impl SystemTracks {
         Some(slot)
     }
 
-    /// Puts an entry in the place of an ended one. The deadline of the place stands, and is an early one.
+    /// Puts an entry in the place of an ended entry. The deadline of the place stands, and is an early deadline.
     #[cold]
     fn replace(&mut self, slot: SystemSlot, entry: SystemEntry) -> SystemSlot {
         if let Some(memory) = self.memories.get_mut(slot as usize) {
@@ -397,14 +397,14 @@ impl SystemTracks {
         !self.free.is_empty() && self.quota.has_room(owner)
     }
 
-    /// The suspended system track that has been silent longest of those whose place `owner` may have.
+    /// The suspended system track with the longest silence, among those whose place `owner` may have.
     #[cold]
     pub(crate) fn longest_suspended(&self, owner: Option<u16>) -> Option<SystemSlot> {
         let may_go = |from: u16| owner.is_none_or(|owner| self.quota.may_hand_over(from, owner));
         self.silent.longest_suspended(may_go)
     }
 
-    /// Leaves the place of an ended system track to the next one, which `owner` starts.
+    /// Leaves the place of an ended system track to the next track, which `owner` starts.
     #[cold]
     pub(crate) fn vacate(&mut self, slot: SystemSlot, owner: u16) {
         let entry = &mut self.entries[slot as usize];
@@ -413,7 +413,7 @@ impl SystemTracks {
         }
     }
 
-    /// Takes in a track that was kept, which lives from now on as `life` says; `None` if the table has no place for it.
+    /// Takes in a kept track, which continues in `life`; `None` if the table has no place for the track.
     pub(crate) fn resume(&mut self, kept: &KeptTrack, life: TrackState) -> Option<SystemSlot> {
         let slot = self.take_in(SystemEntry::resumed(kept, life), kept.last_report_ns)?;
         let entry = &self.entries[slot as usize];
@@ -428,7 +428,7 @@ impl SystemTracks {
         Some(slot)
     }
 
-    /// Takes the next number, for a track that changes its number.
+    /// Takes the next number, for a track with a new number.
     pub(crate) fn take_number(&mut self) -> u32 {
         let number = self.next_number;
         self.next_number = numbering::following(number);
@@ -445,7 +445,7 @@ impl SystemTracks {
         self.next_number
     }
 
-    /// Goes on with this number.
+    /// Continues with this number.
     pub(crate) fn set_next_number(&mut self, number: u32) {
         self.next_number = number.max(1);
     }
@@ -458,17 +458,17 @@ impl SystemTracks {
         &mut self.entries[slot as usize]
     }
 
-    /// Memory of a rule that has one, of a system track.
+    /// Memory of a system track in a rule with memory.
     pub(crate) fn memory(&self, slot: SystemSlot) -> &RuleMemory {
         &self.memories[slot as usize]
     }
 
-    /// Both parts of an entry, where the rule remembers.
+    /// Both parts of an entry, if the rule has a memory.
     pub(crate) fn get_with_memory(&mut self, slot: SystemSlot) -> (&mut SystemEntry, &mut RuleMemory) {
         (&mut self.entries[slot as usize], &mut self.memories[slot as usize])
     }
 
-    /// Makes the filter's estimate the state, and forgets what the rule remembers.
+    /// Makes the filter's estimate the state, and clears the rule's memory.
     pub(crate) fn forget_state(&mut self, slot: SystemSlot) {
         let entry = &mut self.entries[slot as usize];
         entry.state = entry.filter.state();
@@ -486,7 +486,7 @@ impl SystemTracks {
         self.follow_silence(slot);
     }
 
-    /// Lists a track as silent, or no longer, as its life says.
+    /// Adds a track to the silent tracks, or removes it, according to its life.
     fn follow_silence(&mut self, slot: SystemSlot) {
         let entry = &self.entries[slot as usize];
         let is_silent = match entry.life {
@@ -509,7 +509,7 @@ impl SystemTracks {
         self.set_life(slot, TrackState::Suspended);
     }
 
-    /// How many entries are in `life`.
+    /// Number of entries in `life`.
     pub(crate) fn count_in_state(&self, life: TrackState) -> usize {
         self.in_state[life as usize]
     }
@@ -525,16 +525,16 @@ impl SystemTracks {
         live.iter().all(|life| self.count_in_state(*life) == 0)
     }
 
-    /// The system track that carries this address or MMSI.
+    /// The system track with this address or MMSI.
     pub(crate) fn with_address(&self, address: UniqueNumber) -> Option<SystemSlot> {
         self.by_address.get(&address).copied()
     }
 
-    /// Adds what `identity` knows to the system track's; an address or MMSI once carried is never changed. Returns
-    /// whether `identity` has another one, which a rescue aircraft may have.
+    /// Adds the data of `identity` to the system track's; an address or MMSI once set never changes. Returns whether
+    /// `identity` has another address or MMSI, as a rescue aircraft may have.
     #[inline]
     pub(crate) fn identify(&mut self, slot: SystemSlot, identity: &Identity) -> bool {
-        // So it is nearly always, and then there is nothing to add.
+        // The identities are nearly always equal, and then there is nothing to add.
         *identity != self.entries[slot as usize].identity && self.add_identity(slot, identity)
     }
 
@@ -555,7 +555,7 @@ impl SystemTracks {
         carried.is_some() && stated.is_some() && carried != stated
     }
 
-    /// Makes the system track invisible to searches: it has ended. Its place is freed when its deadline comes up.
+    /// Makes the system track invisible to searches: the track has ended. The place is freed at the deadline.
     pub(crate) fn end(&mut self, slot: SystemSlot) {
         self.grid.remove(slot);
         self.set_life(slot, TrackState::Terminated);

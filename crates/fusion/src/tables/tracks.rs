@@ -1,4 +1,4 @@
-//! The sensor tracks and the system tracks, and which sensor track belongs to which system track.
+//! The sensor tracks and the system tracks, and the links between them.
 
 use kept::kept;
 use serde::{Deserialize, Serialize};
@@ -16,23 +16,23 @@ use crate::update::filter::TargetFilter;
 use crate::update::filter_input::FilterInput;
 use crate::update::kept_measurements::KeptMeasurements;
 
-/// Both tables, linked with each other, and what is known of the sources.
+/// Both tables, linked with each other, and the properties of the sources.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Tracks {
     pub(crate) sensors: SensorTracks,
     pub(crate) systems: SystemTracks,
-    /// What is known of the sources.
+    /// The learned properties of the sources.
     pub(crate) sources: Sources,
     /// Measurements of the last seconds, for late reports.
     pub(crate) kept: KeptMeasurements,
-    /// Where what must outlive the process is written.
+    /// Output for data that must outlive the process.
     #[serde(skip)]
     pub(crate) checkpoint: Option<CheckpointWriter>,
     /// Members from before the start, and of suspended system tracks.
     remembered: FormerMembers,
 }
 
-/// Time between two states of a system track that are kept, nanoseconds, and states of which one is.
+/// Time between two kept states of a system track, nanoseconds, and number of states per kept state.
 const KEPT_EVERY_NS: i64 = 100_000_000;
 const KEPT_EVERY: u8 = 2;
 
@@ -59,8 +59,8 @@ impl Tracks {
         }
     }
 
-    /// Remembers members of system tracks that have just been taken in again, the newest first, as many as there can
-    /// be: of one that found its way back by its address, there is an older word too.
+    /// Remembers members of system tracks that have just been taken in again, the newest first, as many as there is
+    /// room for. For a member returned by address there is an older record too.
     pub(crate) fn remember(&mut self, members: Vec<(TrackMembership, SystemSlot)>) {
         for (member, system) in members {
             let key = (member.source, member.track_number);
@@ -72,7 +72,7 @@ impl Tracks {
         }
     }
 
-    /// Lets the number of a system track rest: its sensor tracks go, and find their way back by their numbers.
+    /// Lets the number of a system track rest: its sensor tracks leave, and return by their numbers.
     pub(crate) fn suspend(&mut self, system: SystemSlot) {
         let number = self.systems.get(system).number;
         let Self {
@@ -101,8 +101,8 @@ impl Tracks {
         self.kept.forget(system);
     }
 
-    /// Whether a sensor track without an entry was a member of a system track that a checkpoint goes on with: to its
-    /// source it is an old one.
+    /// Whether a sensor track without an entry was a member of a system track continued from a checkpoint: for its
+    /// source the track is old.
     #[inline]
     pub(crate) fn goes_on(&self, source: u16, track_number: u32) -> bool {
         if self.remembered.is_empty() {
@@ -115,15 +115,15 @@ impl Tracks {
         })
     }
 
-    /// The system track that a sensor track, which has just reported for the first time, belonged to
-    /// before, if that lives. It is asked once; where it was never shown, only if it is the last that is asked.
+    /// The former system track of a sensor track that has just reported for the first time, if still alive. Each
+    /// record is used once; a system track that was never shown is returned only if `is_last`.
     pub(crate) fn recall(&mut self, sensor: SensorSlot, is_last: bool) -> Option<SystemSlot> {
         if self.remembered.is_empty() {
             return None;
         }
         let entry = self.sensors.get(sensor);
         let former = self.remembered.get(entry.source, entry.track_number)?;
-        // A track that was never shown waits until it is clear that no other fits.
+        // A track that was never shown waits until no other track fits.
         let is_unshown = |former: &SystemEntry| former.life == TrackState::Suspended && !former.was_shown;
         if !is_last && is_unshown(self.systems.get(former.slot)) {
             return None;
@@ -140,8 +140,8 @@ impl Tracks {
         (entry.number == former.number && entry.life != TrackState::Terminated).then_some(former.slot)
     }
 
-    /// Writes what there is to be kept of a system track into the checkpoint, unless that has just been done: nobody
-    /// loses anything by a state that is a little older.
+    /// Writes the data of a system track into the checkpoint, unless just written: a slightly older state does no
+    /// harm.
     #[inline]
     pub(crate) fn keep(&mut self, system: SystemSlot) {
         if let Some(checkpoint) = &mut self.checkpoint {
@@ -171,7 +171,7 @@ impl Tracks {
         }
     }
 
-    /// Reserves numbers before the next system track uses the first of them.
+    /// Reserves numbers before the next system track uses the first.
     pub(crate) fn reserve_numbers(&mut self) {
         let next = self.systems.next_number();
         if let Some(checkpoint) = &mut self.checkpoint
@@ -188,7 +188,7 @@ impl Tracks {
         number
     }
 
-    /// Gives a system track another number, which its members follow.
+    /// Gives a system track, and its members, another number.
     pub(crate) fn renumber(&mut self, system: SystemSlot, number: u32) {
         let entry = self.systems.get_mut(system);
         (entry.number, entry.kept_ns) = (number, i64::MIN);
@@ -200,12 +200,12 @@ impl Tracks {
         self.keep(system);
     }
 
-    /// Returns whether rules can look back at earlier reports.
+    /// Returns whether rules have access to earlier reports.
     pub(crate) fn looks_back(&self) -> bool {
         self.systems.remembers()
     }
 
-    /// Begins to keep what there is in `checkpoint`.
+    /// Begins to keep data in `checkpoint`.
     pub(crate) fn keep_in(&mut self, mut checkpoint: CheckpointWriter) {
         checkpoint.write(RecordKind::Numbers, 0, &numbering::reserved(self.systems.next_number()));
         for ((source, track_number), former) in self.remembered.iter() {
@@ -229,24 +229,24 @@ impl Tracks {
         self.member_entries(system).map(|(member, _)| member)
     }
 
-    /// The sensor tracks of a system track with their entries, newest link first.
+    /// The sensor tracks of a system track with entries, newest link first.
     #[inline]
     pub(crate) fn member_entries(&self, system: SystemSlot) -> MemberEntries<'_> {
         self.sensors.members_from(self.systems.get(system).members)
     }
 
-    /// Calls `change` with every sensor track of a system track, which may not link it elsewhere.
+    /// Calls `change` with every sensor track of a system track; `change` may not link the sensor tracks elsewhere.
     #[inline]
     pub(crate) fn for_members(&mut self, system: SystemSlot, change: impl FnMut(&mut SensorEntry)) {
         self.sensors.for_members_from(self.systems.get(system).members, change);
     }
 
-    /// The sensor tracks that contribute to `system` at `now_ns`: the fresh primary ones.
+    /// The sensor tracks that contribute to `system` at `now_ns`: the fresh primary tracks.
     pub(crate) fn contributing(&self, system: SystemSlot, now_ns: i64) -> impl Iterator<Item = SensorSlot> {
         self.contributing_entries(system, now_ns).map(|(member, _)| member)
     }
 
-    /// The same with their entries.
+    /// The same with entries.
     #[inline]
     pub(crate) fn contributing_entries(
         &self,
@@ -263,20 +263,21 @@ impl Tracks {
         entry.role == Role::Primary && self.is_fresh(entry, now_ns)
     }
 
-    /// Whether the latest report of a sensor track counts at `now_ns`, by its source's period and the rhythm of its
+    /// Whether the latest report of a sensor track counts at `now_ns`, by the source's period and the rhythm of the
     /// target.
     #[inline]
     pub(crate) fn is_fresh(&self, entry: &SensorEntry, now_ns: i64) -> bool {
         self.is_fresh_by_period(entry, now_ns) || self.is_fresh_by_rhythm(entry, now_ns)
     }
 
-    /// The same by its source's period alone: another sensor track of the source may speak for the target after that.
+    /// The same by the source's period alone: afterwards another sensor track of the source may represent the target.
     #[inline]
     fn is_fresh_by_period(&self, entry: &SensorEntry, now_ns: i64) -> bool {
         now_ns - entry.time_ns <= self.sources.fresh_ns(entry.source)
     }
 
-    /// Whether a sensor track speaks for its source beside another one: not one of before the source's restart.
+    /// Whether a sensor track still represents its source beside another: not a track from before the source's
+    /// restart.
     fn still_speaks(&self, entry: &SensorEntry, now_ns: i64) -> bool {
         self.is_fresh_by_period(entry, now_ns) && !self.sources.is_before_restart(entry.source, entry.time_ns)
     }
@@ -285,14 +286,14 @@ impl Tracks {
         entry.system != NO_SYSTEM && now_ns - entry.time_ns <= self.systems.get(entry.system).rhythm.fresh_ns()
     }
 
-    /// Those of them that are no tracks of other centres.
+    /// The contributing tracks that are no tracks of other centres.
     pub(crate) fn contributing_here(&self, system: SystemSlot, now_ns: i64) -> impl Iterator<Item = SensorSlot> {
         self.contributing_entries(system, now_ns)
             .filter(|(_, entry)| !entry.is_foreign)
             .map(|(member, _)| member)
     }
 
-    /// The sensor track of `source` that speaks for it in `system`, other than `own`.
+    /// The sensor track that represents `source` in `system`, other than `own`.
     pub(crate) fn primary_of(
         &self,
         system: SystemSlot,
@@ -308,7 +309,7 @@ impl Tracks {
             .map(|(member, _)| member)
     }
 
-    /// The sources that contribute to a system track, as bits; those aside whose tracks are of before their restart.
+    /// The sources that contribute to a system track, as bits, without sources with tracks from before a restart.
     pub(crate) fn sources_of(&self, system: SystemSlot, now_ns: i64) -> u64 {
         let mut bits = 0;
         for (_, entry) in self.contributing_entries(system, now_ns) {
@@ -318,7 +319,7 @@ impl Tracks {
         bits
     }
 
-    /// The sources that contribute to the system track of `own`, as bits, and whether nothing but `own` does.
+    /// The sources that contribute to the system track of `own`, as bits, and whether `own` alone contributes.
     pub(crate) fn sources_beside(&self, own: SensorSlot, now_ns: i64) -> (u64, bool) {
         let (mut bits, mut is_alone) = (0, true);
         for (member, entry) in self.contributing_entries(self.sensors.get(own).system, now_ns) {
@@ -328,7 +329,7 @@ impl Tracks {
         (bits, is_alone)
     }
 
-    /// Whether nothing but `own` contributes to its system track.
+    /// Whether `own` alone contributes to its system track.
     pub(crate) fn is_alone(&self, own: SensorSlot, now_ns: i64) -> bool {
         let system = self.sensors.get(own).system;
         self.contributing(system, now_ns).all(|member| member == own)
@@ -339,13 +340,13 @@ impl Tracks {
         self.contributing(system, now_ns).nth(1).is_none()
     }
 
-    /// Whether the source has made enough of its track for it to be compared with others.
+    /// Whether the track is established enough at its source for a comparison with others.
     pub(crate) fn is_established(&self, sensor: SensorSlot) -> bool {
         let entry = self.sensors.get(sensor);
         entry.reports >= 2 || entry.latest.state == TrackState::Confirmed as u8
     }
 
-    /// The time at which the last of the present contributions ceases to be fresh.
+    /// Time at which the last of the present contributions ceases to be fresh.
     pub(crate) fn fresh_until(&self, system: SystemSlot) -> i64 {
         let own_ns = self.systems.get(system).rhythm.fresh_ns();
         let mut until_ns = i64::MIN;
@@ -355,7 +356,7 @@ impl Tracks {
         until_ns
     }
 
-    /// Links a sensor track that belongs nowhere to `system`.
+    /// Links a sensor track without a system track to `system`.
     pub(crate) fn join(&mut self, sensor: SensorSlot, system: SystemSlot) {
         let first = &mut self.systems.get_mut(system).members;
         let entry = self.sensors.get_mut(sensor);
@@ -370,7 +371,7 @@ impl Tracks {
         self.keep_member(sensor);
     }
 
-    /// Takes a sensor track out of its system track.
+    /// Removes a sensor track from its system track.
     #[cold]
     pub(crate) fn unlink(&mut self, sensor: SensorSlot) {
         let entry = self.sensors.get_mut(sensor);
@@ -392,8 +393,7 @@ impl Tracks {
         self.keep_member(sensor);
     }
 
-    /// Learns from a sensor track's latest report, beside those of other sources on its target, whether sources have
-    /// errors in common.
+    /// Learns common errors of sources from a sensor track's latest report, and those of other sources on its target.
     #[inline]
     pub(crate) fn learn_dependence(&mut self, settings: &Settings, sensor: SensorSlot) {
         let entry = self.sensors.get(sensor);
@@ -419,12 +419,12 @@ impl Tracks {
         }
     }
 
-    /// Makes a sensor track the primary one of its source, and of those that it depends on, if there is no other one
-    /// that is fresh: one speaks for a source, and goes on doing so while it is fresh.
+    /// Makes a sensor track the primary track of its source, and of the sources that it depends on, if no other track
+    /// is fresh: a single track represents a source, as long as the track is fresh.
     #[inline]
     pub(crate) fn assign_role(&mut self, sensor: SensorSlot) {
         let entry = self.sensors.get(sensor);
-        // No other source of the group comes before the first one.
+        // No other source of the group precedes the first source.
         if entry.role != Role::Primary || self.sources.group_of(entry.source) != entry.source {
             self.assign_role_in_group(sensor);
         }
@@ -445,7 +445,7 @@ impl Tracks {
             })
             .map(|(_, other)| other.source);
         if entry.role == Role::Primary {
-            // Two that have been found to depend on each other: the first source speaks from now on.
+            // Two sources found to depend on each other: the first source represents both from now on.
             if other.is_some_and(|other| other < source) {
                 self.sensors.get_mut(sensor).role = Role::Duplicate;
             }
@@ -468,7 +468,7 @@ impl Tracks {
         entry.input(self.systems.get(entry.system).number, measurement)
     }
 
-    /// Lets the filter of a sensor track's system track begin anew with what the sensor track says.
+    /// Restarts the filter of a sensor track's system track with the sensor track's report.
     #[cold]
     pub(crate) fn restart_filter(&mut self, sensor: SensorSlot) {
         let entry = self.sensors.get(sensor);

@@ -1,11 +1,11 @@
-//! What fusion assumes beside the measurements, for readers of the inputs of filters.
+//! Assumptions of fusion beside the measurements, for readers of filter inputs.
 
 use crate::publish::publishing::TrackPublisher;
 use crate::tables::system_tracks::SystemSlot;
 use crate::tables::tracks::Tracks;
 use crate::update::filter_input::Assumed;
 
-/// What fusion assumes of the target of a system track.
+/// Returns the assumptions on the target of a system track.
 pub(crate) fn assumed_of(system: SystemSlot, tracks: &Tracks, publisher: &TrackPublisher) -> Assumed {
     Assumed {
         motion: *tracks.sources.motion(tracks.systems.get(system).filter.velocity_mps()),

@@ -1,4 +1,4 @@
-//! Comparison of reports of two sources on one target, from which systematic errors are estimated.
+//! Comparison of reports of two sources on the same target, for the estimation of systematic errors.
 
 use messages::{NS_PER_S, TrackState};
 use source_models::{ComparedStates, Fact, Measurement, PairFact};
@@ -7,12 +7,12 @@ use crate::engine::Engine;
 use crate::tables::sensor_tracks::{SensorEntry, SensorSlot};
 use crate::tables::tracks::Tracks;
 
-/// Samples of a source's systematic errors after which only every few reports one is taken, and how many are few.
+/// Number of samples of a source's systematic errors, and sampling interval beyond that number, in reports.
 const REGISTRATION_SETTLED: [(f64, u32); 2] = [(1000.0, 16), (500.0, 8)];
 
 impl Engine {
-    /// Compares the report of a sensor track with the latest one of another source: systematic errors show in the
-    /// difference.
+    /// Compares the report of a sensor track with the latest report of another source: the difference shows systematic
+    /// errors.
     pub(crate) fn compare(&mut self, sensor: SensorSlot, measurement: Option<&Measurement>) {
         let (settings, tracks, known) = (&self.settings, &self.tracks, &self.tracks.sources);
         let entry = tracks.sensors.get(sensor);

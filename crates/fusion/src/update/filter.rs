@@ -1,14 +1,14 @@
-//! The system filter: one per target, fed with the measurements behind all sensor tracks.
+//! The system filter of a target, fed with the measurements behind all sensor tracks.
 //!
-//! Every system track has a system filter, with any rule: reports are compared with the filter, and its innovations
-//! show the accuracy of the sources. Measurements have independent errors, so that no assumption about the
-//! correlation of sources is needed. The filter keeps the contribution of each source to the present estimate as a
-//! share, which decays with the contributions of other sources.
+//! Every system track has a system filter, with any rule: reports are compared with the filter, and the innovations
+//! show the accuracy of the sources. Measurements have independent errors: no assumption about the correlation of
+//! sources is needed. The contribution of each source to the present estimate is kept as a share, and decays with the
+//! contributions of other sources.
 //!
-//! The plane and the vertical have filters of their own (modules `plane_filter` and `vertical_filter`): nothing of the
-//! vertical touches the plane. The estimate joins both, without correlation between them.
+//! The plane and the vertical have separate filters (modules `plane_filter` and `vertical_filter`): the vertical has no
+//! effect on the plane. The estimate joins both, without correlation between them.
 //!
-//! A single innovation far outside its covariance (a blunder) gets a small weight, but is not rejected: a rejection
+//! A single innovation far outside the covariance (a blunder) gets a small weight, but is not rejected: a rejection
 //! would lose a target at an unexpected place.
 //!
 //! Source: P. J. Huber, *Robust Statistics* (Wiley, 1981), for the weighing down.
@@ -28,9 +28,9 @@ use crate::update::vertical_filter::VerticalFilter;
 
 /// Normalised innovation squared beyond which a measurement is weighed down.
 const BLUNDER: f64 = 30.0;
-/// Number of motion models as messages state them.
+/// Number of motion models in messages.
 pub(crate) const MODES: usize = 8;
-/// Number of groups of models of the plane, and of models of the vertical, whose probabilities are kept.
+/// Numbers of kept probabilities: of groups of models of the plane, and of models of the vertical.
 const PLANE_MODES: usize = 4;
 const VERTICAL_MODES: usize = 3;
 /// Speed above which a target has a rate of turn, m/s.
@@ -39,12 +39,12 @@ const MOVING_MPS: f64 = 3.0;
 const LEVEL_MPS: f64 = 1.5;
 /// Time over which changes of velocity are averaged, seconds.
 const ACCELERATION_S: f64 = 6.0;
-/// Time after which half of the rate of a turn is expected: it may end before the next measurement, seconds.
+/// Time after which half of the rate of a turn is expected, seconds: the turn may end before the next measurement.
 const TURN_S: f64 = 4.0;
-/// Probabilities of a manoeuvre below which a target surely flies straight, and above which it surely manoeuvres.
+/// Probabilities of a manoeuvre: surely straight flight below the first, surely a manoeuvre above the second.
 const SURELY_STRAIGHT: f64 = 0.1;
 const SURELY_TURNING: f64 = 0.5;
-/// Variance of the rate of climb of a target whose height is observed for the first time, m²/s².
+/// Variance of the rate of climb at the first observation of a target's height, m²/s².
 const VERTICAL_SPEED_M2PS2: f64 = UNKNOWN_CLIMB_SIGMA_MPS * UNKNOWN_CLIMB_SIGMA_MPS;
 
 /// State of a target's filter at a time.
@@ -56,7 +56,7 @@ pub(crate) struct TargetFilter {
     pub(crate) has_height: bool,
     plane: PlaneFilter,
     vertical: VerticalFilter,
-    /// What the target is expected to do in the plane from now on; `None` before the first measurement.
+    /// Expected motion of the target in the plane; `None` before the first measurement.
     course: Option<Course>,
     /// Whether the target was last known to fly straight, not to turn.
     is_straight: bool,
@@ -65,7 +65,7 @@ pub(crate) struct TargetFilter {
 }
 
 kept! {
-    /// A filter as a checkpoint keeps it.
+    /// The part of a filter in a checkpoint.
     #[derive(Clone, Copy, Debug)]
     pub(crate) struct KeptFilter {
         time_ns: i64,
@@ -89,14 +89,14 @@ impl TargetFilter {
             is_straight: false,
             acceleration_mps2: [0.0; AXES],
         };
-        // Nothing of the vertical touches the plane.
+        // The plane and the vertical are uncorrelated.
         filter.estimate.covariance = Default::default();
         filter.set_plane(&plane);
         filter.set_vertical(&vertical);
         filter
     }
 
-    /// A kept filter: its models start with the same estimate, and differ afterwards.
+    /// Creates a filter from a kept part: all models start with the same estimate, and differ afterwards.
     pub(crate) fn resumed(kept: &KeptFilter) -> Self {
         let (plane, vertical) = parts_of(&kept.estimate);
         Self {
@@ -106,7 +106,7 @@ impl TargetFilter {
         }
     }
 
-    /// Part of it that a checkpoint keeps.
+    /// Returns the part for a checkpoint.
     #[inline]
     pub(crate) fn kept(&self) -> KeptFilter {
         KeptFilter {
@@ -118,13 +118,13 @@ impl TargetFilter {
         }
     }
 
-    /// All information in a report.
+    /// Creates a filter from all information in a report.
     pub(crate) fn of_report(report: &SensorTrack) -> Self {
         let has_height = report.has(sensor_track_bits::HEIGHT);
         Self::new(report.time_of_measurement_ns, gaussian_of(report), has_height)
     }
 
-    /// Whether the estimate can be used: all of it finite, and no variance below 0.
+    /// Whether the estimate can be used: all values finite, and no variance below 0.
     pub(crate) fn is_sound(&self) -> bool {
         let Gaussian { mean, covariance } = &self.estimate;
         mean.iter().chain(&covariance.upper).all(|value| value.is_finite())
@@ -136,7 +136,7 @@ impl TargetFilter {
         State::of_estimate(self.time_ns, &self.estimate, self.has_height)
     }
 
-    /// Writes [`Self::state_at`] where it belongs.
+    /// Writes [`Self::state_at`] into `state`.
     #[inline]
     pub(crate) fn write_state_at(&self, time_ns: i64, motion: &Motion, state: &mut State) {
         if time_ns == self.time_ns {
@@ -176,7 +176,7 @@ impl TargetFilter {
         } else {
             plane.advance(seconds);
         }
-        // An unknown acceleration is as a white one that leads to the same variance of the velocity.
+        // An unknown acceleration counts as white noise with the same variance of the velocity.
         let density_m2ps3 = course.density_m2ps3 + 0.5 * course.variance_m2ps4 * seconds.abs();
         plane.disturb_evenly(density_m2ps3, seconds);
         vertical.advance(seconds, self.vertical.density_m2ps3(motion));
@@ -198,7 +198,7 @@ impl TargetFilter {
         std::array::from_fn(|axis| self.estimate.mean[axis] + seconds * self.estimate.mean[axis + AXES])
     }
 
-    /// Follows a point of the target from now on that lies so far, east and north, from the one before, metres.
+    /// Changes to another point of the target, at this offset from the previous point, east and north, metres.
     pub(crate) fn shift(&mut self, by_m: [f64; 2]) {
         self.plane.shift(by_m);
         for (position, by) in self.estimate.mean.iter_mut().zip(by_m) {
@@ -206,8 +206,8 @@ impl TargetFilter {
         }
     }
 
-    /// Follows another point of the target from now on, which lies somewhere about the one before with a variance per
-    /// axis of so much, m².
+    /// Changes to another point of the target, at an unknown offset from the previous point with this variance per
+    /// axis, m².
     pub(crate) fn blur(&mut self, variance_m2: f64) {
         self.plane.blur(variance_m2);
         let [xx, _, _, _, _, _, yy, ..] = &mut self.estimate.covariance.upper;
@@ -215,8 +215,8 @@ impl TargetFilter {
         *yy += variance_m2;
     }
 
-    /// Takes place and course from a report of the same time, with their covariance times `factor`. Height and climb
-    /// stay.
+    /// Takes position and velocity in the plane from a report of the same time, with the covariance times `factor`.
+    /// Height and climb stay.
     pub(crate) fn follow(&mut self, report: &SensorTrack, factor: f64) {
         let (mut plane, _) = parts_of(&gaussian_of(report));
         plane.covariance.iter_mut().for_each(|value| *value *= factor);
@@ -242,7 +242,7 @@ impl TargetFilter {
         0.5 * (xx + yy)
     }
 
-    /// Whether its position is known better than the other's.
+    /// Whether the position is more certain than the other filter's.
     pub(crate) fn is_surer_than(&self, other: &Self) -> bool {
         self.variance_m2() < other.variance_m2()
     }
@@ -306,7 +306,7 @@ impl TargetFilter {
         innovation
     }
 
-    /// The vertical's part of [`Self::take`]: brings it forward, and uses the height if there is one.
+    /// The vertical part of [`Self::take`]: advances the vertical filter, and uses an observed height.
     fn take_height(
         &mut self,
         is_observed: bool,
@@ -331,7 +331,7 @@ impl TargetFilter {
         }
         let is_used = is_observed && use_it;
         if is_used {
-            // A value that is not usable leaves the models as they are.
+            // An unusable value leaves the models unchanged.
             let _ = self.vertical.update(height_m, variance_m2);
         }
         if is_used || advances.is_some() {
@@ -357,8 +357,8 @@ impl TargetFilter {
         [steady, agile, left, right, 0.0, level, climb, change].map(|probability| probability as f32)
     }
 
-    /// Returns the rate of turn, clockwise from above, and its standard deviation, rad/s; `None` for a target that
-    /// hardly moves.
+    /// Returns the rate of turn, clockwise from above, and its standard deviation, rad/s; `None` for a nearly
+    /// stationary target.
     pub(crate) fn turn_rate(&self) -> Option<[f64; 2]> {
         let course = self.course?;
         let [vx, vy, _] = self.estimate.velocity_mps();
@@ -377,7 +377,7 @@ impl TargetFilter {
         (self.has_height && covariance.knows_climb()).then_some(rate)
     }
 
-    /// How the target moves, as far as that is sure.
+    /// Returns the movement of the target, as far as certain.
     pub(crate) fn movement(&self) -> Movement {
         let [vx, vy, climb_mps] = self.estimate.velocity_mps();
         let [ax, ay, _] = self.acceleration_mps2;
@@ -392,7 +392,7 @@ impl TargetFilter {
         } else if manoeuvre > SURELY_TURNING {
             movement.acceleration_mps2 = [ax as f32, ay as f32, 0.0];
             movement.valid = movement_bits::ACCELERATION;
-            // One of the two is what the target surely does; the other may be noise.
+            // Only the larger component is certain; the other may be noise.
             if to_left.abs() >= along.abs() {
                 let is_left = to_left > 0.0;
                 let turns = [HorizontalMovement::TurnRight, HorizontalMovement::TurnLeft];
@@ -409,7 +409,7 @@ impl TargetFilter {
         movement
     }
 
-    /// The plane's part of [`Self::take`]. The gain is 1 for now if the measurement was used.
+    /// The plane part of [`Self::take`]. The gain is 1 for now if the measurement was used.
     fn update(&mut self, z: [f64; 2], mut r: [f64; 3], motion: &Motion, use_it: bool) -> Option<FilterInnovation> {
         let (expected_m, expected_m2) = self.plane.position();
         let residual_m = [z[0] - expected_m[0], z[1] - expected_m[1]];
@@ -455,7 +455,7 @@ impl TargetFilter {
         Some(innovation)
     }
 
-    /// How well the model that surely holds foretells a measurement.
+    /// Returns the fit of a measurement to the model that surely holds.
     fn fit(&self, z: [f64; 2], r: [f64; 3]) -> Fit {
         let of = |model: usize| {
             let (mean, [xx, xy, yy]) = self.plane.position_of(model);
@@ -514,7 +514,7 @@ fn write_vertical(estimate: &mut Gaussian, vertical: &Vertical) {
         estimate.covariance.upper[place] = value;
     }
 }
-/// How a target moves up or down, as far as its climb rate, with this variance, shows it.
+/// Returns the vertical movement of a target from a climb rate with this variance, as far as certain.
 pub(crate) fn vertical_movement(climb_mps: f64, variance_m2ps2: f64) -> VerticalMovement {
     let uncertain_mps = 2.0 * variance_m2ps2.max(0.0).sqrt();
     match climb_mps {

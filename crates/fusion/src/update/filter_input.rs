@@ -1,11 +1,11 @@
-//! What the filters of system tracks received: for readers of the engine's inputs, such as the smoother.
+//! Inputs of the filters of system tracks, for readers such as the smoother.
 
 use estimation::Symmetric3;
 use messages::AXES;
 use source_models::{Correction, Motion};
 
-/// What the filter of a system track received: a measurement, or the report with which it began. Its source's errors
-/// are still in it, so that they can be taken off as they are known later.
+/// Input of the filter of a system track: a measurement, or the report at the start of the filter. The input still
+/// contains the errors of the source, for a correction with later knowledge of the errors.
 #[derive(Clone, Copy, Debug)]
 pub struct FilterInput {
     /// Time of measurement, nanoseconds.
@@ -14,42 +14,41 @@ pub struct FilterInput {
     pub system_track: u32,
     /// Source of the report.
     pub source: u16,
-    /// Whether the filter began with this report, and with nothing of what came before.
+    /// Whether the filter began with this report, without earlier information.
     pub begins: bool,
     /// Whether the third axis is measured.
     pub has_height: bool,
-    /// Measured position east, north, up, metres, and its covariance, as the source gives both.
+    /// Measured position east, north, up, metres; like the covariance, as given by the source.
     pub position_m: [f64; AXES],
     /// Upper triangle of the covariance, row by row, m².
     pub covariance_m2: Symmetric3,
-    /// Velocity and position of the report, on which the source's errors depend, m/s and metres.
+    /// Velocity of the report, m/s. The source's errors depend on the velocity and the position.
     pub velocity_mps: [f64; AXES],
     /// Position of the report, metres.
     pub reported_m: [f64; AXES],
     /// Variances of the report's velocity, m²/s².
     pub velocity_m2ps2: [f64; AXES],
-    /// Detection point of the source relative to the target's reference point, east and north, metres, and its variance
-    /// per axis, m².
+    /// Detection point of the source relative to the target's reference point, east and north, metres.
     pub point_m: [f64; 2],
-    /// Variance per axis of that, m².
+    /// Variance per axis of the detection point, m².
     pub point_m2: f64,
-    /// Whether it takes the place of an earlier input with the same time and sensor track: a report between both has
-    /// come late, and shows what was measured.
+    /// Whether the input replaces an earlier input with the same time and sensor track: an overtaken report came late,
+    /// and the measurement was recovered anew.
     pub replaces: bool,
     /// Number of the sensor track.
     pub(crate) sensor_track: u32,
-    /// Errors of the source, as they were taken off.
+    /// Applied correction of the source's errors.
     pub(crate) correction: Correction,
-    /// What fusion assumes at this moment; unknown where the filter begins.
+    /// Assumptions at this moment; unknown at the start of the filter.
     pub(crate) assumed: Option<Assumed>,
 }
 
-/// What fusion assumes beside the measurements.
+/// Assumptions of fusion beside the measurements.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Assumed {
-    /// How the target moves.
+    /// Motion of the target.
     pub(crate) motion: Motion,
-    /// Variance per axis of errors that no measurement shows, m².
+    /// Variance per axis of unobservable errors, m².
     pub(crate) common_error_m2: f64,
 }
 

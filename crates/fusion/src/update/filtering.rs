@@ -1,4 +1,4 @@
-//! How a measurement changes the filter of its system track, and what the engine learns of the innovation.
+//! Update of a system track's filter with a measurement, and learning from the innovation.
 
 use association::distance;
 use messages::{AXES, Counter, TrackState};
@@ -20,22 +20,22 @@ const ASTRAY_SIGMAS: f64 = 30.0;
 
 /// Distance of a report from its track beyond which its position is false: an aircraft flies as far in a second.
 const FALSE_M: f64 = 300.0;
-/// Share of a source in a filter from which the filter starts anew where the source's covariances were wrong, and by
-/// which factor: what a filter knows from others, or from before a restart, is worth more than a little certainty too
-/// much.
+/// Share of a source in a filter, and factor of the source's too small covariances, above which the filter starts anew.
+/// Otherwise the information from other sources, or from before a restart, outweighs a slight overconfidence.
 const OWN_SHARE: f64 = 0.3;
 const WRONG_CLAIM: f64 = 2.0;
-/// Times that a variance is as large as the filter's from which a source with persistent errors adds nothing to it.
+/// Ratio of a measurement's variance to the filter's above which a source with persistent errors adds nothing.
 const KNOWN_BETTER: f64 = 4.0;
-/// Share of an only source in the estimate from which it is compared.
+/// Share in the estimate from which an only source is compared with the filter.
 const LONE_SHARE: f64 = 0.5;
-/// Squared distance of the estimate from what its only source states, in the source's own standard deviations, beyond
-/// which the statement is better: of a filter that works, one state in a thousand is three of them away.
+/// Squared distance of the estimate from the statement of the only source, in standard deviations of the source. Beyond
+/// this distance the statement is better: in a working filter, one state in a thousand is three standard deviations
+/// away.
 const CONTRADICTION: f64 = 16.0;
 
 impl Engine {
-    /// Copies the state of another centre into the filter while no local source tracks the target. Otherwise the
-    /// filter ignores other centres: information sent to them must not return from them.
+    /// Copies the state of another centre into the filter while no local source tracks the target. Otherwise the filter
+    /// ignores other centres: information sent to a centre must not return from that centre.
     pub(crate) fn follow_centre(&mut self, sensor: SensorSlot) {
         let entry = self.tracks.sensors.get(sensor);
         let is_followed = self
@@ -48,8 +48,8 @@ impl Engine {
         }
     }
 
-    /// Returns whether a measurement adds nothing to a target: the errors of its source persist, and others know the
-    /// target better and later.
+    /// Returns whether a measurement adds nothing to a target: the errors of the source persist, and the target is
+    /// known better and later from other sources.
     pub(crate) fn adds_nothing(&self, sensor: SensorSlot, measurement: &Measurement) -> bool {
         let entry = self.tracks.sensors.get(sensor);
         !self.settings.sources[usize::from(entry.source)].is_registered
@@ -83,7 +83,7 @@ impl Engine {
             }
             referred = reference_point::known(&self.tracks, sensor, measurement);
         }
-        // Others go on where they are: a source that is off to one side would show a motion that nobody states.
+        // The estimate stays with the other sources: a displaced source would cause a motion absent from all reports.
         referred.is_usable &= !(is_displaced || is_led_off);
         let entry = self.tracks.sensors.get(sensor);
         let (system, time_ns, source) = (entry.system, entry.time_ns, entry.source);
@@ -142,11 +142,11 @@ impl Engine {
             target.course = velocity.map(|part| part / speed);
         }
         let is_confirmed = target.life == TrackState::Confirmed;
-        // Hardly one of several sources has such a share: most reports cost nothing more.
+        // Among several sources, such a share is rare: most reports cost no further time.
         let has_most = self.tracks.sensors.get(sensor).share >= LONE_SHARE;
         let is_behind = has_most && self.is_behind_only_source(sensor, measurement, &innovation);
         let is_contradicted = has_most && self.contradicts_only_source(sensor);
-        // Smoothing begins anew with the report; what the measurement showed is no part of it.
+        // After a contradiction, smoothing starts anew with the report, without the measurement.
         if referred.is_usable && !is_contradicted {
             self.outbox.to(sink).input(|| FilterInput {
                 point_m: referred.point_m,
@@ -178,10 +178,10 @@ impl Engine {
         }
     }
 
-    /// Returns whether the estimate contradicts what its only source has just stated of the velocity.
+    /// Returns whether the estimate contradicts the velocity in the latest report of the only source.
     ///
-    /// A source may correct its position, or smooth in a way that is undone wrongly. The positions alone then show a
-    /// motion that the source denies with its velocity, and nobody else supports the estimate.
+    /// A source may correct the position, or the smoothing of a source may be undone wrongly. The positions alone then
+    /// imply a motion that contradicts the reported velocity, and no other source supports the estimate.
     fn contradicts_only_source(&self, sensor: SensorSlot) -> bool {
         let entry = self.tracks.sensors.get(sensor);
         let (filter, latest) = (&self.tracks.systems.get(entry.system).filter, &entry.latest);
@@ -194,8 +194,8 @@ impl Engine {
         squared > CONTRADICTION && self.is_only_source(sensor)
     }
 
-    /// Returns whether the estimate is behind its only source: the source foresees its measurements better, or the
-    /// measurements repeat what its own filter has made of them.
+    /// Returns whether the estimate lags behind the only source: the source predicts the measurements better, or the
+    /// measurements repeat the output of the source's own filter.
     fn is_behind_only_source(
         &mut self,
         sensor: SensorSlot,
@@ -216,15 +216,15 @@ impl Engine {
         can_follow && (is_better || self.only_repeats(sensor)) && self.is_only_source(sensor)
     }
 
-    /// Returns whether a filter that cannot be undone made the latest report.
+    /// Returns whether the latest report is the output of a filter that cannot be undone.
     fn only_repeats(&self, sensor: SensorSlot) -> bool {
         let entry = self.tracks.sensors.get(sensor);
         let is_filtered = entry.basis == CovarianceBasis::Stated && shows_filter(&entry.latest.covariance);
         is_filtered && self.tracks.sources.cannot_be_undone(entry.source)
     }
 
-    /// Counts a report that is not used since its source leads the target off: as a false position if the report lies
-    /// farther from the track than what latencies explain.
+    /// Counts an unused report of a source that leads the target off: as a false position if latency does not explain
+    /// the distance of the report from the track.
     #[cold]
     fn count_led_off(&mut self, sensor: SensorSlot, measurement: &Measurement) {
         let entry = self.tracks.sensors.get(sensor);
@@ -237,21 +237,21 @@ impl Engine {
         self.outbox.counts.add(entry.source, counter);
     }
 
-    /// Returns whether a target is known from other sources so well that a measurement of this variance per axis, m²,
-    /// by a source whose errors persist, adds nothing: its errors do not average out.
+    /// Returns whether a measurement of this variance per axis, m², by a source with persistent errors adds nothing:
+    /// the target is known better from other sources, and persistent errors do not average out.
     #[cold]
     fn is_known_better(&self, system: SystemSlot, source: u16, variance_m2: f64) -> bool {
         let target = self.tracks.systems.get(system);
         target.contributors & !(1 << source) != 0 && KNOWN_BETTER * target.filter.variance_m2() < variance_m2
     }
 
-    /// Returns whether nothing but the sensor track contributes to its system track.
+    /// Returns whether the sensor track is the only contributor to the system track.
     fn is_only_source(&self, sensor: SensorSlot) -> bool {
         self.tracks.is_alone(sensor, self.tracks.sensors.get(sensor).time_ns)
     }
 
-    /// Enlarges the covariance of a filter that a source has made too small with covariances that turn out wrong with
-    /// this report of the sensor track.
+    /// Enlarges the covariance of a filter after too small covariances of a source, detected with this report of the
+    /// sensor track.
     #[inline]
     pub(crate) fn corrects_claims(&mut self, sensor: SensorSlot, sink: &mut impl Sink) -> bool {
         let entry = self.tracks.sensors.get_mut(sensor);
@@ -263,15 +263,15 @@ impl Engine {
             let factor = 1.0 + entry.share * (claimed_too_much - 1.0);
             let system = entry.system;
             self.tracks.systems.get_mut(system).filter.inflate(factor);
-            // Kept states of the filter are as much too sure.
+            // Kept states of the filter are equally overconfident.
             self.tracks.kept.forget(system);
         }
         false
     }
 
-    /// Returns whether several reports in a row, from any source, lie so far from the estimate that the estimate is
-    /// wrong. Covariance scaling and the learned noise of the sources would otherwise defend the estimate against all
-    /// of them.
+    /// Returns whether several consecutive reports, from any source, lie far enough from the estimate to prove the
+    /// estimate wrong. Otherwise covariance scaling and the learned noise of the sources would protect a wrong
+    /// estimate.
     pub(crate) fn is_astray(&mut self, sensor: SensorSlot, innovation: &FilterInnovation) -> bool {
         let entry = self.tracks.sensors.get(sensor);
         let (system, claimed) = (entry.system, &entry.latest.covariance);
@@ -300,20 +300,20 @@ impl Engine {
         self.stands_alone(sensor);
     }
 
-    /// Goes on from place and course in the latest report of an only source.
+    /// Continues from position and velocity in the latest report of an only source.
     #[cold]
     fn follow(&mut self, sensor: SensorSlot) {
-        // Source and filter both lag behind a motion that they see so differently: the next measurements have to count
-        // more than the covariances of either admit.
+        // At such a difference, source and filter both lag behind the motion: the next measurements must count more
+        // than either covariance admits.
         let factor = if self.only_repeats(sensor) { 1.0 } else { CONTRADICTION };
         let entry = self.tracks.sensors.get(sensor);
         let target = self.tracks.systems.get_mut(entry.system);
-        // Measurements are kept: if a report of another source comes late, the filter uses all of them again.
+        // Measurements are kept: after a late report of another source, the filter uses all measurements again.
         target.filter.follow(&entry.latest, factor);
         self.stands_alone(sensor);
     }
 
-    /// The filter of a system track contains nothing but the sensor track.
+    /// Marks the sensor track as the only content of the system track's filter.
     fn stands_alone(&mut self, sensor: SensorSlot) {
         let system = self.tracks.sensors.get(sensor).system;
         self.tracks.for_members(system, |member| member.share = 0.0);

@@ -1,4 +1,4 @@
-//! A measurement as the filter of a system track used it, so that it can be used again.
+//! Measurement as used by the filter of a system track, for repeated use.
 
 use estimation::Gaussian;
 use messages::{AXES, COVARIANCE_LEN, Covariance, STATE_LEN, SensorTrack, sensor_track_bits};
@@ -8,37 +8,38 @@ use source_models::{Correction, FilterInnovation, Measurement, Motion, gaussian_
 use crate::update::filter::TargetFilter;
 use crate::update::filter_input::{Assumed, FilterInput};
 
-/// A measurement as the filter used it.
+/// A measurement as used by the filter.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct KeptMeasurement {
     /// Time of measurement, nanoseconds.
     pub(crate) time_ns: i64,
-    /// Source, and number of its sensor track.
+    /// Source, and number of the sensor track.
     pub(crate) track: (u16, u32),
-    /// Relative to the target's reference point, without the known errors of its source.
+    /// Relative to the target's reference point, without the known errors of the source.
     pub(crate) measurement: Measurement,
-    /// Whether the filter used it, or only brought itself forward to its time.
+    /// Whether the filter used the measurement; otherwise the filter only advanced to the time of measurement.
     pub(crate) is_used: bool,
-    /// State in the report behind it, without the known errors of its source, and whether it has a height.
+    /// State in the report behind the measurement, without the known errors of the source, and whether the state has a
+    /// height.
     pub(crate) state: Gaussian,
     pub(crate) has_height: bool,
-    /// These errors.
+    /// Applied correction of the known errors.
     pub(crate) correction: Correction,
-    /// Detection point that was taken off, east and north, metres, and its variance per axis, m².
+    /// Subtracted detection point, east and north, metres, and variance per axis, m².
     pub(crate) point_m: [f64; 2],
     pub(crate) point_m2: f64,
 }
 
-/// A measurement that the filter uses: the parts of a [`KeptMeasurement`] where they are.
+/// A measurement in use by the filter: references to the parts of a [`KeptMeasurement`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct UsedMeasurement<'a> {
     pub(crate) measurement: &'a Measurement,
-    /// The report behind it, without the known errors of its source.
+    /// The report behind the measurement, without the known errors of the source.
     pub(crate) report: &'a SensorTrack,
     pub(crate) correction: &'a Correction,
-    /// Whether the filter uses it.
+    /// Whether the filter uses the measurement.
     pub(crate) is_used: bool,
-    /// Detection point that was taken off, east and north, metres, and its variance per axis, m².
+    /// Subtracted detection point, east and north, metres, and variance per axis, m².
     pub(crate) point_m: [f64; 2],
     pub(crate) point_m2: f64,
 }
@@ -49,7 +50,7 @@ impl UsedMeasurement<'_> {
         self.report.time_of_measurement_ns
     }
 
-    /// All of it, to be kept.
+    /// Writes all parts into `kept`.
     #[inline]
     pub(crate) fn write(&self, kept: &mut KeptMeasurement) {
         let report = self.report;
@@ -66,7 +67,7 @@ impl UsedMeasurement<'_> {
         kept.point_m2 = self.point_m2;
     }
 
-    /// All of it.
+    /// Returns all parts as a copy.
     pub(crate) fn kept(&self) -> KeptMeasurement {
         KeptMeasurement {
             time_ns: self.time_ns(),
@@ -83,7 +84,7 @@ impl UsedMeasurement<'_> {
 }
 
 impl KeptMeasurement {
-    /// In place of one.
+    /// Placeholder for a measurement.
     pub(crate) const NONE: Self = Self {
         time_ns: 0,
         track: (0, 0),
@@ -101,7 +102,7 @@ impl KeptMeasurement {
         point_m2: 0.0,
     };
 
-    /// As input of the filter of a system track, without corrections.
+    /// Returns the input of the filter of a system track, without corrections.
     pub(crate) fn input(&self, system_track: u32, assumed: Assumed) -> FilterInput {
         let (mut raw, state) = (self.measurement, self.correction.undone(self.state));
         raw.refer(self.point_m.map(|point| -point), -self.point_m2);
@@ -127,7 +128,7 @@ impl KeptMeasurement {
         }
     }
 
-    /// Lets a filter use it.
+    /// Updates a filter with the measurement.
     pub(crate) fn use_in<'m>(
         &self,
         filter: &mut TargetFilter,

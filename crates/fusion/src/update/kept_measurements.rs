@@ -1,22 +1,21 @@
-//! The measurements of the last seconds, so that a late report changes the state as if it had come in time.
+//! Measurements of the last seconds, so that a late report changes the state like a report in time.
 //!
-//! A report that comes late was measured before others that the filter has already used. Carrying it forward along the
-//! estimated velocity is wrong in turns, and counts the noise of the motion since then as an error of the report. The
-//! filter therefore goes back: it takes the latest earlier state that is kept, and uses the measurements since then
-//! once more, with the late one in its place. The result equals that of the order of measurement.
+//! A late report was measured before other reports that the filter has already used. Extrapolation along the estimated
+//! velocity is wrong in turns, and counts the process noise since then as an error of the report. The filter therefore
+//! goes back to the latest earlier kept state, and repeats the updates since then, with the late measurement in the
+//! right place. The result equals the result in the order of measurement.
 //!
-//! Each system track has a chain of measurements, in the order in which the filter used them, and a few *bases*: states
-//! of the filter before certain measurements. The chain begins with the oldest base. Bases lie the denser the younger
-//! they are, because most late reports are little late: few measurements are then used again.
+//! Each system track has a chain of measurements, in the order of use by the filter, and a few *bases*: states of the
+//! filter before certain measurements. The chain begins with the oldest base. Younger bases lie denser, because most
+//! late reports are only slightly late: few measurements are then used again.
 //!
-//! Measurements of all system tracks share a table of fixed size. If the table is full, a system track gives up its
-//! oldest measurements; without any to give up, the chain begins anew. A report from before the chain cannot be used
-//! this way. Both tables are reserved at the start, and grow into that room: their memory is used as far as
-//! measurements are kept.
+//! Measurements of all system tracks share a table of fixed size. If the table is full, a system track drops the oldest
+//! measurements; if none can be dropped, the chain begins anew. A report from before the chain cannot be used this way.
+//! Both tables are reserved at the start, and grow into that room: memory use follows the number of kept measurements.
 //!
 //! Source: Y. Bar-Shalom, *Update with out-of-sequence measurements in tracking: exact solution*, IEEE Transactions on
 //! Aerospace and Electronic Systems 38 (2002), which names going back and using the measurements again as the exact
-//! method for any filter; its own shorter ways hold for a single linear model only.
+//! method for any filter. The shorter methods of the paper hold for a single linear model only.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use source_models::{FilterInnovation, Measurement, Motion};
@@ -25,23 +24,23 @@ use crate::tables::system_tracks::SystemSlot;
 use crate::update::filter::TargetFilter;
 use crate::update::kept_measurement::{KeptMeasurement, UsedMeasurement};
 
-/// Most bases of a system track.
+/// Maximum number of bases of a system track.
 const BASES_MAX: usize = 6;
-/// A base follows the one before after so many measurements, or after so much time, nanoseconds.
+/// Distance between bases: number of measurements, or time in nanoseconds.
 const BASE_EVERY: u32 = 8;
 const BASE_EVERY_NS: i64 = 3_000_000_000;
-/// Most measurements of one system track: as many are used again at most.
+/// Maximum number of measurements of a system track, and thus of repeated updates.
 const CHAIN_MAX: u32 = 128;
 
 /// Place of a measurement in the table.
 pub(crate) type Place = u32;
 const NOWHERE: Place = Place::MAX;
 
-/// A measurement in its chain.
+/// A measurement in a chain.
 #[derive(Clone, Copy, Debug)]
 struct Link {
     kept: KeptMeasurement,
-    /// Time of the filter after it, nanoseconds: later than the measurement if that was carried forward.
+    /// Time of the filter after the update, nanoseconds: later than a measurement carried forward.
     at_ns: i64,
 }
 
@@ -53,16 +52,16 @@ impl Link {
     };
 }
 
-/// A base, apart from its filter: what each report needs of it lies together.
+/// A base without the filter: the data needed for each report lie together.
 #[derive(Clone, Copy, Debug)]
 struct Base {
-    /// Place of its filter; nowhere for a base that was never used.
+    /// Place of the filter; `NOWHERE` for a base never used.
     place: Place,
-    /// The measurement before it; none for the oldest base.
+    /// The measurement before the base; none for the oldest base.
     after: Place,
-    /// Number of measurements from there to the next base.
+    /// Number of measurements from the base to the next base.
     length: u32,
-    /// Time of its filter, nanoseconds.
+    /// Time of the filter, nanoseconds.
     time_ns: i64,
 }
 
@@ -75,14 +74,13 @@ impl Base {
     };
 }
 
-/// The chain of one system track.
+/// The chain of a system track.
 #[derive(Clone, Copy, Debug)]
 struct Chain {
     first: Place,
     last: Place,
     length: u32,
-    /// Number of bases, and the bases, oldest first; the others have places that the chain keeps for further bases, or
-    /// none.
+    /// Number of bases, and the bases, oldest first. The other entries hold places for further bases, or none.
     count: usize,
     bases: [Base; BASES_MAX],
     /// Number of bases that made room for others.
@@ -106,36 +104,36 @@ pub(crate) struct KeptMeasurements {
     /// Greatest age of a report relative to the filter, nanoseconds; 0: nothing is kept.
     window_ns: i64,
     links: Vec<Link>,
-    /// For each of them the next one of its chain, or of the free places: a table of its own, so that no old
-    /// measurement is fetched from memory before a new one takes its place.
+    /// For each link, the next place of the chain or of the free places. The table is separate, so that a new
+    /// measurement replaces an old measurement without a fetch of the old from memory.
     next: Vec<Place>,
-    /// Most measurements.
+    /// Maximum number of measurements.
     capacity: usize,
-    /// First of the places that have become free, which are linked.
+    /// First place in the linked list of freed places.
     free: Place,
-    /// Number of places that a measurement can take.
+    /// Number of places available for measurements.
     room: usize,
     /// By place of the system track.
     chains: Vec<Chain>,
-    /// Of the bases of all chains, at most `BASES_MAX` of each.
+    /// Filters of the bases of all chains, at most `BASES_MAX` per chain.
     filters: Vec<TargetFilter>,
 }
 
-/// What there is for a late report.
+/// Lateness of a report, and availability of the state before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Lateness {
-    /// It is not late.
+    /// The report is not late.
     InTime,
-    /// The state before it is kept.
+    /// The state before the report is kept.
     Kept,
-    /// It is older than the window.
+    /// The report is older than the window.
     BeyondWindow,
-    /// It lies before the chain: the system track is younger, or the table was full.
+    /// The report lies before the chain: the system track is younger, or the table was full.
     BeforeChain,
 }
 
 impl KeptMeasurements {
-    /// For reports up to `window_ns` late; `capacity` measurements of so many system tracks.
+    /// Creates tables for reports up to `window_ns` late: `capacity` measurements of `systems` system tracks.
     pub(crate) fn new(window_ns: i64, capacity: usize, systems: usize) -> Self {
         let (capacity, systems) = if window_ns > 0 { (capacity, systems) } else { (0, 0) };
         Self {
@@ -156,7 +154,7 @@ impl KeptMeasurements {
         self.window_ns > 0
     }
 
-    /// How late a measurement of `time_ns` is for a filter of `filter_ns`, and whether the state before it is kept.
+    /// Returns the lateness of a measurement of `time_ns` for a filter of `filter_ns`.
     #[inline]
     pub(crate) fn lateness(&self, system: SystemSlot, filter_ns: i64, time_ns: i64) -> Lateness {
         if time_ns >= filter_ns || !self.is_on() {
@@ -171,7 +169,7 @@ impl KeptMeasurements {
         }
     }
 
-    /// The latest base that is not after `time_ns`.
+    /// Returns the latest base not after `time_ns`.
     fn base_before(&self, system: SystemSlot, time_ns: i64) -> Option<usize> {
         self.bases(system).iter().rposition(|base| base.time_ns <= time_ns)
     }
@@ -183,7 +181,7 @@ impl KeptMeasurements {
         &chain.bases[..chain.count]
     }
 
-    /// Forgets all measurements of a system track, whose filter begins anew or is gone.
+    /// Forgets all measurements of a system track after the restart or end of the filter.
     pub(crate) fn forget(&mut self, system: SystemSlot) {
         if let Some(chain) = self.chains.get(system as usize) {
             let (last, length) = (chain.last, chain.length);
@@ -207,7 +205,7 @@ impl KeptMeasurements {
         }
     }
 
-    /// Lets `into` go on with the filter, and thus the measurements, of `from`.
+    /// Moves the measurements of `from` to `into`, which continues with the filter of `from`.
     pub(crate) fn take_over(&mut self, from: SystemSlot, into: SystemSlot) {
         if self.is_on() {
             self.forget(into);
@@ -215,7 +213,7 @@ impl KeptMeasurements {
         }
     }
 
-    /// The filter of a system track follows another point from now on, so far from the one before: see
+    /// Changes a system track to another point of the target, at this offset from the previous point: see
     /// [`TargetFilter::shift`].
     pub(crate) fn shift(&mut self, system: SystemSlot, by_m: [f64; 2]) {
         if !self.is_on() {
@@ -236,7 +234,7 @@ impl KeptMeasurements {
         }
     }
 
-    /// Begins the chain of a system track with a filter that has used no measurement yet, unless there is one.
+    /// Begins the chain of a system track with a filter before the first measurement, unless the chain exists.
     #[inline]
     pub(crate) fn begin(&mut self, system: SystemSlot, filter: &TargetFilter) {
         if self.chains[system as usize].count == 0 {
@@ -244,13 +242,13 @@ impl KeptMeasurements {
         }
     }
 
-    /// Adds the measurement that the filter has just used.
+    /// Appends the measurement of the latest filter update.
     #[inline]
     pub(crate) fn append(&mut self, system: SystemSlot, filter: &TargetFilter, used: &UsedMeasurement<'_>) {
         self.append_with(system, filter, |kept| used.write(kept));
     }
 
-    /// Adds the measurement that the filter has just used.
+    /// Appends the measurement of the latest filter update.
     pub(crate) fn append_kept(&mut self, system: SystemSlot, filter: &TargetFilter, used: &KeptMeasurement) {
         self.append_with(system, filter, |kept| *kept = *used);
     }
@@ -273,7 +271,7 @@ impl KeptMeasurements {
     #[inline]
     fn append_with(&mut self, system: SystemSlot, filter: &TargetFilter, write: impl FnOnce(&mut KeptMeasurement)) {
         let Some(place) = self.take_place(system) else {
-            // What comes later is kept again.
+            // Later measurements are kept again.
             self.forget(system);
             self.add_base(system, filter);
             return;
@@ -289,7 +287,7 @@ impl KeptMeasurements {
         }
     }
 
-    /// A free place of the table; if need be, one of the oldest measurements of the system track.
+    /// Returns a free place of the table; if necessary, from the oldest measurements of the system track.
     #[inline]
     fn take_place(&mut self, system: SystemSlot) -> Option<Place> {
         let is_full = self.chains[system as usize].length >= CHAIN_MAX || self.room == 0;
@@ -299,7 +297,7 @@ impl KeptMeasurements {
         self.free_place()
     }
 
-    /// A free place: one that was used before, if there is one.
+    /// Returns a free place, preferably a place used before.
     #[inline]
     fn free_place(&mut self) -> Option<Place> {
         let place = match self.next.get(self.free as usize) {
@@ -310,7 +308,7 @@ impl KeptMeasurements {
         Some(place)
     }
 
-    /// A place that was never used.
+    /// Returns a place never used before.
     #[cold]
     fn new_place(&mut self) -> Option<Place> {
         let place = self.links.len();
@@ -322,7 +320,7 @@ impl KeptMeasurements {
         Some(place as Place)
     }
 
-    /// Drops what is older than the second base, which becomes the first; `false` without a second base.
+    /// Drops all measurements before the second base, and makes this base the first; `false` without a second base.
     fn drop_oldest(&mut self, system: SystemSlot) -> bool {
         let [oldest, second] = match &mut self.chains[system as usize] {
             Chain { count: 0 | 1, .. } => return false,
@@ -337,7 +335,7 @@ impl KeptMeasurements {
         true
     }
 
-    /// Takes a base out of the order.
+    /// Removes a base from the order.
     fn drop_base(&mut self, system: SystemSlot, index: usize) {
         let chain = &mut self.chains[system as usize];
         chain.bases[index..chain.count].rotate_left(1);
@@ -359,9 +357,9 @@ impl KeptMeasurements {
         }
     }
 
-    /// Drops bases that are no longer needed, until there is room for another one.
+    /// Drops bases no longer needed, until another base has room.
     fn make_room_for_base(&mut self, system: SystemSlot, now_ns: i64) {
-        // The report before an overtaken one may be older than the window.
+        // The report before an overtaken report may be older than the window.
         let limit_ns = now_ns.saturating_sub(self.window_ns + self.window_ns / 2);
         while self
             .bases(system)
@@ -372,8 +370,8 @@ impl KeptMeasurements {
         }
         let chain = &mut self.chains[system as usize];
         if chain.count == BASES_MAX {
-            // Every second time the newest, every fourth time the one before, and so on: the older, the fewer.
-            // Never the oldest, where the chain begins.
+            // Every second time the newest base, every fourth time the previous base, and so on: older bases are fewer.
+            // Never the oldest base, the start of the chain.
             chain.replaced = chain.replaced.wrapping_add(1);
             let index = (BASES_MAX - 1)
                 .saturating_sub(chain.replaced.trailing_zeros() as usize)
@@ -383,11 +381,10 @@ impl KeptMeasurements {
         }
     }
 
-    /// Uses a late measurement, whose [`Self::lateness`] is `Kept`, in its place: `filter` becomes what it would be if
-    /// the measurement had come in time. Returns the innovation at that time, with the weight of the measurement in the
-    /// present position. `None`, and nothing changes, if the table has no room or the measurement
-    /// cannot be used. The measurement at the place of a `successor` is another one from now on: it depends on the one
-    /// before.
+    /// Inserts a late measurement, of [`Self::lateness`] `Kept`, at the time of measurement: `filter` becomes the same
+    /// as with a measurement in time. Returns the innovation at that time, with the weight of the measurement in the
+    /// present position. `None`, without any change, if the table has no room or the measurement cannot be used. A
+    /// `successor` replaces the measurement at a place, since that measurement depends on the preceding report.
     pub(crate) fn insert<'m>(
         &mut self,
         system: SystemSlot,
@@ -459,8 +456,8 @@ impl KeptMeasurements {
         Some(innovation)
     }
 
-    /// The measurements of a source's track right before and right after `time_ns` in the chain of a system track.
-    /// `None` if there is none before, or if one has that very time.
+    /// Returns the measurements of a sensor track right before and right after `time_ns` in the chain of a system
+    /// track. `None` without a measurement before, or if a measurement has that very time.
     pub(crate) fn around(
         &self,
         system: SystemSlot,
@@ -487,7 +484,7 @@ impl KeptMeasurements {
         before.map(|before| (before, after.map(|(_, place)| place)))
     }
 
-    /// The measurements of a system track, in the order of their use, with their places.
+    /// Returns the measurements of a system track with places, in the order of use.
     fn chain(&self, system: SystemSlot) -> impl Iterator<Item = (Place, &Link)> {
         let at = |place: Place| Some((place, self.links.get(place as usize)?));
         let first = self.chains[system as usize].first;
@@ -506,8 +503,8 @@ impl KeptMeasurements {
     }
 }
 
-/// A chain by itself: its bases with their lengths, its measurements with the time of the filter after each, and how
-/// many bases made room.
+/// Content of a chain: bases with lengths, measurements with the time of the filter after each, and number of bases
+/// that made room.
 type ChainContent = (Vec<(TargetFilter, u32)>, Vec<(KeptMeasurement, i64)>, u32);
 
 impl Serialize for KeptMeasurements {

@@ -1,16 +1,16 @@
-//! Reports that come late: used in their place, or carried forward.
+//! Late reports: used at the time of measurement, or carried forward.
 //!
-//! A report older than its track's state is *late*. Within the window of late reports it is used where it belongs, see
-//! [`kept_measurements`](super::kept_measurements): the state becomes that of the order of measurement. Associations
-//! are not decided again, and known errors of sources stay as they were taken off. A later report carries more than its
-//! time: what sources are worth, how targets move and whether they exist is learned from each report once, as it comes.
+//! A report older than the state of the system track is *late*. Within the window of late reports, the filter uses the
+//! report at the time of measurement, see [`kept_measurements`](super::kept_measurements): the state becomes the state
+//! in the order of measurement. Associations are not decided again, and applied corrections of sources' errors stay.
+//! Learning uses each report once, at arrival: accuracy of sources, motion and existence of targets.
 //!
-//! A report can be older than the latest of its own sensor track: it was *overtaken*. Its measurement follows from the
-//! report before it. The report after it was taken for the successor of the one before: its measurement is recovered
-//! anew, and used in place of the former. Without the report before it, an overtaken report has nothing new: the later
-//! report contains it.
+//! A report older than the latest report of the same sensor track was *overtaken*. The measurement in an overtaken
+//! report follows from the preceding report. The following report was taken for the successor of the preceding report:
+//! the measurement is recovered anew, and replaces the former. Without the preceding report, an overtaken report
+//! contains no new information: the later report contains its information.
 //!
-//! A sensor track that waited for the end of its scan is not late: it came in time.
+//! A sensor track that waited for the end of the scan came in time, and is not late.
 
 use messages::{Counter, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 use source_models::{Fact, FilterInnovation, Measurement, Referred, ReportFact, gaussian_of};
@@ -26,11 +26,11 @@ use crate::update::kept_measurements::{Lateness, Place};
 use crate::update::reference_point;
 
 impl Engine {
-    /// Learns how late the reports of a source are.
+    /// Learns the lateness of a source's reports.
     #[inline]
     pub(crate) fn learn_lateness(&mut self, report: &SensorTrack, now_ns: i64) {
         let late_ns = now_ns.saturating_sub(report.time_of_measurement_ns);
-        // Later ones count for little, and a wrong clock is not late.
+        // Later reports count for little, and a wrong clock is not late.
         let late_ns = late_ns.clamp(0, self.settings.late_window_ns());
         self.tracks.sources.learn(
             &self.settings,
@@ -41,8 +41,8 @@ impl Engine {
         );
     }
 
-    /// Lets the filter use the late measurement in the latest report of a sensor track in its place. A measurement that
-    /// cannot be used so is carried forward, and counted.
+    /// Updates the filter with the late measurement in the latest report of a sensor track, at the time of measurement.
+    /// If impossible, the measurement is carried forward, and counted.
     #[cold]
     pub(crate) fn take_late_or_carry(
         &mut self,
@@ -69,7 +69,8 @@ impl Engine {
         innovation
     }
 
-    /// Lets the filter use a late measurement in its place; `None`, and nothing changes, if that cannot be.
+    /// Updates the filter with a late measurement at the time of measurement; `None`, without any change, if
+    /// impossible.
     fn take_late(
         &mut self,
         system: SystemSlot,
@@ -86,7 +87,7 @@ impl Engine {
             sources.motion(filter.velocity_mps())
         })?;
         self.outbox.counts.add(kept.track.0, Counter::LateUsed);
-        // The time since the measurement before was learned from the one after.
+        // The time since the preceding measurement was learned from the following measurement.
         Some(FilterInnovation {
             straight_s: 0.0,
             begins_turn: false,
@@ -94,8 +95,7 @@ impl Engine {
         })
     }
 
-    /// Uses a report that a later one of its sensor track has overtaken; `false`, and nothing changes, if the report is
-    /// none, or cannot be used.
+    /// Uses an overtaken report; `false`, without any change, if the report was not overtaken or cannot be used.
     #[inline]
     pub(crate) fn take_overtaken(&mut self, sensor: SensorSlot, report: &SensorTrack, sink: &mut impl Sink) -> bool {
         report.time_of_measurement_ns < self.tracks.sensors.get(sensor).time_ns && self.overtaken(sensor, report, sink)
@@ -131,7 +131,7 @@ impl Engine {
         true
     }
 
-    /// Passes on an overtaken measurement, and the one after it as it is now.
+    /// Passes on an overtaken measurement, and the present value of the following measurement.
     fn pass_on_overtaken(
         &mut self,
         system: SystemSlot,
@@ -173,7 +173,7 @@ impl Engine {
         self.tracks.systems.grid.place(system, x, y);
     }
 
-    /// The measurement in an overtaken report, and that in the report after it.
+    /// Recovers the measurements in an overtaken report and in the following report.
     fn recover_overtaken(
         &self,
         sensor: SensorSlot,

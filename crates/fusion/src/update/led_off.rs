@@ -1,9 +1,9 @@
-//! Sources that lead single targets off: a liar on one target, or an error of propagation.
+//! Sources that lead single targets off, by false reports on a target or by an error of propagation.
 //!
-//! Registration knows what a source errs on all targets, not what it errs on one. Each sensor track has the mean of its
-//! latest innovations. Where at least two other sources agree on the target, and a source's mean lies apart from
-//! theirs, its reports of this target are not used until it agrees again. A filter that it has led along begins anew
-//! with the next report of another source.
+//! Registration estimates the errors of a source on all targets, not the errors on a single target. Each sensor track
+//! has the mean of the latest innovations. At least two other sources may agree on the target while the mean of a
+//! source lies apart. The reports of this source on the target are then not used until the means agree again. A filter
+//! led along by the source begins anew with the next report of another source.
 
 use source_models::{MEAN_VARIANCE, MeanInnovation, odd_one};
 
@@ -13,14 +13,14 @@ use crate::settings::SOURCES_MAX;
 use crate::tables::sensor_tracks::SensorSlot;
 use crate::update::mean_errors::MEAN_REPORTS_MIN;
 
-/// Squared statistical length of a mean innovation that is worth a comparison.
+/// Squared statistical length of a mean innovation above which means are compared.
 const SUSPICIOUS: f64 = 9.2;
-/// Squared statistical length from which a source leads a target off, and below which it no longer does.
+/// Squared statistical lengths: a source leads a target off above the first, and no longer below the second.
 const LEADS_OFF: f64 = 25.0;
 const AGREES: f64 = 9.2;
 
 impl Engine {
-    /// Looks whether a source leads the target of a sensor track off, if the track's mean innovation is suspicious.
+    /// Checks whether a source leads the target of a sensor track off, if the track's mean innovation is suspicious.
     #[inline]
     pub(crate) fn look_for_led_off(&mut self, sensor: SensorSlot) {
         let entry = self.tracks.sensors.get(sensor);
@@ -37,7 +37,7 @@ impl Engine {
         let entry = tracks.sensors.get(sensor);
         let (system, now_ns) = (entry.system, entry.time_ns);
         if entry.is_led_off && !tracks.sources.is_settled(entry.source) {
-            // What the source errs on all targets is unknown again, and with it what it errs on this one.
+            // The errors of the source on all targets are unknown again, and hence the errors on this target.
             tracks.sensors.get_mut(sensor).is_led_off = false;
             return;
         }

@@ -1,9 +1,8 @@
-//! What is left of a sensor track's innovations on the average: its source sees another point of the target than the
-//! others do, errs on this target, or the track belongs elsewhere.
+//! Mean innovations of sensor tracks. A mean apart from the others has three possible causes: another detection point
+//! of the source, an error of the source on this target, or a wrong association.
 //!
-//! Each sensor track keeps the mean of its latest innovations and their variance. Here these means are compared
-//! with those of the other sensor tracks of the target. What the comparison shows of a source is passed on to the
-//! models of the sources.
+//! Each sensor track keeps the mean and the variance of the latest innovations. This module compares the means of the
+//! sensor tracks of a target. The results on a source are passed on to the models of the sources.
 
 use messages::TrackState;
 use source_models::{
@@ -14,15 +13,15 @@ use crate::associate::association_step::Search;
 use crate::engine::Engine;
 use crate::tables::sensor_tracks::{SensorEntry, SensorSlot};
 
-/// Innovations of one sensor track before their mean is used.
+/// Innovations of a sensor track before the mean is used.
 pub(crate) const MEAN_REPORTS_MIN: u32 = 4;
-/// Every how many innovations of a sensor track its mean teaches where detection points lie: in between it hardly
-/// changes.
+/// Number of innovations of a sensor track between two uses of the mean for the spread of detection points: in between
+/// the mean hardly changes.
 const SPREAD_EVERY: u32 = 4;
 
 impl SensorEntry {
-    /// Adds an innovation to the mean. Returns the innovation about the mean before, metres; `None` while that was not
-    /// known, or if the report was repaired.
+    /// Adds an innovation to the mean. Returns the innovation relative to the previous mean, metres; `None` if the
+    /// previous mean was unknown or the report was repaired.
     fn add_innovation(&mut self, innovation: &FilterInnovation) -> Option<[f64; 2]> {
         let [xx, _, yy] = innovation.covariance_m2;
         let before_m = self.residual_mean_m;
@@ -38,9 +37,9 @@ impl SensorEntry {
 }
 
 impl Engine {
-    /// Adds the innovation of a measurement, with its normalised square `nis`, to its sensor track's mean, and lets the
-    /// models of the sources learn from it, unless a step of a source's errors has misled filters (`is_misled`).
-    /// `moves_mps` is the target's velocity where the innovation shows how targets move.
+    /// Adds the innovation of a measurement, with the normalised square `nis`, to the sensor track's mean. The models
+    /// of the sources learn from the innovation, unless a step of a source's errors has misled filters (`is_misled`).
+    /// `moves_mps` is the target's velocity if the innovation shows the motion of targets.
     pub(crate) fn learn_of_innovation(
         &mut self,
         sensor: SensorSlot,
@@ -91,8 +90,8 @@ impl Engine {
 }
 
 impl Search<'_> {
-    /// The mean innovation of a sensor track, east and north, metres, without what its source is suspected to err on
-    /// all targets, and about its detection point if that has leapt.
+    /// Returns the mean innovation of a sensor track, east and north, metres, without the suspected errors of the
+    /// source on all targets, and relative to the detection point after a leap.
     pub(crate) fn mean_about_point(&self, entry: &SensorEntry) -> [f64; 2] {
         let shift_m = self
             .tracks
@@ -105,9 +104,9 @@ impl Search<'_> {
         std::array::from_fn(|axis| entry.residual_mean_m[axis] - shift_m[axis] - point_m[axis])
     }
 
-    /// The difference of a sensor track's mean innovation from that of the others of its system track, east and north,
-    /// metres, and the variance per axis that noise explains; `None` while too little is known. A turn moves all of
-    /// them to the same side, a wrong association does not. Only sources that are `compared` count among the others.
+    /// Returns the difference of a sensor track's mean innovation from the mean of the other sensor tracks, east and
+    /// north, metres, and the variance per axis due to noise. `None` while data are too few. A turn moves all means to
+    /// the same side, a wrong association does not. Only `compared` sources count among the others.
     fn offset(&self, sensor: SensorSlot, compared: impl Fn(u16) -> bool) -> Option<([f64; 2], f64)> {
         let entry = self.tracks.sensors.get(sensor);
         let (system, now_ns) = (entry.system, entry.time_ns);
@@ -131,10 +130,10 @@ impl Search<'_> {
         Some((offset, variance_m2))
     }
 
-    /// d² of a sensor track's offset from the others, in view of noise and of how far detection points lie apart;
-    /// `None` while too little is known.
+    /// Returns d² of a sensor track's offset from the others, given the noise and the spread of detection points;
+    /// `None` while data are too few.
     pub(crate) fn offset_from_others(&self, sensor: SensorSlot) -> Option<f64> {
-        // Of two that differ, one is at least half as far from the filter as they are from each other.
+        // Of two different means, the farther is at least half the difference away from the filter.
         let entry = self.tracks.sensors.get(sensor);
         let [east, north] = entry.residual_mean_m;
         let settings = &self.settings.association;

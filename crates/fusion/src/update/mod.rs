@@ -1,4 +1,4 @@
-//! Update: the filter of a system track, and the measurements that it takes.
+//! Update: the filter of a system track, and its measurements.
 
 pub(crate) mod assumed;
 pub(crate) mod comparing;

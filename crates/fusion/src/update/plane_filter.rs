@@ -1,21 +1,22 @@
 //! The filter of the plane: several models of motion in parallel.
 //!
-//! A target flies straight most of the time, changes its speed sometimes, and turns sometimes. A filter prepared for
-//! all that discards most of its knowledge on straight legs. Therefore one filter per kind of motion runs:
+//! A target flies straight most of the time, and sometimes changes speed or turns. A single filter for all these
+//! motions discards most information on straight legs. Therefore a filter runs for each kind of motion:
 //!
 //! - *steady*: constant velocity, hardly disturbed;
-//! - *agile*: white acceleration, more along the course than across: changes of speed, and all that no other model has;
-//! - *turns* to the left and to the right: a constant lateral acceleration, whatever the speed, which is the motion of
-//!   a coordinated turn. Their velocities do not forget: these models collect the evidence of a turn over many
-//!   measurements, and detect a turn long before a model of white noise does.
+//! - *agile*: white acceleration, more along the course than across: changes of speed, and all motions outside the
+//!   other models;
+//! - *turns* to the left and to the right: a constant lateral acceleration at any speed, the motion of a coordinated
+//!   turn. The velocities do not forget: these models collect the evidence of a turn over many measurements, and detect
+//!   a turn long before a model of white noise.
 //!
-//! The probabilities follow from the predictions of the measurements (interacting multiple models). On the straight a
-//! turn of usual hardness to either side is enough. Once the target does not fly straight any more, turns of other
-//! hardness join (variable structure), up to what class and speed allow; they leave when it flies straight.
+//! The probabilities follow from the predictions of the measurements (interacting multiple models). In straight flight,
+//! a turn of usual hardness to either side is enough. When the target leaves straight flight, turns of other hardness
+//! join (variable structure), up to the limits of class and speed. In straight flight these models leave.
 //!
-//! What a target does next does not depend on which manoeuvre it ends, only on whether it manoeuvres. All mixtures
-//! are therefore of two: the model itself, and the targets that begin a manoeuvre. The latter follow from the steady
-//! model and from the estimate, which is all models together.
+//! The next motion of a target depends on the presence of a manoeuvre, not on the kind. All mixtures therefore have two
+//! components: the model itself, and the targets at the start of a manoeuvre. The second component follows from the
+//! steady model and from the estimate of all models together.
 //!
 //! Source: H. A. P. Blom, Y. Bar-Shalom, *The interacting multiple model algorithm for systems with Markovian switching
 //! coefficients*, IEEE Transactions on Automatic Control 33 (1988); X. R. Li, Y. Bar-Shalom, *Multiple-model estimation
@@ -35,17 +36,17 @@ pub(crate) const STEADY: usize = 0;
 pub(crate) const AGILE: usize = 1;
 /// Mean duration of manoeuvres, seconds.
 pub(crate) const MANOEUVRE_S: f64 = 15.0;
-/// Share of the manoeuvres after which the target flies straight; after the others, another manoeuvre follows.
+/// Share of the manoeuvres followed by straight flight; another manoeuvre follows the rest.
 pub(crate) const HOME: f64 = 0.6;
-/// Probabilities of a manoeuvre above which all models run, and below which the usual ones are enough.
+/// Probabilities of a manoeuvre: all models run above the first, and the usual models are enough below the second.
 const WIDE: f64 = 0.25;
 const NARROW: f64 = 0.08;
 /// Probabilities at the start: steady, agile, each usual turn.
 const PRIOR: [f64; USUAL] = [0.86, 0.06, 0.04, 0.04];
-/// How often turns have the hardness of each level. The mean of the logarithm is 0 where fast targets begin: what shows
-/// nothing does not change what is assumed of turns.
+/// Share of the turns with each level of hardness. The mean of the logarithm is 0 at the initial values of fast
+/// targets: measurements without evidence do not change the assumptions on turns.
 pub(crate) const HARDNESS: [f64; LEVELS] = [0.45, 0.35, 0.15, 0.05];
-/// Smallest probability of a manoeuvre, and of flying straight: both must be able to come back.
+/// Smallest probability of a manoeuvre, and of straight flight: both must be able to return.
 const PROBABILITY_MIN: f64 = 1e-4;
 /// Largest logarithm of a ratio of likelihoods.
 const EXPONENT_MAX: f64 = 100.0;
@@ -58,10 +59,10 @@ pub(crate) struct PlaneFilter {
     is_wide: bool,
 }
 
-/// What the target is expected to do in the plane.
+/// Expected motion of the target in the plane.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Course {
-    /// Lateral acceleration to the left, m/s², and its variance.
+    /// Lateral acceleration to the left, m/s², and the variance.
     pub(crate) left_mps2: f64,
     pub(crate) variance_m2ps4: f64,
     /// White noise of all models together, m²/s³.
@@ -108,8 +109,8 @@ impl PlaneFilter {
         sums
     }
 
-    /// Sum over the turns of their probabilities with the logarithm of their lateral acceleration relative to the
-    /// usual one; `None` while only the usual turns run.
+    /// Sum over the turns: probability times logarithm of the lateral acceleration relative to the usual turn; `None`
+    /// while only the usual turns run.
     pub(crate) fn hardness(&self, motion: &Motion) -> Option<f64> {
         self.is_wide.then(|| {
             let pairs = self.probability[AGILE + 1..].chunks_exact(2);
@@ -120,7 +121,7 @@ impl PlaneFilter {
         })
     }
 
-    /// Position that the steady model or the agile one expects, and its covariance (xx, xy, yy).
+    /// Returns the position predicted by a model, and the covariance (xx, xy, yy).
     #[inline]
     pub(crate) fn position_of(&self, model: usize) -> ([f64; 2], [f64; 3]) {
         self.pairs[model / 2].position(model % 2)
@@ -136,7 +137,7 @@ impl PlaneFilter {
         self.pairs.iter_mut().for_each(|pair| pair.shift(by_m));
     }
 
-    /// What the target is expected to do.
+    /// Returns the expected motion of the target.
     #[inline]
     pub(crate) fn course(&self, motion: &Motion) -> Course {
         let mut course = Course {
@@ -199,7 +200,7 @@ impl PlaneFilter {
         let manoeuvre = 1.0 - steady;
         let mut begun = self.pairs[0].state(STEADY);
         let rest = estimate.without(&begun, manoeuvre);
-        // Those that begin a manoeuvre, after straight flight or after another manoeuvre.
+        // Targets at the start of a manoeuvre, after straight flight or after another manoeuvre.
         let (after_steady, after_other) = (steady * begins, manoeuvre * ends * (1.0 - HOME));
         let begin = after_steady + after_other;
         begun.blend(&rest, after_other / begin);
@@ -220,7 +221,7 @@ impl PlaneFilter {
         }
     }
 
-    /// Expected position, and its covariance (xx, xy, yy).
+    /// Returns the predicted position, and the covariance (xx, xy, yy).
     #[inline]
     pub(crate) fn position(&self) -> ([f64; 2], [f64; 3]) {
         let (about, [xx, xy, yy]) = self.position_of(STEADY);
@@ -268,7 +269,7 @@ impl PlaneFilter {
                     *probability /= deviation.0[which];
                     sum = *probability;
                 } else {
-                    // Only the ratio to the steady model matters, and a huge one must not become infinite.
+                    // Only the ratio to the steady model matters, and must not become infinite.
                     let exponent = (0.5 * (steady - squared)).clamp(-EXPONENT_MAX, EXPONENT_MAX);
                     *probability *= exponent.exp() / deviation.0[which];
                     sum += *probability;
@@ -304,7 +305,7 @@ impl PlaneFilter {
     fn choose(&mut self) {
         let manoeuvre = 1.0 - self.probability[STEADY];
         if self.is_wide && manoeuvre < NARROW {
-            // What they know is in the usual turns after the next mixing.
+            // After the next mixing, the usual turns contain the information of these models.
             let mut sums = [0.0; 2];
             for pair in self.probability[USUAL..].chunks_exact(2) {
                 sums[0] += pair[0];

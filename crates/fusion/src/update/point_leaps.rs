@@ -1,14 +1,14 @@
-//! Detection points that leap to another place on their target.
+//! Detection points that leap to another place on the target.
 //!
-//! An aircraft changes from the transponder at its nose to that at its belly when it takes off: to a sensor that
-//! locates transponders, the aircraft leaps along its course. No motion of the target explains a leap: the distance is
-//! too great for the time since the source's last measurements, which fitted, and the source's own filter is as
-//! surprised. Such a measurement is not used. If the next one agrees with it, and measurements of other sources in
-//! between show that the target has not moved, the detection point is estimated anew from there on.
+//! At take-off, an aircraft changes from the transponder at the nose to the transponder at the belly: for a sensor that
+//! locates transponders, the aircraft leaps along the course. No motion of the target explains a leap: the distance is
+//! too great for the time since the source's last, fitting measurements, and the source's own filter shows a similar
+//! innovation. Such a measurement is not used. If the next measurement agrees, and measurements of other sources in
+//! between show an unmoved target, the detection point is estimated anew from there on.
 //!
-//! The position that a target itself reports is that of one antenna, which does not leap. If most targets of a source
-//! leap within a few seconds, the source has changed, not their points: registration estimates that, and for a while no
-//! leaps of this source are looked for.
+//! A position reported by the target itself is the position of a single antenna, without leaps. If most targets of a
+//! source leap within a few seconds, the source has changed, not the points: registration estimates the change, and
+//! leap detection pauses for this source.
 
 use messages::{NS_PER_S, TrackState};
 use source_models::{DetectionPoint, Fact, InnovationFact, Measurement, Referred, from_body, to_body};
@@ -18,37 +18,37 @@ use crate::tables::system_tracks::SystemSlot;
 use crate::update::mean_errors::MEAN_REPORTS_MIN;
 use crate::update::reference_point::ReferencePoints;
 
-/// Squared distance of a measurement from where it was expected, in variances per axis, from which its point may have
-/// leapt; that by which it must differ from the latest ones; and that within which two agree.
+/// Squared distances, in variances per axis: least distance from the prediction at a possible leap; least difference
+/// from the latest measurements; largest difference of two measurements in agreement.
 const LEAPS: f64 = 16.0;
 const CHANGES: f64 = 6.0;
 const FITS: f64 = 9.2;
-/// Acceleration that explains a distance: targets on straight courses do not exceed it, m/s².
+/// Acceleration assumed to explain a distance, m/s²: the limit of targets on straight courses.
 const ACCELERATION_MPS2: f64 = 10.0;
-/// Innovations of a sensor track before its measurements prove a leap, and between two leaps: what leaps more often is
-/// no point.
+/// Innovations of a sensor track before a leap can be proved, and between two leaps: more frequent leaps are no leaps
+/// of a point.
 const REPORTS_MIN: u32 = 12;
-/// Share of a leap that the filter of the source itself must have seen.
+/// Share of a leap required in the innovation of the source's own filter.
 const OWN_PART: f64 = 0.5;
-/// How many times as far a point leaps along the course as across it: in a turn, points move across it.
+/// Minimum ratio of a leap's parts along and across the course: in a turn, points move across the course.
 const ALONG: f64 = 2.0;
-/// Share of a leap that the next measurements must show: an outlier does not stay.
+/// Share of a leap required in the next measurements: an outlier does not stay.
 const STAYS_PART: f64 = 0.5;
 /// Probability of steady motion below which a filter's predictions prove no leap.
 const STEADY_MIN: f64 = 0.25;
-/// Logarithm of the likelihood ratio of a target that stayed to one that moved: from which the point has leapt, and
-/// below which the target has moved.
+/// Logarithm of the likelihood ratio of a target that stayed to a target that moved: above the first value the point
+/// has leapt, and below the second the target has moved.
 const STAYED: f64 = 1.0;
 const MOVED: f64 = -4.0;
-/// Largest part of the logarithm from one measurement: no single measurement decides.
+/// Largest part of the logarithm from a measurement: no single measurement decides.
 const WITNESS_MAX: f64 = 3.0;
 /// Measurements in a row that may wait for other sources.
 const WAITING_MAX: u8 = 3;
 
-/// Motion of a detection point on its target, as a measurement shows the motion.
+/// Motion of a detection point on the target, as shown by a measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum PointMotion {
-    /// The point is where it was.
+    /// The point has not moved.
     None,
     /// The point may have leapt: the measurement cannot be used.
     Suspected,
@@ -56,18 +56,18 @@ pub(crate) enum PointMotion {
     Leapt,
 }
 
-/// A measurement beside its prediction.
+/// A measurement beside the prediction.
 struct Seen {
-    /// Distance from where the point was expected, east and north, metres.
+    /// Distance from the expected position of the point, east and north, metres.
     apart_m: [f64; 2],
-    /// The point from the target's reference point, east and north, metres.
+    /// Offset of the point from the target's reference point, east and north, metres.
     point_m: [f64; 2],
     /// Variances per axis of the measurement, and of the distance, m².
     noise_m2: f64,
     variance_m2: f64,
 }
 
-/// Lets a sensor track whose measurements wait take in where another source's measurement of the target lies.
+/// Updates the likelihood ratio of a waiting sensor track with another source's measurement of the target.
 fn take_witness(watch: &mut LeapWatch, seen: &Seen) {
     let leap_m = watch.leap_m.map(f64::from);
     let along_m2 = leap_m[0] * seen.apart_m[0] + leap_m[1] * seen.apart_m[1];
@@ -79,7 +79,7 @@ fn take_witness(watch: &mut LeapWatch, seen: &Seen) {
 }
 
 impl ReferencePoints<'_> {
-    /// Looks whether the detection point of a sensor track has leapt with its latest measurement.
+    /// Checks whether the detection point of a sensor track has leapt with the latest measurement.
     #[inline]
     pub(crate) fn look_for_leap(
         &mut self,
@@ -91,8 +91,8 @@ impl ReferencePoints<'_> {
         let place_m = system.filter.place_at(entry.time_ns);
         let apart_m = std::array::from_fn(|axis| measurement.position_m[axis] - referred.point_m[axis] - place_m[axis]);
         let noise_m2 = measurement.variance_m2();
-        // Few are so far away that the rest matters. Of the time of an older measurement, those that came after it show
-        // more than a prediction.
+        // Few measurements lie far enough for the further tests. At the time of an older measurement, later
+        // measurements show more than a prediction.
         if square(apart_m) <= LEAPS * noise_m2 && !system.awaits_leap || entry.time_ns < system.filter.time_ns {
             return PointMotion::None;
         }
@@ -146,7 +146,7 @@ impl ReferencePoints<'_> {
         motion
     }
 
-    /// Judges a measurement after one that may have been the first after a leap.
+    /// Judges a measurement after a suspected leap.
     fn confirm_leap(&mut self, sensor: SensorSlot, seen: &Seen) -> PointMotion {
         let watch = &mut self.tracks.sensors.get_mut(sensor).leap_watch;
         let leap_m = watch.leap_m.map(f64::from);
@@ -165,8 +165,8 @@ impl ReferencePoints<'_> {
         PointMotion::Suspected
     }
 
-    /// Returns whether no motion of the target explains where the measurement lies, and another source still follows
-    /// the target.
+    /// Returns whether no motion of the target explains the position of the measurement, and another source still
+    /// follows the target.
     fn may_leap(&self, (sensor, measurement): (SensorSlot, &Measurement), seen: &Seen) -> bool {
         let (settings, tracks) = (self.settings, &*self.tracks);
         let entry = tracks.sensors.get(sensor);
@@ -190,7 +190,7 @@ impl ReferencePoints<'_> {
             && self.tracks.sources.points().is_known(&entry.point)
             && square(mean_m) < LEAPS * seen.variance_m2
             && square(change_m) > CHANGES * (seen.variance_m2 + seen.noise_m2);
-        // Along the way from where the source's own filter expected the measurement.
+        // Share of the leap in the innovation of the source's own filter.
         let own_part = |axis: usize| {
             let own_m = measurement.position_m[axis] - entry.latest.position_m[axis] + f64::from(entry.moved_m[axis]);
             own_m * seen.apart_m[axis] / square_m2
@@ -203,7 +203,7 @@ impl ReferencePoints<'_> {
             && self.is_followed_by_another((entry.system, entry.source), entry.time_ns)
     }
 
-    /// Returns whether measurements of a sensor track show where its target is.
+    /// Returns whether measurements of a sensor track show the position of the target.
     fn is_witness(&self, entry: &SensorEntry) -> bool {
         entry.residuals >= MEAN_REPORTS_MIN
             && !entry.is_led_off
@@ -217,8 +217,8 @@ impl ReferencePoints<'_> {
             .any(|(_, other)| other.source != source && self.is_witness(other))
     }
 
-    /// Where the detection point of a sensor track lies from the target's reference point, east and north, metres, as
-    /// far as the two are told apart.
+    /// Returns the offset of a sensor track's detection point from the target's reference point, east and north,
+    /// metres; 0 if both are the same point.
     fn offset_m(&self, entry: &SensorEntry, course: [f64; 2]) -> [f64; 2] {
         match self.tracks.sources.points().follows(&entry.point) {
             true => from_body(entry.point.offset_m, course),
@@ -226,8 +226,9 @@ impl ReferencePoints<'_> {
         }
     }
 
-    /// Notes that a detection point has leapt so far, east and north, metres. A point that is the reference point
-    /// leaves it. Back among the others' points, with this variance per axis of its measurements, m², it is none.
+    /// Notes a leap of a detection point by this distance, east and north, metres. After a leap, the point is no longer
+    /// the reference point. Back at the points of the others, within the variance per axis of the measurements, m², the
+    /// point counts as not leapt.
     fn leap(&mut self, sensor: SensorSlot, by_m: [f64; 2], noise_m2: f64) {
         let entry = self.tracks.sensors.get(sensor);
         let course = self.tracks.systems.get(entry.system).course;
@@ -245,7 +246,7 @@ impl ReferencePoints<'_> {
             };
         }
         entry.leap_watch.waiting = 0;
-        // The mean innovation of before is that of another point.
+        // The previous mean innovation belongs to another point.
         entry.residuals = 0;
         let targets = self.tracks.sensors.count_of(source);
         self.tracks.sources.learn(

@@ -1,15 +1,15 @@
-//! One point per target, where the sources see different points of large targets.
+//! A single point per target, for sources that see different points of large targets.
 //!
 //! Each sensor observes its own antenna, edge or echo centre; mixing these points moves the fused position with the
-//! mixture. If sources observe different points, a single reference point is kept per target: that of the first
-//! source by priority, so that all targets show the same point, if possible. The points of other sources are
-//! estimated relative to it, in a frame that turns with the target's course, and subtracted from their measurements;
-//! all sources thus continue to improve the position, and the point remains when the first source falls silent. When
-//! a source of higher priority has tracked the target for a while, its point is used instead.
+//! mixture. If sources observe different points, a single reference point is kept per target: the point of the first
+//! source by priority, so that all targets show the same point, if possible. The points of other sources are estimated
+//! relative to the reference point, in a frame that turns with the target's course, and subtracted from the
+//! measurements. All sources thus continue to improve the position, and the point remains when the first source falls
+//! silent. The point of a source of higher priority replaces the reference point after a while of tracking.
 //!
-//! A filter begins anew with the first source's state, unless this state is much less certain than the points are
-//! apart: the filter then keeps its state, with the variance between points added. Measurements of points that are not
-//! estimated yet improve a filter of such uncertainty only.
+//! A filter begins anew with the first source's state, unless the uncertainty of this state far exceeds the distance
+//! between points. The filter then keeps the previous state, with the variance between points added. Measurements of
+//! points not yet estimated improve only a filter of such uncertainty.
 
 use messages::{AXES, DecisionKind, NS_PER_S, SensorTrack};
 use source_models::{DetectionPoint, FilterInnovation, Measurement, Referred, from_body};
@@ -25,7 +25,7 @@ use crate::update::kept_measurement::UsedMeasurement;
 /// Innovations before the filter may go over to a detection point.
 const CHANGE_REPORTS_MIN: u32 = 12;
 
-/// The measurement in the latest report of a sensor track, which is `relative` to the reference point.
+/// Returns the measurement in the latest report of a sensor track, `relative` to the reference point.
 #[inline]
 pub(crate) fn used<'a>(referred: &Referred, entry: &'a SensorEntry, relative: &'a Measurement) -> UsedMeasurement<'a> {
     UsedMeasurement {
@@ -38,14 +38,14 @@ pub(crate) fn used<'a>(referred: &Referred, entry: &'a SensorEntry, relative: &'
     }
 }
 
-/// The points of the targets, with what they are judged by.
+/// The points of the targets, with the settings.
 pub(crate) struct ReferencePoints<'a> {
     pub(crate) settings: &'a Settings,
     pub(crate) tracks: &'a mut Tracks,
 }
 
 impl ReferencePoints<'_> {
-    /// Where the detection point of a sensor track lies. Chooses the target's reference point where it has none.
+    /// Returns the position of a sensor track's detection point. Chooses the target's reference point if none exists.
     pub(crate) fn refer<S: Sink>(
         &mut self,
         (sensor, measurement): (SensorSlot, &Measurement),
@@ -71,7 +71,7 @@ impl ReferencePoints<'_> {
                 is_reference: true,
                 ..tracks.sources.points().unknown()
             };
-            // What the filter was before is a mixture of points.
+            // The previous state of the filter is a mixture of points.
             let entry = tracks.sensors.get(foremost);
             let points = tracks.sources.points();
             if points.is_uncertain(variance_at(&entry.latest, now_ns)) {
@@ -97,7 +97,7 @@ impl ReferencePoints<'_> {
         known(tracks, sensor, measurement)
     }
 
-    /// Learns where a sensor track's detection point lies on the target.
+    /// Learns the position of a sensor track's detection point on the target.
     pub(crate) fn learn(&mut self, sensor: SensorSlot, innovation: &FilterInnovation) {
         let entry = self.tracks.sensors.get_mut(sensor);
         if self.tracks.sources.points().follows(&entry.point) && !entry.point.is_reference {
@@ -107,7 +107,7 @@ impl ReferencePoints<'_> {
     }
 }
 
-/// Where the detection point of a sensor track lies, as far as it is known; chooses nothing.
+/// Returns the position of a sensor track's detection point, as far as known; chooses no reference point.
 pub(crate) fn known(tracks: &Tracks, sensor: SensorSlot, measurement: &Measurement) -> Referred {
     let entry = tracks.sensors.get(sensor);
     let target = tracks.systems.get(entry.system);
@@ -122,7 +122,7 @@ fn is_anchored(tracks: &Tracks, system: SystemSlot, now_ns: i64) -> bool {
         .any(|(_, entry)| tracks.sources.points().is_known(&entry.point))
 }
 
-/// The contributing sensor track of the source that comes first.
+/// Returns the contributing sensor track of the source with the highest priority.
 fn foremost(settings: &Settings, tracks: &Tracks, system: SystemSlot, now_ns: i64) -> Option<SensorSlot> {
     tracks.contributing(system, now_ns).min_by_key(|member| {
         let entry = tracks.sensors.get(*member);

@@ -1,8 +1,8 @@
 //! The filter of the vertical: level flight, climbs, and changes between both.
 //!
-//! The vertical has models and probabilities of its own, so that a climb leaves the plane as it is. A target in level
-//! flight keeps its height: its rate of climb is 0 but for a small remainder. In a climb or descent the rate is nearly
-//! constant. Between both the rate changes (interacting multiple models, as in `plane_filter`).
+//! The vertical has separate models and probabilities: a climb leaves the plane unchanged. In level flight the height
+//! is constant: the rate of climb is 0 but for a small remainder. In a climb or descent the rate is nearly constant.
+//! Between both the rate changes (interacting multiple models, as in `plane_filter`).
 
 use estimation::Vertical;
 use serde::{Deserialize, Serialize};
@@ -72,7 +72,7 @@ impl VerticalFilter {
         let leave = [LEVEL_S, CLIMB_S, CHANGE_S].map(|duration| seconds / (seconds + duration));
         let [level, climb, change] = self.probability;
         let from_change = change * leave[CHANGE];
-        // Probabilities by where they come from: level and change, climb and change, all.
+        // Probabilities by origin: level and change, climb and change, all.
         let to_level = [level * (1.0 - leave[LEVEL]), from_change * LEVELS_OFF];
         let to_climb = [climb * (1.0 - leave[CLIMB]), from_change * (1.0 - LEVELS_OFF)];
         let to_change = [
@@ -109,8 +109,8 @@ impl VerticalFilter {
         Vertical::mixture(&self.models, self.probability)
     }
 
-    /// Updates all models with a measured height; `None` if a value is not usable. A height far from what even a change
-    /// explains has less weight.
+    /// Updates all models with a measured height; `None` if a value is not usable. A height far outside the change
+    /// model has less weight.
     pub(crate) fn update(&mut self, measured_m: f64, variance_m2: f64) -> Option<()> {
         let change = &self.models[CHANGE];
         let residual_m = measured_m - change.mean[0];

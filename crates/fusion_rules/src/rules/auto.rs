@@ -1,4 +1,4 @@
-//! `auto`: the best there is without knowing the data; the default.
+//! `auto`: the best rule without knowledge of the data; the default.
 //!
 //! This rule is the system filter with corrections: biases of the sources are removed, optimistic covariances are
 //! scaled, and if sources observe different points of large targets, a single reference point is kept per target
@@ -6,8 +6,8 @@
 //! while the measurements of other sources, moved to this point, continue to improve the position. See the module
 //! `reference_point`.
 //!
-//! Nothing in it is a threshold on a position or a speed: whether points are kept is decided by how far the detection
-//! points lie apart, compared with the sources' own measurement errors.
+//! The rule has no threshold on a position or a speed: the distance of the detection points, relative to the sources'
+//! own measurement errors, decides whether points are kept.
 
 use super::{RuleEntry, RuleMethod};
 

@@ -1,13 +1,13 @@
 //! `bar-shalom-campo`: the best linear combination under a modelled cross-covariance (BF-1).
 //!
 //! The target itself correlates two trackers: both lag behind its manoeuvres. Each source is modelled as a steady
-//! filter of nearly constant velocity with the reported position variance; common process noise and the gains of
-//! these filters give the correlations of every pair (`estimation::SteadyFilter`). The correlations are transferred
-//! to the reported covariances by their square roots, so that sources that fit the model are combined exactly, and
+//! filter of nearly constant velocity with the reported position variance; common process noise and the gains of these
+//! filters give the correlations of every pair (`estimation::SteadyFilter`). The correlations are transferred to the
+//! reported covariances by the covariances' square roots. Sources that fit the model are thus combined exactly, and
 //! the joint covariance is positive definite for all others.
 //!
-//! Limits: steady state; the shortest of the sources' periods stands for all, which errs towards more correlation; an
-//! aged report is taken for a report of a poorer filter; errors that sources share for other reasons are not seen.
+//! Limits: steady state; the shortest period of the sources is used for all, which errs towards more correlation; an
+//! aged report is taken for a report of a poorer filter; common errors of sources for other reasons are not modelled.
 //! Should rounding leave the joint covariance indefinite, the sources are combined by covariance intersection.
 
 use estimation::{Estimate, INPUTS_MAX, SteadyFilter, correlated_combination};
@@ -75,10 +75,10 @@ fn spread<const D: usize>(correlation: &Matrix2<f64>) -> SMatrix<f64, D, D> {
 }
 
 /// B with B·Bᵀ = `covariance`, lower triangular by blocks (position, velocity) with symmetric blocks on the diagonal:
-/// it turns with the frame, so that the result does not depend on where north is. D is 2 or 4.
+/// B turns with the frame, so that the result does not depend on the direction of north. D is 2 or 4.
 pub(super) fn block_root<const D: usize>(covariance: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
     let axes = D / 2;
-    // One axis is two of which the second is never looked at.
+    // A single axis is treated as two, with the second never used.
     let block = |row: usize, column: usize| {
         Matrix2::from_fn(|r, c| {
             if r < axes && c < axes {

@@ -1,12 +1,12 @@
 //! `best-source`: follow the source with the smallest accuracy value (TI-8 … TI-18).
 //!
-//! Two sensors that see different points of a large target, or that carry a bias, give parallel but offset tracks.
-//! Averaging them makes a still target creep as the weights change. This rule does not average: at each refresh the
-//! source with the smallest lambda = alpha·V gets weight 1, all others 0. Only when the best source changes may the
-//! output be blended from one to the other, over few refreshes (`hand_over`).
+//! Two sensors with different points of a large target, or with a bias, give parallel but offset tracks. An average
+//! makes a still target creep as the weights change. This rule does not average: at each refresh the source with the
+//! smallest lambda = alpha·V gets weight 1, all others 0. Only when the best source changes may the output be blended
+//! from the old to the new source, over few refreshes (`hand_over`).
 //!
-//! With hysteresis (TI-18) the present source is kept until another's lambda is below h times its own, and for a
-//! minimum number of refreshes.
+//! With hysteresis (TI-18) the present source is kept until another's lambda is below h times the present lambda, and
+//! for a minimum number of refreshes.
 
 use super::combination::combine;
 use super::{Candidate, NO_SOURCE, RuleEntry, RuleMemory, RuleMethod, Share, Target};
@@ -39,7 +39,7 @@ fn fuse(settings: &RuleSettings, target: &Target<'_>, memory: &mut RuleMemory, s
     Some(combine(candidates, shares))
 }
 
-/// The source to follow on one axis.
+/// The source to follow on an axis.
 fn choose(settings: &RuleSettings, candidates: &[Candidate], memory: &RuleMemory, axis: usize) -> u16 {
     let last = memory.selected[axis];
     let fresh = || candidates.iter().filter(|candidate| !candidate.stale);
@@ -69,7 +69,7 @@ impl ComparisonKey {
             _ => candidate.lambda,
         };
         Self {
-            // Without a V a source loses to any that has one, and is scored by alpha alone (TI-10).
+            // A source without a V loses to any source with a V, and is scored by alpha alone (TI-10).
             lambda,
             alpha: candidate.alpha,
             chosen_last: settings.tie == Tie::LastThenPriority && candidate.source == last,
@@ -78,7 +78,7 @@ impl ComparisonKey {
         }
     }
 
-    /// Whether hysteresis lets `best` take over from this, the present source.
+    /// Whether hysteresis permits a change from this, the present source, to `best`.
     fn gives_way_to(&self, best: &Self, settings: &RuleSettings, refreshes: u32) -> bool {
         let clearly = if self.lambda.is_finite() || best.lambda.is_finite() {
             best.lambda < settings.hysteresis * self.lambda
@@ -125,7 +125,7 @@ mod tests {
         }
     }
 
-    /// A memory in which `source` was chosen last.
+    /// A memory with `source` chosen last.
     fn chosen(source: u16) -> RuleMemory {
         RuleMemory {
             selected: [source; 3],

@@ -1,14 +1,14 @@
-//! States of other centres, joined with that of the own sensors.
+//! States of other centres, joined with the state of the own sensors.
 //!
 //! The states of two centres are correlated by an unknown amount if the centres share a sensor: then, and if the
 //! contributing sensors are unknown, states are joined by covariance intersection. Without a common sensor, only the
-//! target's manoeuvres correlate them: both filters lag behind the same turns. This part is taken as constant,
+//! target's manoeuvres correlate the states: both filters lag behind the same turns. This part is taken as constant,
 //! because neither filter is steady. Other centres may share sensors among themselves, which is never known here:
 //! their states are first joined with each other by intersection.
 //!
 //! A centre's newest state replaces the previous state, and never enters the filter of a target with local sources.
-//! The data sent by this deployment therefore come from its own sensors alone, and no data return to their sender,
-//! for any topology of centres.
+//! The data sent by this deployment therefore come from its own sensors alone, and no data return to the sender, for
+//! any topology of centres.
 
 use estimation::{Estimate, INPUTS_MAX, correlated_combination};
 use messages::AXES;
@@ -20,18 +20,18 @@ use super::{Candidate, Share};
 use crate::settings::Intersection;
 use crate::state::State;
 
-/// Measure that intersection makes small here.
+/// Measure minimised by intersection here.
 const MEASURE: Intersection = Intersection::Trace;
 
 /// Correlation of the errors of two centres without a common sensor.
 ///
-/// For two like filters whose process noise is that of the target, it is 1/4 in position and 3/4 in velocity, whatever
-/// the noise and the accuracy (steady state in continuous time, white acceleration). Real targets turn harder than that
-/// at times, and both filters lag behind them by nearly the same. With a half, simulated centres are about as wrong as
-/// they say in several worlds, and positions are hardly less exact than with less.
+/// For two like filters with the process noise of the target, the correlation is 1/4 in position and 3/4 in velocity,
+/// whatever the noise and the accuracy (steady state in continuous time, white acceleration). Real targets at times
+/// turn harder, and both filters then lag by nearly the same. With a half, the errors of simulated centres nearly
+/// match the stated accuracy in several worlds, and positions are hardly less exact than with less.
 const CORRELATION: f64 = 0.5;
 
-/// Combination of states that only manoeuvres correlate.
+/// Combination of states correlated by manoeuvres only.
 struct ManoeuvreCombination;
 
 impl Combination for ManoeuvreCombination {
@@ -45,9 +45,9 @@ impl Combination for ManoeuvreCombination {
     }
 }
 
-/// Joins the state of the `own` sensors, if there is one, with those of other centres; all are of one time. Fills the
-/// shares of the centres and gives the own one's. `shares_none`: the centres and this one have no sensor in common.
-/// `None` if no state can be used.
+/// Joins the state of the `own` sensors, if any, with the states of other centres; all are of the same time. Fills the
+/// shares of the centres and returns the own share. `shares_none`: the centres and this centre have no sensor in
+/// common. `None` if no state can be used.
 pub fn join(
     own: Option<&State>,
     centres: &[Candidate],

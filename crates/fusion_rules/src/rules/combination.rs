@@ -1,4 +1,4 @@
-//! Weighted mean, common to rules that weigh whole states.
+//! Weighted mean, common to rules with weights on whole states.
 
 use messages::{AXES, CONTRIBUTIONS_MAX};
 
@@ -7,7 +7,7 @@ use crate::state::State;
 
 /// Returns Σ eta·state over the candidates' states at a common time (TI-19). `shares` has an entry per candidate.
 ///
-/// Height comes from the states with height, with their weights scaled to sum to 1; if none of them has weight, from
+/// Height comes from the states with height, with weights scaled to sum to 1; if none of these states has weight, from
 /// the state with the smallest accuracy value.
 ///
 /// The covariance is the same weighted sum: by convexity, the covariance of Σ eta·e is at most Σ eta·P whatever the
@@ -45,7 +45,7 @@ pub(crate) fn combine(candidates: &[Candidate], shares: &[Share]) -> State {
     fused
 }
 
-/// The weights with which each state enters each axis.
+/// The weights of each state on each axis.
 fn weights_per_axis(candidates: &[Candidate], shares: &[Share]) -> [[f64; AXES]; CONTRIBUTIONS_MAX] {
     let mut weights = [[0.0; AXES]; CONTRIBUTIONS_MAX];
     for (weight, share) in weights.iter_mut().zip(shares) {
@@ -90,7 +90,7 @@ mod tests {
         }
     }
 
-    /// `combine` over states and their weights.
+    /// `combine` over states and weights.
     fn combined(parts: &[(State, f64)]) -> State {
         let candidate = |state| Candidate {
             state,

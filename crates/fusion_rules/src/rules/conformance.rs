@@ -1,4 +1,4 @@
-//! What every rule promises that makes its states from candidates; of the others, tests of the engine show it.
+//! Properties of every rule on candidates; tests of the engine cover the other rules.
 
 use estimation::{is_positive_definite, unpacked};
 use messages::{CONTRIBUTIONS_MAX, Covariance};
@@ -9,12 +9,12 @@ use super::*;
 use crate::settings::{DropOut, HandOverSettings, ResidualKind};
 use test_support::S;
 
-/// The rules that make their states from candidates.
+/// The rules on candidates.
 fn of_candidates() -> impl Iterator<Item = &'static RuleEntry> {
     REGISTRY.iter().filter(|rule| !rule.is_from_filter())
 }
 
-/// A position and velocity within what sensors see, with a correlated covariance.
+/// A position and velocity within sensor range, with a correlated covariance.
 fn state() -> impl Strategy<Value = State> {
     (
         prop::array::uniform3(-3e4..3e4f64),
@@ -143,7 +143,7 @@ proptest! {
         }
     }
 
-    /// Of two sources that say the same, none is preferred without reason, and the state is theirs.
+    /// Of two equal sources, neither is preferred without reason, and the state is that of both.
     #[test]
     fn two_equal_sources_say_together_what_each_says(candidates in candidates()) {
         let twin = Candidate {
@@ -170,7 +170,7 @@ proptest! {
         }
     }
 
-    /// With a ramp no change of source, wherever it falls, moves the output by more than the ramp's largest step.
+    /// With a ramp, no change of source at any time moves the output by more than the ramp's largest step.
     #[test]
     fn a_ramp_bounds_every_step_of_a_hand_over(
         states in prop::array::uniform3(state()),

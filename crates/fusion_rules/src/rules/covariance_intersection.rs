@@ -2,7 +2,7 @@
 //!
 //! The weights on the inverse covariances sum to 1 and are chosen for all sources together, so that trace or
 //! determinant of the combined covariance is smallest (see `estimation`). The combination is never surer of a target
-//! than that, however many sources agree: equal sources gain nothing by each other.
+//! than that, however many sources agree: equal sources gain nothing from each other.
 
 use estimation::{Criterion, Estimate, INPUTS_MAX, intersection_weights, weighted_information};
 

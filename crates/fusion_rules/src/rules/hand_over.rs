@@ -1,13 +1,13 @@
-//! Hand-over: how the output passes from one source to another (TI-13 … TI-16, TI-18).
+//! Hand-over: change of the output from a source to another (TI-13 … TI-16, TI-18).
 //!
 //! Two sources observe different points of a target, so that a change of source moves the output sideways. The change
-//! is immediate, or spread over refreshes: the new source gets an increasing sequence of coefficients eta_0 and,
-//! after the last, the whole weight; the remainder goes to the outgoing side. That is the previous source or, for a
-//! change during a hand-over, the last published blend: no change moves the output by more than its own first eta_0
-//! allows.
+//! is immediate, or spread over refreshes: the new source gets an increasing sequence of coefficients eta_0 and, after
+//! the last, the whole weight; the remainder goes to the outgoing side. The outgoing side is the previous source or,
+//! for a change during a hand-over, the last published blend: no change moves the output by more than its own first
+//! eta_0 allows.
 //!
-//! A previous source that has missed its expected report is a drop-out: it is dropped at once, or blended with its
-//! last stored report, moved to the reference time, as long as its sensor track exists.
+//! A previous source that has missed its expected report is a drop-out. A drop-out is dropped at once, or blended by
+//! the last stored report, moved to the reference time, as long as its sensor track exists.
 
 use messages::CONTRIBUTIONS_MAX;
 use serde::{Deserialize, Serialize};
@@ -20,18 +20,18 @@ use crate::settings::{DropOut, HandOverSettings};
 pub(crate) struct HandOver {
     /// The source chosen last; [`NO_SOURCE`] at first.
     chosen: u16,
-    /// Refreshes since it was chosen.
+    /// Refreshes since the choice.
     refreshes: u32,
-    /// Weight that it has got, in [0, 1].
+    /// Weight of the chosen source, in [0, 1].
     eta: f64,
-    /// eta_0 from traces, where that decided the first refresh (TI-16).
+    /// eta_0 from traces, if used for the first refresh (TI-16).
     statistical: Option<f64>,
-    /// The source it was handed over from.
+    /// The source before the hand-over.
     from: u16,
     outgoing: Blend,
 }
 
-/// A mixture of sources: their weights sum to 1, or all are 0.
+/// A mixture of sources: the weights sum to 1, or all are 0.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Blend {
     sources: [u16; CONTRIBUTIONS_MAX],
@@ -57,17 +57,17 @@ impl Default for HandOver {
 }
 
 impl HandOver {
-    /// Refreshes since it was chosen.
+    /// Refreshes since the choice.
     pub(super) fn refreshes(&self) -> u32 {
         self.refreshes
     }
 
-    /// Whether the output may need the last stored report of `source` though it has ceased to be fresh.
+    /// Whether the output may need the last stored report of `source` after its end of freshness.
     pub(crate) fn holds(&self, source: u16) -> bool {
         self.chosen == source || (self.eta < 1.0 && self.outgoing.weight_of(source) > 0.0)
     }
 
-    /// `best` has been chosen on this axis for this refresh: writes the weights on `axis`.
+    /// Takes `best`, chosen on this axis for this refresh: writes the weights on `axis`.
     pub(super) fn follow(
         &mut self,
         settings: &HandOverSettings,
@@ -122,7 +122,7 @@ impl HandOver {
     }
 
     fn write(&mut self, axis: usize, candidates: &[Candidate], shares: &mut [Share]) {
-        // Outgoing sources that are known no more leave their part to the others.
+        // Outgoing sources that are no longer present leave their part to the others.
         let outgoing = |candidate: &Candidate| self.outgoing.weight_of(candidate.source);
         let total: f64 = candidates.iter().map(outgoing).sum();
         let rest = if self.eta < 1.0 && total > 0.0 {
@@ -147,14 +147,14 @@ impl Blend {
         place.map_or(0.0, |place| self.weights[place])
     }
 
-    /// The blend in which `source` has `eta` and this one the rest.
+    /// The blend with weight `eta` on `source` and the rest on this blend.
     fn with(&self, source: u16, eta: f64) -> Self {
         let mut blend = *self;
         for weight in &mut blend.weights {
             *weight *= 1.0 - eta;
         }
         let known = blend.sources.iter().position(|known| *known == source);
-        // Where all places are taken, the lightest goes.
+        // If all places are taken, the lightest is replaced.
         let lightest = || (0..CONTRIBUTIONS_MAX).min_by(|a, b| blend.weights[*a].total_cmp(&blend.weights[*b]));
         if let Some(place) = known.or_else(lightest) {
             let kept = if known.is_some() { blend.weights[place] } else { 0.0 };
@@ -210,7 +210,7 @@ mod tests {
         assert_eq!(found[1..3], [[0.75, 0.25, 0.0], [0.5, 0.5, 0.0]]);
         assert_eq!(found[3], [0.375, 0.375, 0.25], "a quarter on from half and half");
         assert_eq!(found[5..], [[0.125, 0.125, 0.75], [0.0, 0.0, 1.0]]);
-        // And back to where it came from: it is on both sides.
+        // And back to the first source, now on both sides.
         let back = weights(&ramp(&[0.25, 0.5, 0.75]), &[0, 1, 0], |_, _| {});
         assert_eq!(back[2], [0.8125, 0.1875, 0.0], "0.25 + 0.75 · 0.75");
     }

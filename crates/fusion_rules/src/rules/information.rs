@@ -1,7 +1,7 @@
 //! `information`: inverse covariances add up (BF-1).
 //!
-//! The best combination of sources with independent errors, and too sure of itself where the target's manoeuvres, or a
-//! common reference, correlate them.
+//! The best combination of sources with independent errors; too sure if the target's manoeuvres, or a common
+//! reference, correlate the errors.
 
 use estimation::{Estimate, information_sum};
 

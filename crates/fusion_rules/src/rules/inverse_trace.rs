@@ -1,6 +1,6 @@
-//! `inverse-trace`: every source weighs in by the inverse of its covariance's trace (TI-17).
+//! `inverse-trace`: every source has a weight by the inverse of the covariance's trace (TI-17).
 //!
-//! Traces are taken over east and north for all sources, so that none wins because it has no height.
+//! Traces are taken over east and north for all sources, so that no source wins for lack of a height.
 
 use super::combination::combine;
 use super::{RuleEntry, RuleMemory, RuleMethod, Share, Target};
@@ -19,7 +19,7 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
 
 fn fuse(_: &RuleSettings, target: &Target<'_>, _: &mut RuleMemory, shares: &mut [Share]) -> Option<State> {
     for (share, candidate) in shares.iter_mut().zip(target.candidates) {
-        // Where the source delivers a trace that cannot be one, its covariance speaks for it.
+        // If the source delivers an impossible trace, its covariance is used instead.
         let usable = candidate.usable_trace_m2();
         share.trace_unusable = usable.is_none();
         share.weight = [usable.unwrap_or_else(|| candidate.state.horizontal_trace_m2()).recip(); 3];
@@ -51,7 +51,7 @@ mod tests {
         let mut candidates = [candidate(0, 10.0), candidate(1, 20.0)];
         let (_, shares) = testing::fused(&ENTRY, &candidates);
         assert!((shares[0].weight[0] - 0.8).abs() < 1e-12, "400 : 100");
-        // The source's own word counts, unless it is none.
+        // The source's stated trace counts, unless invalid.
         candidates[1].trace_m2 = Some(200.0);
         assert!((testing::fused(&ENTRY, &candidates).1[0].weight[0] - 0.5).abs() < 1e-12);
         candidates[1].trace_m2 = Some(-3.0);

@@ -4,7 +4,7 @@
 //! over the sources with observed height, so that a source without height neither contributes height nor gains or
 //! loses weight. The correlation of horizontal with vertical errors, stated by hardly any source, is omitted.
 //!
-//! A covariance that is not positive definite is repaired and counted; where nothing can be kept of it the source is
+//! A covariance that is not positive definite is repaired and counted; if no part can be kept, the source is
 //! left out. A single source passes through untouched.
 
 use estimation::{Estimate, Matrix6, repaired, unpacked};
@@ -14,7 +14,7 @@ use nalgebra::{SMatrix, SVector};
 use super::{Candidate, Share};
 use crate::state::State;
 
-/// Variance in the place of 0, which would claim exact knowledge: (1 mm)², (1 mm/s)².
+/// Variance in place of 0, which would claim exact knowledge: (1 mm)², (1 mm/s)².
 const VARIANCE_MIN: f64 = 1e-6;
 /// x, y, vx, vy.
 const HORIZONTAL: [usize; 4] = [0, 1, 3, 4];
@@ -23,13 +23,13 @@ const VERTICAL: [usize; 2] = [2, 5];
 
 /// A way to combine estimates.
 pub(super) trait Combination {
-    /// The combination of `inputs`, each of which has a share of the result; `None` if it cannot be formed.
+    /// The combination of `inputs`, each with a share of the result; `None` if the combination cannot be formed.
     ///
-    /// The first half of the components are positions, the second their velocities.
+    /// The first half of the components are positions, the second half the velocities.
     fn combine<const D: usize>(&self, inputs: &[Estimate<D>], shares: &mut [f64]) -> Option<Estimate<D>>;
 }
 
-/// Combines the candidates; fills the weights of their shares.
+/// Combines the candidates; fills the weights of the shares.
 pub(super) fn fuse(candidates: &[Candidate], combination: &impl Combination, shares: &mut [Share]) -> Option<State> {
     if let ([only], [share]) = (candidates, &mut *shares) {
         share.weight = [1.0; AXES];
@@ -63,7 +63,7 @@ pub(super) fn fuse(candidates: &[Candidate], combination: &impl Combination, sha
             share.weight[2] = weight;
         }
     } else {
-        // It says nothing, and so needs no more than to be a state.
+        // The height is unknown: any valid state will do.
         let mut unknown = Estimate::<2>::default();
         for (row, component) in VERTICAL.into_iter().enumerate() {
             let means = candidates.iter().zip(&*shares);
@@ -94,7 +94,7 @@ fn stated(state: &State) -> Matrix6 {
     matrix
 }
 
-/// Combines `components` of the candidates that are `wanted`; the weights are those of all candidates.
+/// Combines `components` of the `wanted` candidates; the weights are those of all candidates.
 fn over<const D: usize>(
     components: [usize; D],
     combination: &impl Combination,
@@ -120,7 +120,7 @@ fn over<const D: usize>(
     }
     let (mut shares, mut weights) = ([0.0; CONTRIBUTIONS_MAX], [0.0; CONTRIBUTIONS_MAX]);
     let fused = combination.combine(&inputs[..len], &mut shares[..len])?;
-    // Correlated inputs may count against themselves; what is shown is how much each counts.
+    // Correlated inputs may have negative shares; the shown weights omit these.
     let total: f64 = shares[..len].iter().map(|share| share.max(0.0)).sum();
     for (place, share) in places[..len].iter().zip(shares) {
         weights[*place] = share.max(0.0) / total;

@@ -1,4 +1,4 @@
-//! The rules that weigh a target's sources.
+//! Rules for weighing a target's sources.
 //!
 //! A rule receives contributions at a common reference time, and returns the share of each and the resulting state.
 //! Topics, files and clocks are outside its view. A new rule is a file here, a line in [`REGISTRY`], and a line in
@@ -29,27 +29,27 @@ use serde::{Deserialize, Serialize};
 use crate::settings::RuleSettings;
 use crate::state::State;
 
-/// Source number that stands for none.
+/// Source number for no source.
 pub const NO_SOURCE: u16 = u16::MAX;
 
-/// A rule, as the registry lists it.
+/// A rule in the registry.
 #[derive(Debug)]
 pub struct RuleEntry {
     /// Code in messages, which also gives the name.
     pub code: FusionRule,
-    /// One line for help texts.
+    /// Single line for help texts.
     pub summary: &'static str,
-    /// Assumption about how the sources' errors are correlated (BF-1).
+    /// Assumption about the correlation of the sources' errors (BF-1).
     pub assumption: &'static str,
     /// Whether the returned covariance is meant as the true covariance, as shown by the normalised error squared;
     /// otherwise it is a bound.
     pub claims_consistency: bool,
     /// Whether a single reference point per target is kept if sources observe different points.
     pub keeps_points: bool,
-    /// Whether it chooses a source by its accuracy value and hands over between sources: coefficients k and first
+    /// Whether the rule chooses a source by accuracy value and hands over between sources: coefficients k and first
     /// weights eta_0 then have an effect.
     pub chooses_by_accuracy: bool,
-    /// Origin of its states.
+    /// Origin of the states.
     pub method: RuleMethod,
 }
 
@@ -76,13 +76,13 @@ pub enum RuleMethod {
     Candidates(RuleFunction),
 }
 
-/// Fills the weights of one share per candidate and returns the state at the candidates' common time.
+/// Fills the weights of a share per candidate and returns the state at the candidates' common time.
 ///
-/// For each axis the weights lie in [0, 1] and sum to 1. `None`, and no weight above 0, if the rule can use none of the
-/// candidates: then the system track coasts. Call it through [`fuse`].
+/// For each axis the weights lie in [0, 1] and sum to 1. `None`, and no weight above 0, if the rule can use none of
+/// the candidates: then the system track coasts. To be called through [`fuse`].
 pub type RuleFunction = fn(&RuleSettings, &Target<'_>, &mut RuleMemory, &mut [Share]) -> Option<State>;
 
-/// Every rule there is.
+/// All rules.
 pub static REGISTRY: &[RuleEntry] = &[
     auto::ENTRY,
     system_filter::ENTRY,
@@ -95,7 +95,7 @@ pub static REGISTRY: &[RuleEntry] = &[
     bar_shalom_campo::ENTRY,
 ];
 
-/// The rule that has a code.
+/// The rule with a code.
 pub fn entry(code: FusionRule) -> &'static RuleEntry {
     let entry = REGISTRY.iter().find(|entry| entry.code == code);
     entry.expect("every code has a rule")
@@ -112,7 +112,7 @@ pub mod by_code {
     /// Writes the rule's code.
     ///
     /// # Errors
-    /// Those of the serializer.
+    /// Errors of the serializer.
     pub fn serialize<S: Serializer>(rule: &RuleEntry, serializer: S) -> Result<S::Ok, S::Error> {
         rule.code.code().serialize(serializer)
     }
@@ -120,14 +120,14 @@ pub mod by_code {
     /// Reads a code.
     ///
     /// # Errors
-    /// Those of the deserializer, or if no rule has the code.
+    /// Errors of the deserializer, or if no rule has the code.
     pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<&'static RuleEntry, D::Error> {
         let code = FusionRule::from_code(u8::deserialize(deserializer)?);
         code.map(entry).ok_or_else(|| D::Error::custom("no rule has this code"))
     }
 }
 
-/// Lets a rule weigh `target`. `shares` has a share per candidate, at least one; accuracy values are filled in for
+/// Applies a rule to `target`. `shares` has a share per candidate, at least one; accuracy values are filled in for
 /// every rule (TI-9).
 pub fn fuse(
     rule: RuleFunction,
@@ -145,7 +145,7 @@ pub fn fuse(
     rule(settings, target, memory, shares)
 }
 
-/// Fills a share per candidate with its contribution to the estimate of the target's filter.
+/// Fills a share per candidate with the contribution to the estimate of the target's filter.
 #[inline]
 pub fn share_out(candidates: &[Candidate], shares: &mut [Share]) {
     system_filter::share_out(candidates, shares);
@@ -154,7 +154,7 @@ pub fn share_out(candidates: &[Candidate], shares: &mut [Share]) {
 /// Target in the view of a rule.
 #[derive(Clone, Copy, Debug)]
 pub struct Target<'a> {
-    /// Contributions at the reference time, in the order of their sources; at least one, at most one per source.
+    /// Contributions at the reference time, in the order of the sources; at least one, at most one per source.
     pub candidates: &'a [Candidate],
     /// The reference time, UTC, nanoseconds.
     pub reference_ns: i64,
@@ -171,26 +171,26 @@ pub struct Candidate {
     pub source: u16,
     /// Priority for ties, smaller first.
     pub priority: u32,
-    /// Observation error coefficient alpha = k·s, normalised where configured (TI-8).
+    /// Observation error coefficient alpha = k·s, normalised if configured (TI-8).
     pub alpha: f64,
-    /// V per axis, metres or metres per second; `None` while there is no earlier report (TI-10).
+    /// V per axis, metres or metres per second; `None` without an earlier report (TI-10).
     pub residual: Option<[f64; 3]>,
-    /// Accuracy value lambda = alpha·V, V being the norm over the axes that all candidates have (TI-9); infinite while
-    /// there is no V.
+    /// Accuracy value lambda = alpha·V, with V the norm over the axes common to all candidates (TI-9); infinite
+    /// without V.
     pub lambda: f64,
-    /// Age of its latest report, nanoseconds.
+    /// Age of the latest report, nanoseconds.
     pub age_ns: i64,
-    /// Time between two reports of its source, nanoseconds.
+    /// Time between two reports of the source, nanoseconds.
     pub period_ns: i64,
-    /// Whether its source has missed the expected report (TI-15).
+    /// Whether the source has missed the expected report (TI-15).
     pub overdue: bool,
     /// Whether the contribution is no longer fresh, and included only to blend out the previous source (TI-15).
     pub stale: bool,
-    /// State of the track at its source.
+    /// State of the track at the source.
     pub life: TrackState,
-    /// Trace over east and north that the source itself delivered (TI-16), brought to the reference time, m².
+    /// Trace over east and north delivered by the source itself (TI-16), brought to the reference time, m².
     pub trace_m2: Option<f64>,
-    /// Quality index M: how many of the last scans confirmed the track (QF-4).
+    /// Quality index M: number of the last scans that confirmed the track (QF-4).
     pub quality: u32,
     /// Share in the estimate of the target's filter, not yet scaled to sum to 1.
     pub filter_share: f64,
@@ -209,7 +209,7 @@ impl Candidate {
         self.residual.map_or(f64::INFINITY, |v| self.alpha * norm(v))
     }
 
-    /// Accuracy value of each axis (TI-6), metres; 0 where there is none.
+    /// Accuracy value of each axis (TI-6), metres; 0 if there is none.
     #[inline]
     pub fn lambda_by_axis(&self) -> [f32; 3] {
         let residual = self.residual.unwrap_or_default();
@@ -222,7 +222,8 @@ impl Candidate {
 }
 
 impl Candidate {
-    /// Trace over east and north: the source's own word, else that of its covariance; `None` if that can be no trace.
+    /// Trace over east and north: as stated by the source, else of the covariance; `None` if the value cannot be a
+    /// trace.
     pub(crate) fn usable_trace_m2(&self) -> Option<f64> {
         let trace_m2 = self.trace_m2.unwrap_or_else(|| self.state.horizontal_trace_m2());
         (trace_m2 > 0.0 && trace_m2.is_finite()).then_some(trace_m2)
@@ -250,30 +251,30 @@ impl Default for Candidate {
     }
 }
 
-/// One candidate's share.
+/// Share of a candidate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Share {
     /// Coefficient eta per axis, in [0, 1].
     pub weight: [f64; 3],
-    /// Accuracy value lambda (TI-9); infinite while it does not exist.
+    /// Accuracy value lambda (TI-9); infinite without a value.
     pub accuracy: f64,
-    /// Whether its trace was asked for and could not be used (TI-16).
+    /// Whether the candidate's trace was requested and could not be used (TI-16).
     pub trace_unusable: bool,
-    /// Whether its covariance was not positive definite, and was repaired or left out.
+    /// Whether the candidate's covariance was not positive definite, and was repaired or left out.
     pub repaired: bool,
 }
 
-/// Memory of a rule that works on candidates, per target between refreshes (TI-12).
+/// Memory of a rule on candidates, per target between refreshes (TI-12).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RuleMemory {
-    /// Source chosen last time, per axis; [`NO_SOURCE`] where the rule chooses none.
+    /// Source chosen last time, per axis; [`NO_SOURCE`] if the rule chooses none.
     pub selected: [u16; 3],
-    /// Where the hand-over between sources stands, per axis (TI-13).
+    /// State of the hand-over between sources, per axis (TI-13).
     pub(crate) hand_overs: [HandOver; 3],
 }
 
 impl RuleMemory {
-    /// Whether the last stored report of `source` may still be needed though it has ceased to be fresh.
+    /// Whether the last stored report of `source` may still be needed after its end of freshness.
     #[inline]
     pub fn holds(&self, source: u16) -> bool {
         self.hand_overs.iter().any(|hand_over| hand_over.holds(source))
@@ -308,7 +309,7 @@ pub(crate) mod testing {
         }
     }
 
-    /// Returns the result of `rule`, which uses candidates, with default options and no memory.
+    /// Returns the result of `rule`, a rule on candidates, with default options and no memory.
     pub(crate) fn fused_of(rule: &'static RuleEntry, candidates: &[Candidate]) -> (Option<State>, Vec<Share>) {
         let settings = RuleSettings {
             name: crate::settings::RuleName(rule.code),
@@ -328,7 +329,7 @@ pub(crate) mod testing {
         (state, shares)
     }
 
-    /// The same for a fixed number of them.
+    /// The same for a fixed number of candidates.
     pub(crate) fn fused<const N: usize>(
         rule: &'static RuleEntry,
         candidates: &[Candidate; N],

@@ -1,8 +1,8 @@
 //! `mosaic`: the area is divided into cells, each with a priority list of sources (QF-9).
 //!
 //! The output is that of the first present source of the list with a confirmed track. A source missing in the list of
-//! its cell gives no output there. Without a list, the sources' priorities decide. With `quality_min`, a source whose
-//! quality index (QF-4) has fallen below it gives way to the next source that reaches it.
+//! its cell gives no output there. Without a list, the sources' priorities decide. With `quality_min`, a source with a
+//! quality index (QF-4) below `quality_min` gives way to the next source with a sufficient index.
 
 use messages::TrackState;
 

@@ -1,4 +1,4 @@
-//! `quality-factor`: a source weighs in by how often its track was confirmed lately (QF-4 … QF-7).
+//! `quality-factor`: a source has a weight by the recent confirmations of its track (QF-4 … QF-7).
 //!
 //! M is the number of scans, of the last N due scans, that confirmed the source's track; its quality factor is C = M
 //! / Σ M. A source with a tentative track is omitted. Without any source the system track coasts.

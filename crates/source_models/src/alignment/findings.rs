@@ -1,18 +1,18 @@
 //! Findings of the search on two sources: one estimate per hypothesis.
 //!
-//! A hypothesis is a kind of bias on one side of the pair. An azimuth or a range bias depends on the position of its
-//! sensor, so that both sides are tried. A time or place bias of the first source equals that of the second source
-//! with the opposite sign, so that one side is enough.
+//! A hypothesis is a kind of bias on one side of the pair. An azimuth or a range bias depends on the position of the
+//! sensor, so that both sides are tried. A time or place bias of the first source equals that of the second source with
+//! the opposite sign, so that one side is enough.
 
 use kept::kept;
 use messages::BiasKind;
 use serde::{Deserialize, Serialize};
 
-/// Chi-square with four degrees of freedom beyond which two tracks are not of one target.
+/// Chi-square with four degrees of freedom beyond which two tracks belong to different targets.
 pub(super) const GATE: f64 = 20.0;
-/// Collections that must confirm a bias.
+/// Number of collections that confirm a bias.
 pub(super) const WINDOWS_MIN: u32 = 2;
-/// Hypotheses: the erring source of the two, and the kind of its bias.
+/// Hypotheses: the erring source of the pair, and the kind of bias.
 pub(super) const HYPOTHESES: [(Side, BiasKind); 6] = [
     (Side::First, BiasKind::Azimuth),
     (Side::First, BiasKind::Range),
@@ -21,7 +21,7 @@ pub(super) const HYPOTHESES: [(Side, BiasKind); 6] = [
     (Side::Second, BiasKind::Azimuth),
     (Side::Second, BiasKind::Range),
 ];
-/// Width of a bin of each kind, in its unit; twice that is the difference up to which two values are the same.
+/// Width of a bin of each kind, in the unit of the kind. Values that differ by up to twice this width are the same.
 pub(super) const fn bin(kind: BiasKind) -> f64 {
     match kind {
         BiasKind::Azimuth => 0.0025,
@@ -50,7 +50,7 @@ kept!(PairFindings {
     addresses: u32
 });
 
-/// Estimate of one kind of bias between two sources, over the consecutive collections that confirmed it.
+/// Estimate of a kind of bias between two sources, over consecutive confirming collections.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct BiasEstimate {
     /// Radians, metres or seconds, by the kind.
@@ -67,7 +67,7 @@ pub(crate) struct PairFindings {
     pub(super) estimates: [BiasEstimate; HYPOTHESES.len()],
     /// Whether the two sources agree without a bias.
     pub(super) agree: bool,
-    /// Whether few of their tracks fit without a bias.
+    /// Whether few tracks of the two sources fit without a bias.
     pub(super) disagree: bool,
     /// Pairs of tracks with the same address that fit with the bias.
     pub(super) addresses: u32,

@@ -1,11 +1,11 @@
-//! Global alignment: large biases of a source, estimated from tracks that did not join.
+//! Global alignment: large biases of a source, estimated from tracks that are not joined.
 //!
-//! Registration learns from tracks that were joined. A large bias prevents joining: nothing is learned, and every
-//! target is shown twice. But all tracks of such a source are off in the same way, so the bias can be found without
-//! knowing which tracks belong together. Three steps, each with its own method:
-//! 1. [`search`]: which bias would bring most tracks of two sources together.
-//! 2. [`verdict`]: to which of the two sources that bias belongs.
-//! 3. [`removal`]: the corrections of that source's reports.
+//! Registration learns from joined tracks. A large bias prevents joining: nothing is learned, and every target is shown
+//! twice. But all tracks of such a source have the same bias, so the bias can be found without an assignment of the
+//! tracks. Three steps, each with a separate method:
+//! 1. [`search`]: the bias that would bring most tracks of two sources together.
+//! 2. [`verdict`]: the source of the pair to which the bias belongs.
+//! 3. [`removal`]: the corrections of the reports of this source.
 //!
 //! Each report advances the search by a bounded amount of work; verdicts follow when all pairs have been compared.
 
@@ -67,8 +67,8 @@ impl Alignment {
         self.removal.of(usize::from(source)).0
     }
 
-    /// Whether the tracks of a source fit those of two other sources badly, which fit each other well: until that is
-    /// corrected, each of its tracks may be a target that the others show elsewhere.
+    /// Whether the tracks of a source fit badly with two other sources that fit each other well. Until a correction,
+    /// each track of the source may be a target shown elsewhere by the others.
     pub(crate) fn is_doubtful(&self, source: u16) -> bool {
         self.search.is_doubtful(usize::from(source))
     }
@@ -115,7 +115,7 @@ impl Alignment {
         self.search.take(report, now_ns, sources).then(|| self.judge(clocks))?
     }
 
-    /// Applies verdicts until one changes a correction; returns its source.
+    /// Applies verdicts until a correction changes; returns the corrected source.
     fn judge(&mut self, clocks: &[ClockError]) -> Option<u16> {
         self.removal.keep_removed();
         let evidence = Evidence {

@@ -1,9 +1,9 @@
 //! Pairs of tracks by name.
 //!
 //! The votes of the search find a bias among all pairs of tracks. Where tracks bear rare names, the pairs are known:
-//! the same address, Mode 3/A code or call sign, once in the collection of each source. A known pair shows biases that
-//! are too small to keep tracks apart, as half a degree of azimuth near the sensor. Such biases are told only from a
-//! size that registration should not have to remove.
+//! the same address, Mode 3/A code or call sign, once in the collection of each source. A known pair shows biases too
+//! small to keep tracks apart, as half a degree of azimuth near the sensor. Such biases are reported only from a size
+//! that registration should not have to remove.
 
 use messages::{BiasKind, Identity, UniqueNumber};
 use serde::{Deserialize, Serialize};
@@ -13,15 +13,15 @@ use crate::alignment::findings::bin;
 use crate::gross::TrackMotion;
 use crate::settings::IdentitySettings;
 
-/// Distance up to which two tracks of one name are a pair, metres.
+/// Distance up to which two tracks of the same name are a pair, metres.
 const NAMED_REACH_M: f64 = 30e3;
-/// Pairs of one collection that need no second one.
+/// Number of pairs for which a single collection suffices.
 pub(super) const NAMED_SURE: usize = 8;
-/// Chi-square that a bias must take away: in all, and of each pair.
+/// Least reduction of chi-square by a bias: in total, and per pair.
 const GAIN_MIN: f64 = 30.0;
 const GAIN_MIN_EACH: f64 = 0.5;
-/// Largest difference of one pair, and sum of all relative to chance from which the search begins, in standard
-/// deviations.
+/// Bound of the difference of a pair, and least sum of all differences relative to chance that starts the search, in
+/// standard deviations.
 const SIGMAS_MAX: f64 = 5.0;
 const SUSPICIOUS_SIGMAS: f64 = 3.0;
 /// Least size of a bias, in bins.
@@ -45,7 +45,7 @@ impl TrackNames {
         }
     }
 
-    /// Whether both have the same name of some kind.
+    /// Whether both tracks have the same name of some kind.
     pub(super) fn name(&self, other: &Self) -> bool {
         (self.address != 0 && self.address == other.address)
             || (self.code != 0 && self.code == other.code)
@@ -53,7 +53,7 @@ impl TrackNames {
     }
 }
 
-/// Whether two tracks of one name are near enough to be of one target.
+/// Whether two tracks of the same name are near enough to be of the same target.
 pub(super) fn are_near(one: &TrackMotion, other: &TrackMotion) -> bool {
     let apart = |axis: usize| one.position_m[axis] - other.position_m[axis];
     apart(0).hypot(apart(1)) <= NAMED_REACH_M
@@ -61,8 +61,8 @@ pub(super) fn are_near(one: &TrackMotion, other: &TrackMotion) -> bool {
 
 /// Sums of the differences of named pairs, in standard deviations, along the directions in which biases move targets.
 ///
-/// The difference of a pair without a bias has any direction. The sum of many is small against that of a bias, and few
-/// sources have one: the search is worth its work where a sum is large.
+/// The difference of a pair without a bias has any direction. The sum of many such differences is small against the sum
+/// with a bias, and few sources have a bias: the search is worth the work where a sum is large.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct DirectedSums {
     sums: [f64; 7],
@@ -91,7 +91,7 @@ impl DirectedSums {
         self.pairs += 1.0;
     }
 
-    /// Whether chance hardly gives such sums.
+    /// Whether the sums are hardly possible by chance.
     pub(super) fn are_suspicious(&self) -> bool {
         let limit = SUSPICIOUS_SIGMAS * self.pairs.sqrt();
         self.sums.iter().any(|sum| sum.abs() > limit)
@@ -103,7 +103,7 @@ pub(super) fn least_gain(pairs: f64) -> f64 {
     (GAIN_MIN + GAIN_MIN_EACH * pairs) / GATE
 }
 
-/// Whether a bias is worth telling that improves the score of so many named pairs by `gain`.
+/// Whether a bias that improves the score of so many named pairs by `gain` is worth a report.
 pub(super) fn is_named_bias(kind: BiasKind, value: [f64; 2], gain: f64, pairs: f64) -> bool {
     value[0].hypot(value[1]) >= SIZE_MIN * bin(kind) && gain >= least_gain(pairs)
 }

@@ -1,12 +1,11 @@
 //! Removal: biases of all sources, and the corrections of their reports.
 //!
-//! A certain bias is subtracted from each later report of its source. The next search then sees corrected reports, so
-//! its finding is a *residual* bias: a residual of the same kind is added to the correction, and a correction below one
+//! A certain bias is subtracted from each later report of the source. The next search then uses corrected reports, so
+//! the finding is a *residual* bias. A residual of the same kind is added to the correction, and a correction below one
 //! bin is dropped. A residual of another kind shows that the first kind was wrong; the correction is dropped, and the
-//! search starts anew.
+//! search restarts.
 //!
-//! Each change of a correction begins an epoch of the source: its tracks from before are not comparable with its later
-//! reports.
+//! Each change of a correction begins an epoch of the source: earlier tracks are not comparable with later reports.
 
 use messages::{Bias, BiasKind, SensorTrack};
 use serde::{Deserialize, Serialize};
@@ -15,7 +14,7 @@ use crate::alignment::findings::bin;
 use crate::alignment::verdict::BiasVerdict;
 use crate::gross;
 
-/// Kind and value of a bias that is subtracted from reports.
+/// Kind and value of a bias to subtract from reports.
 pub(crate) type BiasCorrection = (BiasKind, [f64; 2]);
 
 /// Biases and corrections of all sources.
@@ -77,7 +76,7 @@ impl Removal {
         Some(gross::corrected(report, kind, value, place_m, now_ns))
     }
 
-    /// Drops biases that are not removed: they must be found again. A removed bias leaves no trace in the findings.
+    /// Drops biases without removal, to be found again. A removed bias leaves no trace in the findings.
     pub(super) fn keep_removed(&mut self) {
         for (error, removed) in self.errors.iter_mut().zip(&self.removed) {
             *error = error.filter(|_| removed.is_some());

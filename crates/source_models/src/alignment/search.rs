@@ -1,17 +1,17 @@
 //! Search for the biases that would bring the tracks of two sources together.
 //!
-//! Problem: a source that is half a degree off shows a target at 100 km nearly a kilometre aside. Nothing joins, so
-//! nothing shows which track of one source belongs to which track of the other. Comparing only the nearest tracks would
-//! find the density of the traffic, not the bias.
+//! Problem: a source that is half a degree off shows a target at 100 km nearly a kilometre aside. No tracks join, so
+//! the assignment of tracks between the two sources is unknown. A comparison of only the nearest tracks would find the
+//! density of the traffic, not the bias.
 //!
 //! Method: a generalised Hough transform, a bounded number of pairs of tracks with each report.
 //! 1. *Collect* the latest report of each fast, confirmed track in a part of the area. The part narrows until no source
 //!    has more than [`TRACKS_MAX`] tracks there, so that all sources contribute the same targets.
-//! 2. *Compare* every two sources. First as they are: where most tracks fit, the two agree.
+//! 2. *Compare* every two sources, at first without a bias: if most tracks fit, the two sources agree.
 //! 3. *Vote*: each pair of tracks that move alike implies one value of each kind of bias. Values of pairs of different
-//!    targets lie anywhere; values of pairs of one target pile up in a bin of the histogram.
+//!    targets are scattered; values of pairs of the same target pile up in a bin of the histogram.
 //! 4. *Refine* the fullest bin of each kind by the weighted mean of the fitting pairs, then *try* the refined value on
-//!    all tracks. Its score is the number of tracks that it explains, each reduced by its distance.
+//!    all tracks. The score is the number of explained tracks, each reduced by its distance.
 //!    If enough tracks of both sources bear the same rare name (module `pairing`), only these pairs are compared, and
 //!    smaller biases show.
 //! 5. *Record* the score in the [`PairFindings`]. A bias counts when collections of different parts of the area agree.
@@ -29,22 +29,21 @@ use crate::alignment::votes::Votes;
 use crate::gross::{Sigma, TrackMotion};
 use crate::settings::{IdentitySettings, SourceSettings, longest_period_s};
 
-/// Tracks of one source that are compared at most, and at least.
+/// Largest and smallest number of compared tracks of a source.
 pub(super) const TRACKS_MAX: usize = 40;
 pub(super) const TRACKS_MIN: usize = 4;
 /// Largest number of pairs of tracks compared with a report, minus the pairs of one track.
 const STEP_PAIRS: usize = 128;
-/// Half-width of the part of the area that is looked at, at first and at most, metres, and how it changes.
+/// Half-width of the searched part of the area, at first and at most, metres, and factors of change.
 const REACH_MAX_M: f64 = 400e3;
 const NARROWER: f64 = 0.8;
 const WIDER: f64 = 1.5;
-/// Periods of the slowest source, up to which time in all, for which reports are collected, seconds.
+/// Duration of a collection: in periods of the slowest source, and least and largest duration, seconds.
 const COLLECT_PERIODS: f64 = 1.3;
 const COLLECT_S: [f64; 2] = [4.0, 15.0];
-/// Pause before the next collection where all sources agreed, where some did not, and where an error was found,
-/// seconds.
+/// Pause before the next collection: after agreement of all sources, after a disagreement, and after an error, seconds.
 const PAUSE_S: [f64; 3] = [15.0, 3.0, 0.0];
-/// Speed below which a track has too little information, metres per second.
+/// Least speed of a track with enough information, metres per second.
 const SPEED_MIN_MPS: f64 = 5.0;
 /// Additional deviations between two tracks of a target, metres and metres per second, and the unpredictable
 /// acceleration, metres per second squared.
@@ -53,8 +52,8 @@ const VELOCITY_FLOOR_MPS: f64 = 5.0;
 const ACCELERATION_MPS2: f64 = 2.0;
 /// Greatest difference of heights, metres.
 const HEIGHT_GATE_M: f64 = 400.0;
-/// Share of fitting tracks at which two sources agree, and below which they disagree; share of tracks that a bias must
-/// explain, and its least improvement over no bias.
+/// Share of fitting tracks at which two sources agree, and below which two sources disagree; least share of tracks
+/// explained by a bias, and least improvement over no bias.
 const AGREES: f64 = 0.6;
 const DISAGREES: f64 = 0.3;
 const EXPLAINS: f64 = 0.4;
@@ -74,7 +73,7 @@ struct TrackSample {
 }
 
 impl TrackSample {
-    /// Motion at `time_ns`, and the deviation per axis that this adds, metres.
+    /// Motion at `time_ns`, and the added deviation per axis, metres.
     fn at(&self, time_ns: i64) -> (TrackMotion, f64) {
         let seconds = (time_ns - self.time_ns) as f64 / NS_PER_S;
         let mut motion = self.motion;
@@ -89,11 +88,11 @@ impl TrackSample {
 /// Stage of the search.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 enum Phase {
-    /// Nothing until then, nanoseconds.
+    /// No work until this time, nanoseconds.
     Pause(i64),
-    /// Reports are collected until then.
+    /// Collection of reports until this time, nanoseconds.
     Collect(i64),
-    /// Two sources are compared.
+    /// Comparison of two sources.
     Compare,
 }
 
@@ -102,9 +101,9 @@ enum Phase {
 enum Job {
     /// Phase of the search: fit without a bias.
     AsTheyAre,
-    /// Which errors do pairs of tracks imply?
+    /// Votes: errors implied by pairs of tracks.
     Vote,
-    /// Refinement of an error that was found roughly.
+    /// Refinement of a roughly found error.
     Refine(usize),
     /// Phase of the search: fit after removal of the bias.
     Try(usize),
@@ -117,7 +116,7 @@ pub(super) struct BiasSearch {
     /// Tracks collected of each source.
     samples: Vec<Vec<TrackSample>>,
     phase: Phase,
-    /// Centre and half-width of the part of the area from which tracks are collected.
+    /// Centre and half-width of the part of the area with collected tracks.
     focus_m: Option<[f64; 2]>,
     reach_m: f64,
     /// Compared sources, present stage, and the next track of the first source.
@@ -268,7 +267,7 @@ impl BiasSearch {
             return;
         }
         while self.samples[source].len() == TRACKS_MAX {
-            // So that it is the same targets that are seen of all sources.
+            // A narrower area, so that all sources contribute the same targets.
             self.reach_m *= NARROWER;
             for tracks in &mut self.samples {
                 tracks.retain(|sample| is_near(&sample.motion.position_m, &focus_m, self.reach_m));
@@ -279,7 +278,7 @@ impl BiasSearch {
         }
     }
 
-    /// Turns to the next two sources of which enough was seen; after the last ones there is a pause.
+    /// Turns to the next two sources with enough tracks; a pause follows the last pair.
     fn next_pair(&mut self) {
         let count = self.samples.len();
         let enough = |source: usize| self.samples[source].len() >= TRACKS_MIN;
@@ -304,7 +303,7 @@ impl BiasSearch {
         }
     }
 
-    /// Finds the pairs of tracks of one name, if there are enough to compare only these.
+    /// Finds the pairs of tracks with the same name, if enough for a comparison of only these pairs.
     fn find_partners(&mut self, first: usize, second: usize) {
         self.partners.clear();
         self.directed = DirectedSums::default();
@@ -350,7 +349,7 @@ impl BiasSearch {
         false
     }
 
-    /// Compares one track of the first source with all of the second one.
+    /// Compares a track of the first source with all tracks of the second source.
     fn compare_row(&mut self, first: usize, second: usize) {
         let own = self.samples[first][self.row];
         let mut best: Option<(f64, [f64; 2], f64, bool)> = None;
@@ -393,7 +392,7 @@ impl BiasSearch {
                         && let Some(implied) = erring.implied(true_one, kind, sigma)
                     {
                         let weight = match (kind, erring.place_m) {
-                            // An arc of so many metres is a smaller angle farther away.
+                            // An arc of a given length is a smaller angle farther away.
                             (BiasKind::Azimuth, Some([east, north])) => {
                                 let range_m = (erring.position_m[0] - east).hypot(erring.position_m[1] - north);
                                 range_m * range_m
@@ -421,7 +420,7 @@ impl BiasSearch {
         }
     }
 
-    /// Draws the conclusion from a job that is done, and turns to the next.
+    /// Evaluates a completed job, and turns to the next.
     fn finish(&mut self, first: usize, second: usize) {
         let fewer = match self.named {
             0 => self.samples[first].len().min(self.samples[second].len()),
@@ -511,7 +510,7 @@ impl BiasSearch {
         }
     }
 
-    /// Whether a hypothesis, as tried, explains the tracks, of which the source with fewer has `fewer`.
+    /// Whether a tried hypothesis explains the tracks; the source with fewer tracks has `fewer`.
     fn explains(&self, hypothesis: usize, fewer: f64) -> bool {
         let (score, (_, kind)) = (self.scores[hypothesis], HYPOTHESES[hypothesis]);
         let gain = score - self.as_they_are;
@@ -545,8 +544,8 @@ fn sides<'a>(side: Side, own: &'a TrackMotion, other: &'a TrackMotion) -> (&'a T
     }
 }
 
-/// Returns the other track at the time of the own track, and their permitted distance apart from a bias; `None` if
-/// they are certainly different targets.
+/// Returns the other track at the time of the own track, and the permitted deviations apart from a bias; `None` for
+/// certainly different targets.
 fn comparable(own: &TrackSample, other: &TrackSample) -> Option<(TrackMotion, Sigma)> {
     let heights = own.height_m.zip(other.height_m);
     let speed = |sample: &TrackSample| sample.motion.velocity_mps[0].hypot(sample.motion.velocity_mps[1]);
@@ -571,7 +570,7 @@ fn comparable(own: &TrackSample, other: &TrackSample) -> Option<(TrackMotion, Si
     Some((motion, sigma))
 }
 
-/// d² between two motions of one time with these deviations per axis; `None` beyond the gate.
+/// d² between two simultaneous motions with these deviations per axis; `None` beyond the gate.
 fn fits(a: &TrackMotion, b: &TrackMotion, sigma: Sigma) -> Option<f64> {
     let squared = |a: [f64; 2], b: [f64; 2], sigma: f64| {
         let (dx, dy) = (a[0] - b[0], a[1] - b[1]);

@@ -6,9 +6,9 @@
 //! Method: further evidence decides, the strongest first.
 //! 1. The reference source is true by configuration; the other source is off.
 //! 2. A time bias belongs to the source with the worse clock by the times of receipt.
-//! 3. The bias belongs to a source that disagrees with two others, if its partner agrees with a third source.
-//! 4. Addresses confirm the pairs of tracks: the bias is certain if it needs the place of a sensor that only one of the
-//!    two sources has.
+//! 3. The bias belongs to a source that disagrees with two others, if the partner agrees with a third source.
+//! 4. Addresses confirm the pairs of tracks: a bias that depends on a sensor position is certain if only a single
+//!    source of the pair has a known position.
 //!
 //! Otherwise the side of the hypothesis with the highest score is suspected, and the verdict is not certain. Only
 //! certain verdicts lead to a removal.
@@ -18,7 +18,7 @@ use messages::BiasKind;
 use crate::alignment::findings::{HYPOTHESES, PairFindings, Side, WINDOWS_MIN};
 use crate::registration::ClockError;
 
-/// Difference of clock offsets, seconds, that identifies one of two sources as the source of a time bias.
+/// Least difference of clock offsets that identifies the source of a time bias, seconds.
 const CLOCK_WORSE_S: f64 = 0.5;
 /// Pairs of tracks with the same address that confirm a bias.
 const ADDRESSES_MIN: u32 = 3;
@@ -69,7 +69,7 @@ impl Evidence<'_> {
         })
     }
 
-    /// Source to which the bias belongs, and whether that is certain.
+    /// Source of the bias, and whether the attribution is certain.
     fn culprit(
         &self,
         (first, second): (usize, usize),

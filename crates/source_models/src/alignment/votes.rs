@@ -9,7 +9,7 @@ use crate::alignment::findings::{HYPOTHESES, bin};
 const BINS: usize = 60;
 const ROW: usize = 2 * BINS + 1;
 
-/// Histograms of the errors that pairs of tracks imply, and the fullest place of each so far.
+/// Histograms of the errors implied by pairs of tracks, and the fullest place of each so far.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Votes {
     lines: [VoteAxis; HYPOTHESES.len()],
@@ -58,7 +58,7 @@ impl Votes {
         }
     }
 
-    /// Where most votes lie together, in bins from 0.
+    /// Place of the greatest concentration of votes, in bins from 0.
     pub(super) fn fullest(&self, hypothesis: usize) -> [f64; 2] {
         self.best[hypothesis].1.map(|index| index as f64 - BINS as f64)
     }

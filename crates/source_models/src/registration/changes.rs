@@ -1,9 +1,10 @@
 //! Changes of the systematic errors of a source: the start of a new estimate, and the time after it.
 //!
-//! A step shows in the innovations (module `steps`), or in the differences of states (module `recent`), or the other
-//! sources contradict a source by more than the filters accept. The estimate of the source that changed is dropped. The
-//! states of its tracker lag behind the step for some scans: until then its measurements are compared with the states
-//! of others, its states are compared with nothing, and the innovations of misled filters teach nothing.
+//! A step shows in the innovations (module `steps`), in the differences of states (module `recent`), or in
+//! contradictions with other sources beyond the limits of the filters. The estimate of the changed source is dropped.
+//! The states of the tracker lag behind the step for some scans. Meanwhile the measurements of the source are compared
+//! with the states of others, the states of the source are compared with nothing, and innovations of misled filters
+//! teach nothing.
 
 use messages::AXES;
 
@@ -14,13 +15,13 @@ use crate::registration::rows::{AZIMUTH, Errors, RANGE};
 use crate::registration::steps::{FormerErrors, MISLED_TICKS, Seed, Step, YOUNG_TICKS};
 use crate::registration::{EMPTY, Registration, TARGETS_MIN, partners};
 
-/// Samples for which the innovations count that showed a step.
+/// Number of samples as which the innovations of a detected step count.
 const SEEDED_SAMPLES: f64 = 1.2 * SAMPLES_MIN;
-/// Least size of a small step, metres, and in standard deviations of detection points: what is less may be that of the
-/// few targets that dominate a mean, such as those at their stands.
+/// Least size of a small step, metres, and in standard deviations of detection points. A smaller mean may come from a
+/// few dominant targets, such as parked aircraft.
 const CARRIED_MIN_M: f64 = 12.0;
 const POINTS_SIGMAS: f64 = 2.0;
-/// Chi-square with two degrees of freedom up to which an offset may be none.
+/// Chi-square with two degrees of freedom up to which an offset may be 0.
 const EXPLAINED_2: f64 = 9.2;
 
 impl Registration {
@@ -46,7 +47,7 @@ impl Registration {
         self.steps.clear();
     }
 
-    /// Drops the estimates of the sources whose errors changed by a step; they are passed to `restarted`.
+    /// Drops the estimates of sources after a step of the errors, and passes these sources to `restarted`.
     pub(super) fn forget_after_step(&mut self, mut restarted: impl FnMut(u16)) {
         let is_sought = |own: usize| self.reference != Some(own as u16) && self.sources[own].samples >= SAMPLES_MIN;
         let sought = (0..self.sources.len()).filter(|own| is_sought(*own));
@@ -73,7 +74,7 @@ impl Registration {
         (mut residual_m, covariance_m2): ([f64; 2], [f64; 3]),
         (target, position_m, velocity_mps): (u32, [f64; 2], [f64; AXES]),
     ) {
-        // What is known but not removed is no change.
+        // A known error, even if not removed, is no change.
         let suspected_m = self.suspected_shift(source as u16, velocity_mps);
         for (residual, suspected) in residual_m.iter_mut().zip(suspected_m) {
             *residual -= suspected;
@@ -82,26 +83,26 @@ impl Registration {
             .add(source, (residual_m, covariance_m2), (target, position_m));
     }
 
-    /// Returns whether the errors of a source changed so recently that its tracker's states lag behind.
+    /// Returns whether the tracker states of a source lag behind a recent change of the errors.
     #[inline]
     pub(crate) fn is_young(&self, source: u16) -> bool {
         self.young[usize::from(source)] > 0
     }
 
-    /// Returns the sources with a recent step that has been estimated, as bits: their trackers' states lag behind the
-    /// step, so that they contradict the others without need.
+    /// Returns the sources with a recent, estimated step, as bits. The states of the trackers lag behind the step and
+    /// contradict the other sources without need.
     pub(crate) fn with_known_steps(&self) -> u64 {
         let is_known =
             |own: usize| self.young[own] > 0 && self.seeds[own].normal[(2, 2)] > 0.0 && self.is_corrected(own);
         (0..self.sources.len()).fold(0, |bits, own| bits | u64::from(is_known(own)) << own)
     }
 
-    /// Returns whether a step was found at this tick or the last one.
+    /// Returns whether a step was found at this tick or the previous tick.
     pub(crate) fn takes_step(&self) -> bool {
         self.young.iter().any(|young| *young + 1 >= YOUNG_TICKS)
     }
 
-    /// Forgets the innovations: they contain the points of targets that the sources detect.
+    /// Discards the innovations, because innovations contain the detection points of the targets.
     pub(crate) fn pass_over_innovations(&mut self) {
         self.steps.clear();
     }
@@ -112,9 +113,9 @@ impl Registration {
         self.young.iter().any(|young| *young > YOUNG_TICKS - MISLED_TICKS)
     }
 
-    /// Follows a step that the innovations of a source show. A step of half a large target, of `largest_m` metres, or
-    /// more starts the estimate anew; a smaller one is added to it. Detection points of one target have a variance of
-    /// up to `points_m2` per axis.
+    /// Processes a step in the innovations of a source. A step of at least half a large target (`largest_m` metres)
+    /// restarts the estimate; a smaller step is added to the estimate. The detection points of a target have a variance
+    /// of up to `points_m2` per axis.
     pub(super) fn look_for_step(&mut self, (largest_m, points_m2): (f64, f64), restarted: &mut impl FnMut(u16)) {
         let is_sought = |own: usize| {
             self.reference != Some(own as u16)
@@ -155,8 +156,8 @@ impl Registration {
         restarted(own as u16);
     }
 
-    /// Adds a change of the offset to the estimate of a source and to the differences behind it. These count so much
-    /// less that the variance of the change is added to that of the estimate.
+    /// Adds a change of the offset to the estimate of a source and to the underlying differences. The weight of the
+    /// differences is reduced: the variance of the change adds to the variance of the estimate.
     fn carry(&mut self, step: &Step) {
         let (own, count) = (step.source, self.sources.len());
         let known_m2 = self.displacements[own].variance_m2();
@@ -178,15 +179,15 @@ impl Registration {
         self.recents.fill(Recent::default());
     }
 
-    /// Returns the sources of which a horizontal error is removed, as bits.
+    /// Returns the sources with a removed horizontal error, as bits.
     pub(crate) fn removing(&self) -> u64 {
         let is_removed = |known: &SourceErrors| [0, RANGE, AZIMUTH].into_iter().any(|row| known.removed[row]);
         let sources = self.sources.iter().enumerate();
         sources.fold(0, |bits, (own, known)| bits | u64::from(is_removed(known)) << own)
     }
 
-    /// Returns whether the present estimate of a source that changed has been solved for the first time, and makes its
-    /// reports right.
+    /// Returns whether the present estimate of a changed source has just been solved for the first time, and corrects
+    /// the reports.
     pub(crate) fn is_first_solution(&self, source: u16) -> bool {
         let own = usize::from(source);
         self.is_young(source) && self.solutions[own] == 1 && self.is_corrected(own)
@@ -199,7 +200,7 @@ impl Registration {
         self.solutions[own] > 0 && (known.removed[0] || known.removed[AZIMUTH] || squared(0) + squared(1) < EXPLAINED_2)
     }
 
-    /// Starts the estimate of a source anew, unless it is new; returns whether it did.
+    /// Restarts the estimate of a settled source; returns whether a restart took place.
     pub(crate) fn begin_anew_if_settled(&mut self, source: u16) -> bool {
         let own = usize::from(source);
         let is_settled = self.reference != Some(source)
@@ -212,7 +213,7 @@ impl Registration {
         is_settled
     }
 
-    /// Drops the estimate of a source whose errors have changed; the estimate is a rival of the next one.
+    /// Drops the estimate of a source with changed errors; the dropped estimate is a rival of the next estimate.
     pub(crate) fn begin_anew(&mut self, own: usize) {
         let former = FormerErrors::of(&self.sources[own]);
         self.forget(own);

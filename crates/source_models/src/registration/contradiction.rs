@@ -1,8 +1,8 @@
-//! Contradictions: sources whose errors displace their reports far from those of others.
+//! Contradictions: sources with reports displaced far from the reports of others.
 //!
-//! The errors are relative to what all sources have in common. Where at least two other sources are near that, they
-//! agree, and the source is off; a configured reference decides alone. Otherwise two sources contradict each other, and
-//! nobody decides. Both are found at any size, whether or not the errors are removed.
+//! The errors are relative to the common part of all sources. If at least two other sources are near the common part,
+//! these sources agree, and the source is off; a configured reference decides alone. Otherwise two sources contradict
+//! each other, without a decision. Both cases are found at any size, whether or not the errors are removed.
 
 use messages::{Bias, BiasKind};
 
@@ -10,17 +10,17 @@ use crate::registration::progress::SETTLED_MIN;
 use crate::registration::rows::{AZIMUTH, NormalMatrix, RANGE, TIME};
 use crate::registration::{MAJORITY, NEAR_2, Registration, partners};
 
-/// Root mean square displacement from which a source is off, and from which two contradict each other, metres.
+/// Least root mean square displacement of a source that is off, and of two contradicting sources, metres.
 const OFF_M: f64 = 25.0;
 const APART_M: f64 = 100.0;
-/// Solutions after which an estimate is told.
+/// Number of solutions before an estimate is reported.
 const SOLUTIONS: u8 = 3;
-/// Squared statistical length of a displacement that is none by chance.
+/// Least squared statistical length of a significant displacement.
 const SIGNIFICANT: f64 = 13.8;
 
 impl Registration {
-    /// Returns the errors of a source beside a majority, or relative to another source that it contradicts; of two that
-    /// contradict each other, those of the first.
+    /// Returns the errors of a source relative to a majority, or relative to a contradicting source; for a
+    /// contradicting pair, the errors of the first source.
     pub(crate) fn contradiction(&self, source: u16) -> Option<Bias> {
         let own = usize::from(source);
         let size_m = self.settled_size_m(own).filter(|size_m| *size_m >= OFF_M)?;
@@ -35,8 +35,8 @@ impl Registration {
         (own < partner && is_undecided).then(|| self.bias(own, Some(partner), (partner, false)))
     }
 
-    /// Returns the first of the sources that agree with each other, but not with one whose errors displace its reports
-    /// by `size_m`; `None` if they are no majority.
+    /// Returns the first of the sources that agree with each other, but not with `own`, a source displaced by `size_m`;
+    /// `None` without a majority.
     fn majority_beside(&self, own: usize, size_m: f64) -> Option<usize> {
         let near = || {
             self.others(own)
@@ -47,14 +47,14 @@ impl Registration {
             .map(|(other, _)| other)
     }
 
-    /// Returns the settled sources but for one, with their [sizes](Self::settled_size_m).
+    /// Returns the other settled sources, with the respective [sizes](Self::settled_size_m).
     fn others(&self, own: usize) -> impl Iterator<Item = (usize, f64)> {
         let others = (0..self.sources.len()).filter(move |other| *other != own);
         others.filter_map(|other| Some((other, self.settled_size_m(other)?)))
     }
 
-    /// Returns the root mean square by which the errors of a source displace the compared reports, metres; 0 if that is
-    /// within chance, `None` if the source is not settled.
+    /// Returns the root mean square displacement of the compared reports by the errors of a source, metres; 0 within
+    /// chance, `None` if the source is not settled.
     fn settled_size_m(&self, own: usize) -> Option<f64> {
         let pairs = || partners(self.partners[own]).map(|other| &self.pairs[own * self.sources.len() + other].own);
         let normal = pairs().fold(NormalMatrix::zeros(), |sum, pair| sum + pair);

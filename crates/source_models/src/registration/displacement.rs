@@ -1,10 +1,11 @@
 //! Displacement of a source's reports by its errors, as far as differences of reports determine it.
 //!
-//! If all targets move in one direction, an offset along it and a time offset displace all reports alike: differences
-//! determine their sum alone, and the variance of each is that of its prior. Across that direction the offset may be
-//! known to a metre. A distance of two sources that adds the variances of all directions is then as uncertain as the
-//! worst direction. So the distance is the mean square of the displacement of the compared reports,
-//! θᵀ·(Σ HᵀWH / Σ W)·θ. What no difference determines displaces no report, and does not count.
+//! If all targets move in the same direction, an offset along this direction and a time offset displace all reports
+//! alike. Differences determine only the sum of both errors, and the variance of each is the prior variance. The offset
+//! across the direction may be known to a metre. A distance between two sources that adds the variances of all
+//! directions is then as uncertain as the worst direction. So the distance is the mean square displacement of the
+//! compared reports, θᵀ·(Σ HᵀWH / Σ W)·θ. An error not determined by differences displaces no report, and does not
+//! count.
 
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -15,10 +16,10 @@ use crate::registration::rows::{Errors, NormalMatrix, TIME};
 /// Errors that may displace all reports alike: the horizontal offset, and the time offset.
 pub(super) const ROWS: [usize; 3] = [0, 1, TIME];
 
-/// Variance of a time offset relative to that beside a known place, above which the two are not told apart.
+/// Variance of a time offset relative to the variance at a known place, above which both offsets are confounded.
 const CONFOUNDED: f64 = 4.0;
 
-/// Mean square by which [`ROWS`] of the errors displace the reports of a source.
+/// Mean square displacement of the reports of a source by [`ROWS`] of the errors.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Displacement {
     /// Quadratic form, m² per square of the errors: Σ HᵀWH relative to the mean of Σ W over both axes.
@@ -34,9 +35,9 @@ impl Displacement {
         variance_m2: PRIOR_SIGMA[0] * PRIOR_SIGMA[0],
     };
 
-    /// Returns the displacement of a source with these sums over its differences, one per partner. What a step revealed
-    /// (`seed`) makes the displacement certain, but is no difference: a source that has just changed has no say in what
-    /// all sources have in common.
+    /// Returns the displacement of a source with these sums over its differences, per partner. The information from a
+    /// step (`seed`) makes the displacement certain, but is no difference: a source that has just changed has no
+    /// influence on the common part of all sources.
     pub(super) fn new<'a>(seed: &NormalMatrix, sums: impl Iterator<Item = &'a NormalMatrix>) -> Self {
         let mut form = Matrix3::zeros();
         for sum in sums {
@@ -68,7 +69,7 @@ impl Displacement {
         0.5 * self.squared_m2(errors) - self.variance_m2
     }
 
-    /// Returns the sum over both axes, m².
+    /// Returns the mean square of the displacement, sum over both axes, m².
     pub(super) fn squared_m2(&self, errors: &Errors) -> f64 {
         let errors = of_rows(errors);
         errors.dot(&(self.form * errors))
@@ -79,20 +80,21 @@ impl Displacement {
         self.squared_m2(errors) / (self.variance_m2 + points_m2)
     }
 
-    /// Returns whether the differences hardly tell a time offset from an offset of the place: the variance of the time
-    /// offset is far above the one that it has if the place is known.
+    /// Returns whether time offset and offset of the place are hardly distinguishable: the variance of the time offset
+    /// is far above the variance at a known place.
     pub(super) fn confounds_time(&self, variance_s2: f64) -> bool {
         self.form[(2, 2)] * variance_s2 > CONFOUNDED * self.variance_m2
     }
 
-    /// Returns the weight in the geometric median of all sources: inverse of the distance from it, as far as that is
+    /// Returns the weight in the geometric median of all sources: the inverse distance from the median, as far as
     /// known.
     pub(super) fn closeness(&self, errors: &Errors) -> f64 {
         1.0 / (self.squared_m2(errors) + 2.0 * self.variance_m2).sqrt()
     }
 }
 
-/// Weighted mean of the errors of several sources, per direction: each counts where differences determine it.
+/// Weighted mean of the errors of several sources, per direction: a source counts only where differences determine the
+/// error.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MeanErrors {
     normal: Matrix3<f64>,

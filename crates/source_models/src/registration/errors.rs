@@ -1,8 +1,8 @@
 //! Systematic errors of a source, and their effect on its reports.
 //!
-//! The errors are an offset of the place, an offset of the time, a range bias and an azimuth bias. A report is linear
-//! in them to first order: [`TargetView::sensitivity`] is the matrix of its derivatives at the place and velocity of
-//! the target. `registration` estimates them from differences of reports by several sources.
+//! The errors are an offset of the place, an offset of the time, a range bias and an azimuth bias. To first order, a
+//! report is linear in the errors: [`TargetView::sensitivity`] is the matrix of derivatives at the place and velocity
+//! of the target. `registration` estimates the errors from differences of reports by several sources.
 
 use estimation::Symmetric3;
 use kept::kept;
@@ -15,25 +15,26 @@ use crate::registration::model::BiasModel;
 use crate::registration::rows::{ERRORS, Errors, TIME};
 use crate::registration::sensitivity::Sensitivity;
 
-/// Standard deviations of the errors before anything is known.
+/// Prior standard deviations of the errors.
 pub(crate) const PRIOR_SIGMA: [f64; ERRORS] = [1000.0, 1000.0, 1000.0, 1.0, 1000.0, 0.1];
-/// Samples of a source before any of its errors is removed.
+/// Least number of samples of a source for the removal of errors.
 pub(crate) const SAMPLES_MIN: f64 = 20.0;
-/// Errors beyond so many of these standard deviations are none: reports that far off are not of one target.
+/// Largest possible error, in prior standard deviations: reports farther apart belong to different targets.
 pub(crate) const ERROR_MAX_SIGMA: f64 = 10.0;
 
-/// Standard deviations of a time offset of a clock that deviates from the times of receipt, seconds: of a fast clock,
-/// and of a slow clock, because slow transmission looks alike.
+/// Standard deviations of the time offset of a clock that deviates from the times of receipt, seconds: of a fast clock,
+/// and of a slow clock. Slow transmission looks like a slow clock.
 const CLOCK_SIGMA_S: [f64; 2] = [0.3, 1.0];
 
-/// Error of a source's clock, as times of receipt show it.
+/// Error of a source's clock according to the times of receipt.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct ClockError {
-    /// Offset against sound clocks, seconds; positive if it is ahead.
+    /// Offset against sound clocks, seconds; positive if ahead.
     pub(crate) offset_s: f64,
-    /// Part of its size that the way of the data does not explain, seconds; 0 of a sound, unknown or corrected clock.
+    /// Part of the size of the offset not explained by the data path, seconds; 0 for a sound, unknown or corrected
+    /// clock.
     pub(crate) excess_s: f64,
-    /// Part that is taken off the times of the source's reports, seconds.
+    /// Part subtracted from the times of the source's reports, seconds.
     pub(crate) removed_s: f64,
 }
 
@@ -52,11 +53,11 @@ pub(crate) fn clock_of(clocks: &[ClockError], source: usize) -> ClockError {
     clocks.get(source).copied().unwrap_or_default()
 }
 
-/// One source's view of a target.
+/// View of a target by a source.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TargetView {
     pub(crate) source: u16,
-    /// Position as reported, nothing removed, metres.
+    /// Position as reported, without corrections, metres.
     pub(crate) position_m: [f64; AXES],
     pub(crate) covariance_m2: Symmetric3,
     pub(crate) velocity_mps: [f64; AXES],
@@ -68,7 +69,7 @@ pub(crate) struct TargetView {
 }
 
 impl TargetView {
-    /// Returns the velocity of the target; where the source states none, that of another view.
+    /// Returns the velocity of the target; if the source states none, the velocity of the other view.
     pub(crate) fn velocity_beside(&self, other: &Self) -> [f64; AXES] {
         if self.has_velocity {
             self.velocity_mps
@@ -77,12 +78,12 @@ impl TargetView {
         }
     }
 
-    /// Returns the displacement of the report of a target with this velocity by the source's biases.
+    /// Returns the derivatives of the report by the source's biases, for a target with this velocity.
     pub(crate) fn sensitivity(&self, velocity_mps: [f64; AXES]) -> Sensitivity {
         Sensitivity::new(self.position_m, velocity_mps, self.place_m)
     }
 
-    /// Takes the measurement behind a state, from which `correction` was taken off, in place of the state.
+    /// Replaces the state by the underlying measurement; `correction`, subtracted before, is added back.
     pub(crate) fn take_measurement(&mut self, measurement: &Measurement, correction: &Correction) {
         let mut measurement = *measurement;
         measurement.uncorrect(correction);
@@ -109,22 +110,22 @@ kept! {
         pub errors: Errors,
         /// Variances of the estimate, same units squared.
         pub variances: Errors,
-        /// Samples that went into it, after forgetting.
+        /// Number of samples in the estimate, after forgetting.
         pub samples: f64,
-        /// Errors that are being removed from the source's reports.
+        /// Errors removed from the source's reports.
         pub removed: [bool; ERRORS],
         /// Model of the biases: the estimated kinds; all other biases are 0.
         pub(crate) model: BiasModel,
     }
 }
 
-/// Returns the variances of the errors before anything is known.
+/// Returns the prior variances of the errors.
 pub(crate) fn prior_variances() -> Errors {
     Errors::from_fn(|row, _| PRIOR_SIGMA[row] * PRIOR_SIGMA[row])
 }
 
 impl SourceErrors {
-    /// Nothing is known.
+    /// Errors of a source without any information.
     pub(crate) fn unknown() -> Self {
         Self {
             errors: Errors::zeros(),
@@ -135,7 +136,7 @@ impl SourceErrors {
         }
     }
 
-    /// The displacement of a report that the removed errors cause, metres.
+    /// The displacement of a report by the removed errors, metres.
     #[inline]
     pub fn shift(&self, position_m: [f64; AXES], velocity_mps: [f64; AXES], place_m: Option<[f64; 2]>) -> [f64; AXES] {
         if self.removed == [false; ERRORS] {
@@ -145,7 +146,7 @@ impl SourceErrors {
         (sensitivity(position_m, velocity_mps, place_m) * removed).into()
     }
 
-    /// The time offset that is being removed, seconds.
+    /// The removed time offset, seconds.
     pub(crate) fn time_offset_s(&self) -> f64 {
         if self.removed[TIME] { self.errors[TIME] } else { 0.0 }
     }
@@ -156,7 +157,7 @@ impl SourceErrors {
         0.5 * (excess(0) + excess(1))
     }
 
-    /// Whether a source can have these errors; none that are not a number.
+    /// Whether the errors are within the possible range; false for NaN.
     pub(crate) fn are_possible(&self) -> bool {
         let limits = PRIOR_SIGMA.iter().map(|sigma| ERROR_MAX_SIGMA * sigma);
         self.errors

@@ -1,8 +1,8 @@
-//! Gauge of the solution: the part of the errors that all sources have in common shows in no difference.
+//! Gauge of the solution: the common part of the errors of all sources shows in no difference.
 //!
-//! Without a reference source, the geometric median of all sources is taken as true: a single outlier hardly moves it.
-//! The distance from the median is what differences determine of it, per direction (module `displacement`). Sources
-//! with wrong clocks weigh less.
+//! Without a reference source, the geometric median of all sources is taken as true: a single outlier hardly moves the
+//! median. Differences determine the distance from the median, per direction (module `displacement`). Sources with
+//! wrong clocks weigh less.
 //!
 //! Source: E. Weiszfeld, *Sur le point pour lequel la somme des distances de n points donnés est minimum*, Tôhoku
 //! Mathematical Journal 43 (1937).
@@ -16,7 +16,7 @@ use crate::settings::SOURCES_MAX;
 pub(super) fn fix(sources: &mut [SourceErrors], displacements: &[Displacement], clocks: &[ClockError]) {
     let is_any_off = clocks.iter().any(|clock| clock.excess_s > 0.0);
     // Range and azimuth biases are observable in absolute terms, from different positions. So is the offset, relative
-    // to a source that is known to have none.
+    // to a source known to have none.
     let is_anchored = sources
         .iter()
         .any(|source| source.samples > 0.0 && !source.model.has_offset());
@@ -41,7 +41,7 @@ fn step_to_median(sources: &[SourceErrors], displacements: &[Displacement], is_a
             .zip(displacements)
             .filter(|(source, _)| source.samples > 0.0)
     };
-    // Every point between two is a median; none of the two is the truer one.
+    // Every point between two sources is a median, so both sources have equal weights.
     let are_two = known().count() == 2;
     for (source, displacement) in known() {
         let weight = if are_two {
@@ -49,7 +49,7 @@ fn step_to_median(sources: &[SourceErrors], displacements: &[Displacement], is_a
         } else {
             displacement.closeness(&source.errors)
         };
-        // The offset of a rotation is that of the point about which it turns.
+        // The offset of a rotation is the offset of the centre of rotation.
         match is_anchored || source.model.is_polar() {
             true => horizontal.add(&displacement.by_time(), &source.errors, weight),
             false => horizontal.add(displacement, &source.errors, weight),
@@ -86,7 +86,7 @@ fn median_by_clocks(sources: &[SourceErrors], clocks: &[ClockError]) -> Errors {
 }
 
 /// Returns the weighted median of `values` in rising order, with weights that add up to `total`: the mean of the two
-/// middle values if the half lies between them; 0 if there are no values.
+/// middle values if the half lies in between; 0 without values.
 fn weighted_median(values: &[(f64, f64)], total: f64) -> f64 {
     let mut before = 0.0;
     let reaches_half = |(_, weight): &(f64, f64)| {

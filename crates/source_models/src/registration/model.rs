@@ -1,17 +1,17 @@
 //! Rival models of a source's systematic errors, and the choice among them by evidence.
 //!
-//! An offset, a north mark that is off and a range bias move the targets of a small area alike. To estimate all of them
-//! at once would give large errors that compensate each other where targets were seen, and mislead elsewhere. So each
-//! source has one model at a time, the one with the greatest evidence (the Bayesian information criterion): the fit of
-//! the differences, less a penalty for each estimated error. Height and time offset are part of every model. A source
-//! without errors has the model of an offset, which is then insignificant.
+//! An offset, a misaligned north mark and a range bias move the targets of a small area alike. A joint estimate of all
+//! errors would give large errors that compensate each other at the observed targets, and mislead elsewhere. So each
+//! source has a single model at a time, with the greatest evidence (the Bayesian information criterion): the fit of the
+//! differences, less a penalty for each estimated error. Height and time offset are part of every model. A source
+//! without errors has the model of an offset, with an insignificant offset.
 //!
-//! Comparisons of one target depend on each other: its points and the errors of its trackers persist. So a target
-//! counts as one comparison at first, and as a further one every five seconds. Otherwise the points of large targets
-//! look like a rotation within the first scans.
+//! Comparisons of a target depend on each other: the detection points and the errors of the trackers persist. So a
+//! target counts as a single comparison at first, and as a further comparison every five seconds. Otherwise the points
+//! of large targets look like a rotation within the first scans.
 //!
-//! A change to a model with as many errors or more must raise the evidence clearly. One source changes its model at a
-//! time, the one with most to gain: its rivals for the same differences are judged again with that error removed.
+//! A change to a model with as many errors or more must raise the evidence clearly. At a time, only the source with the
+//! greatest gain changes the model: rivals for the same differences are judged again with this error removed.
 //!
 //! Source: G. Schwarz, *Estimating the dimension of a model*, Annals of Statistics 6 (1978).
 
@@ -22,11 +22,11 @@ use crate::registration::rows::{AZIMUTH, ERRORS, Errors, NormalMatrix, RANGE};
 
 /// Information that holds an error at 0.
 const HELD: f64 = 1e30;
-/// Increase of the evidence that a change needs to a model with as many errors or more.
+/// Least increase of the evidence for a change to a model with as many errors or more.
 const CHANGE_MIN: f64 = 12.0;
 
 kept! {
-    /// Errors that are estimated.
+    /// Set of estimated errors.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
     pub(crate) struct BiasModel {
         offset: bool,
@@ -78,14 +78,14 @@ impl BiasModel {
         self.range || self.azimuth
     }
 
-    /// Holds the errors at 0 that are not estimated.
+    /// Holds all errors outside the model at 0.
     pub(crate) fn hold(self, normal: &mut NormalMatrix) {
         for row in (0..ERRORS).filter(|row| !self.estimates(*row)) {
             normal[(row, row)] += HELD;
         }
     }
 
-    /// Returns the values of the errors that are estimated, and those of `others` for the errors that are not.
+    /// Returns `values` for the estimated errors, and `others` for all other errors.
     pub(crate) fn known(self, values: Errors, others: &Errors) -> Errors {
         Errors::from_fn(|row, _| if self.estimates(row) { values[row] } else { others[row] })
     }
@@ -94,7 +94,7 @@ impl BiasModel {
         2 * u8::from(self.offset) + u8::from(self.range) + u8::from(self.azimuth)
     }
 
-    /// Complexity of the model, for the question whether one is simpler than another.
+    /// Complexity of the model, for the decision whether a model is simpler than another.
     fn complexity(self) -> u8 {
         if self == Self::OFFSET { 0 } else { self.parameters() }
     }
@@ -113,8 +113,8 @@ impl BiasModel {
         Some(evidence)
     }
 
-    /// Returns the best model and by how much its evidence exceeds that of `self`; `None` if no other is better.
-    /// `scale` is the ratio of the expected squares of the differences to the real ones.
+    /// Returns the best model and the gain of evidence over `self`; `None` if no other model is better. `scale` is the
+    /// ratio of the expected squares of the differences to the actual squares.
     pub(crate) fn better(
         self,
         normal: &NormalMatrix,
@@ -132,7 +132,7 @@ impl BiasModel {
             .max_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// Returns the increase of the evidence that a change to another model needs.
+    /// Returns the least increase of the evidence for a change to another model.
     fn least_gain(self, other: Self) -> f64 {
         match other.complexity() < self.complexity() {
             true => 0.0,

@@ -1,4 +1,4 @@
-//! State of a solution of all sources' errors that proceeds in steps.
+//! State of a stepwise solution for the errors of all sources.
 
 use nalgebra::{Cholesky, Const};
 use serde::{Deserialize, Serialize};
@@ -7,7 +7,7 @@ use crate::registration::errors::{SAMPLES_MIN, SourceErrors};
 use crate::registration::model::BiasModel;
 use crate::registration::rows::ERRORS;
 
-/// Samples of a source before other sources' models are judged by comparison with it.
+/// Least number of samples of a source for the judgement of other sources' models by comparison.
 pub(super) const SETTLED_MIN: f64 = 2.0 * SAMPLES_MIN;
 
 /// A solution in progress.
@@ -18,7 +18,7 @@ pub(super) struct SolutionProgress {
     pub(super) sources: Vec<SourceErrors>,
     /// Factored normal equations of each source, set in the first sweep.
     pub(super) factors: Vec<Option<Cholesky<f64, Const<ERRORS>>>>,
-    /// Change of a model that raises the evidence most, and by how much.
+    /// Change of a model with the greatest gain of evidence, and this gain.
     pub(super) best: Option<(f64, usize, BiasModel)>,
 }
 

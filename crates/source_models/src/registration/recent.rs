@@ -1,11 +1,11 @@
 //! Systematic errors that change: drifts and steps, from the latest differences of a source.
 //!
-//! Registration averages over a minute. If the errors of a source change, its latest differences from the other sources
-//! lie to one side of what the estimate explains. Their sums over some seconds show the change: their squared
-//! statistical length follows chi-square while nothing changes.
+//! Registration averages over a minute. After a change of a source's errors, the latest differences from the other
+//! sources deviate from the estimate in a common direction. Sums of the differences over some seconds show the change:
+//! the squared statistical length of the sums follows chi-square while nothing changes.
 //! - A *drift* is a significant length. Older differences are then forgotten quickly, until the estimate has caught up.
-//! - A *step* is a length far beyond chance, found by a generalised likelihood ratio: for each source, how much better
-//!   does a change of this source alone explain the latest differences? The source that changed takes part in all
+//! - A *step* is a length far beyond chance, found by a generalised likelihood ratio. Each source is tested for a
+//!   change of this source alone as the cause of the latest differences. The changed source takes part in all
 //!   differences with a change, any other source only in some. Sources of equal likelihood count as changed together.
 //!   All differences of the source before the step are dropped.
 //!
@@ -21,17 +21,17 @@ use crate::registration::model::BiasModel;
 use crate::registration::rows::{AZIMUTH, Errors, NormalMatrix, RANGE};
 use crate::registration::sensitivity::{Sensitivity, Weighted, add_vector};
 
-/// Solutions of a new estimate before its latest differences are looked at.
+/// Number of solutions of a new estimate before the latest differences are tested.
 pub(crate) const SOLUTIONS_MIN: u8 = 5;
-/// Memory of the latest differences, and of sources that drift, seconds.
+/// Memory of the latest differences, and of drifting sources, seconds.
 pub(crate) const RECENT_S: f64 = 7.0;
 /// Threshold of chi-square with two degrees of freedom for a drift.
 const DRIFT_2: f64 = 9.2;
-/// Chi-square beyond which it is a step, and by how much less a source is not the one that changed.
+/// Chi-square above which a step is found, and margin below the largest chi-square for a source to count as unchanged.
 const STEP: f64 = 40.0;
 const STEP_MARGIN: f64 = 10.0;
 
-/// Latest differences of a source that its estimate leaves over: without a change they are 0 on the average.
+/// Latest residual differences of a source: 0 on the average without a change.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Recent {
     /// Σ HᵀWH.
@@ -41,9 +41,9 @@ pub(crate) struct Recent {
     /// Σ W (xx, xy, yy; 1/m²) and Σ W·rest (1/m), with the weights of the estimate.
     information: [f64; 3],
     sum: [f64; 2],
-    /// Whether they were not 0, when last looked at.
+    /// Whether the latest test showed a drift.
     is_drift: bool,
-    /// Chi-square of a change of the offset, the range bias or the azimuth bias, when last looked at.
+    /// Chi-square of a change of the offset, the range bias or the azimuth bias in the latest test.
     step: f64,
 }
 
@@ -67,7 +67,7 @@ impl Recent {
         add_vector(weighted, rest, &mut self.right);
     }
 
-    /// Adds a difference that the estimate uses: inverse covariance, and rest east and north, metres.
+    /// Adds a difference used by the estimate: inverse covariance, and rest east and north, metres.
     pub(crate) fn add_used(&mut self, weight: &[[f64; AXES]; AXES], [east, north]: [f64; 2]) {
         let [[xx, ..], [xy, yy, _], _] = *weight;
         for (sum, value) in self.information.iter_mut().zip([xx, xy, yy]) {
@@ -77,7 +77,7 @@ impl Recent {
         self.sum[1] += xy * east + yy * north;
     }
 
-    /// Returns whether the latest differences showed a drift, when last looked at.
+    /// Returns whether the latest test showed a drift.
     pub(crate) fn is_drift(&self) -> bool {
         self.is_drift
     }
@@ -97,8 +97,8 @@ impl Recent {
         0.5 * (mean[0] * mean[0] + mean[1] * mean[1])
     }
 
-    /// Fades the sums by one tick, and tests them for a change of the errors that `model` contains. The others are no
-    /// changes, but errors that the model does not contain yet.
+    /// Tests the sums for a change of the errors in `model`, and fades the sums by a tick. Deviations in other errors
+    /// are no changes: the model does not contain these errors yet.
     pub(crate) fn look(&mut self, keep: f64, model: BiasModel) {
         let [xx, xy, yy] = [(0, 0), (0, 1), (1, 1)].map(|place| self.normal[place]);
         let offset = association::distance::squared2([self.right[0], self.right[1]], [xx, xy, yy]);
@@ -106,7 +106,7 @@ impl Recent {
             information if information > 0.0 => self.right[row] * self.right[row] / information,
             _ => 0.0,
         };
-        // The weight of the mean of numbers that fade: their squares fade twice as fast.
+        // Weight of the mean of fading numbers: squares fade twice as fast.
         let squared = |value: f64| if value.is_finite() { 2.0 * value } else { 0.0 };
         self.is_drift = squared(association::distance::squared2(self.sum, self.information)) > DRIFT_2;
         let rows = [(0, offset), (RANGE, of_row(RANGE)), (AZIMUTH, of_row(AZIMUTH))];
@@ -124,8 +124,8 @@ impl Recent {
     }
 }
 
-/// Returns the chi-square beyond which a source has changed by a step; infinite if none has. `sought` are the sources
-/// whose errors are sought.
+/// Returns the chi-square beyond which a source has changed by a step; infinite without a step. `sought` are the
+/// sources with unknown errors.
 pub(crate) fn step_limit<'a>(sought: impl Iterator<Item = &'a Recent>) -> f64 {
     let largest = sought.map(|recent| recent.step).fold(0.0, f64::max);
     let is_step = largest > STEP;

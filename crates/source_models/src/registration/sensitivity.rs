@@ -1,14 +1,15 @@
 //! Products of the normal equations with the effect of a source's errors, in arrays.
 //!
-//! The effect H is a matrix of 3×6 of which 11 elements are always 0 or 1. The products are those of `nalgebra` with
-//! the whole matrix, term by term in the same order, so that the sums have the same bits.
+//! The effect H is a 3×6 matrix with 11 constant elements, each 0 or 1. The products equal the products of `nalgebra`
+//! with the whole matrix, term by term in the same order, so that the sums have the same bits.
 
 use messages::AXES;
 use nalgebra::SMatrix;
 
 use crate::registration::rows::{AZIMUTH, ERRORS, Errors, NormalMatrix, RANGE, TIME};
 
-/// Derivatives of a report with respect to the errors of its source. Those by the offset are the unit vectors.
+/// Derivatives of a report with respect to the errors of its source. The derivatives by the offset are the unit
+/// vectors.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sensitivity {
     time: [f64; AXES],
@@ -20,8 +21,8 @@ pub(crate) struct Sensitivity {
 pub(crate) type Weighted = [[f64; ERRORS]; AXES];
 
 impl Sensitivity {
-    /// Without a position of the sensor the azimuth bias turns the targets about the origin: with an offset, that is
-    /// the same rotation. A range bias has no effect then.
+    /// Without a position of the sensor, the azimuth bias turns the targets about the origin: the same rotation, apart
+    /// from an offset. A range bias has no effect then.
     pub(crate) fn new(position: [f64; AXES], velocity: [f64; AXES], place: Option<[f64; 2]>) -> Self {
         let [east, north] = place.unwrap_or_default();
         let (dx, dy) = (position[0] - east, position[1] - north);

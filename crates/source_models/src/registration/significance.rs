@@ -1,12 +1,12 @@
-//! Significance of the estimated errors: which of them are removed from the reports of their source.
+//! Significance of the estimated errors: the choice of errors to remove from the reports of the source.
 //!
-//! An error is removed once its squared statistical length is far beyond chance, until it is within chance. The means
-//! of the detection points over the targets add to the variance. Range and azimuth biases are removed as soon as the
-//! evidence chose a model that contains them (module `model`).
+//! Removal of an error begins at a squared statistical length far beyond chance, and ends at a length within chance.
+//! The means of the detection points over the targets add to the variance. A range or azimuth bias is removed as soon
+//! as the evidence selects a model with this bias (module `model`).
 //!
 //! If all targets fly in parallel, an offset along the way and a time offset displace all reports alike. Neither is
-//! significant alone, while their joint displacement is (module `displacement`). Both are then removed together: the
-//! reports are right, however the displacement is split.
+//! significant alone, while the joint displacement is (module `displacement`). Both are then removed together: the
+//! reports are right for any split of the displacement.
 
 use crate::registration::displacement::Displacement;
 use crate::registration::errors::{SAMPLES_MIN, SourceErrors};

@@ -1,8 +1,8 @@
 //! The solution of the normal equations of all sources, in steps of bounded work.
 //!
-//! A few sweeps of block Gauss–Seidel solve for the errors of one source after the other, with the errors of the
-//! others fixed; first for those without an estimate, so that a large error does not pass through the estimates of
-//! all. Then the models of each source are compared. The estimates change once all of it is complete.
+//! A few sweeps of block Gauss–Seidel solve for the errors of the sources in turn, with the errors of all other sources
+//! fixed. A first sweep solves only for sources without an estimate, so that a large error does not pass through all
+//! estimates. Then the models of each source are compared. The estimates change after completion.
 
 use crate::registration::displacement::Displacement;
 use crate::registration::errors::{ClockError, PRIOR_SIGMA, SAMPLES_MIN, clock_of, prior_variances};
@@ -13,23 +13,23 @@ use crate::registration::{Registration, SAMPLE_WEIGHT, gauge, partners};
 
 /// Sweeps of Gauss–Seidel per tick.
 const SWEEPS: usize = 4;
-/// Work of one step of a solution, in visits to pairs: about ten microseconds. The source in progress is completed.
+/// Work of a step of a solution, in visits to pairs: about ten microseconds. The source in progress is completed.
 const STEP_WORK: usize = 192;
-/// Work of factoring the equations of a source, and of solving them, in visits to pairs.
+/// Work of factoring and of solving the equations of a source, in visits to pairs.
 const FACTOR_WORK: usize = 16;
 const SOLVE_WORK: usize = 4;
 /// Work of comparing the models of a source, likewise.
 const SELECT_WORK: usize = 64;
-/// Time after which a further comparison of one target counts as independent in the evidence for a model, seconds: its
-/// points and the errors of its trackers persist.
+/// Time after which a further comparison of a target counts as independent in the evidence for a model, seconds: the
+/// detection points and the errors of the trackers persist.
 const INDEPENDENT_S: f64 = 5.0;
 /// Share of contradicting differences at which the estimate is dropped.
 const CONTRADICTED: f64 = 0.75;
 
 impl Registration {
-    /// Begins a solution for all sources, once per tick; does nothing while a solution is in progress. The estimate of
-    /// a source whose errors changed by a step is dropped, and the source is passed to `restarted`. Large targets have
-    /// a size of `largest_m`.
+    /// Begins a solution for all sources, once per tick; does nothing while a solution is in progress. After a step of
+    /// a source's errors, the estimate is dropped, and the source is passed to `restarted`. `points` holds the size of
+    /// large targets, metres, and the variance per axis of detection points, m².
     pub(crate) fn begin(&mut self, points: (f64, f64), mut restarted: impl FnMut(u16)) {
         if self.is_solving() {
             return;
@@ -62,8 +62,8 @@ impl Registration {
         self.solution.next.is_some()
     }
 
-    /// Performs one step of the solution and returns whether the solution is now complete; then [`Self::decide`] is
-    /// due. The estimate of a source with impossible or contradicted errors is dropped, and the source is passed to
+    /// Performs a step of the solution and returns whether the solution is now complete; then [`Self::decide`] is due.
+    /// The estimate of a source with impossible or contradicted errors is dropped, and the source is passed to
     /// `restarted`. `clocks` are the clock errors of the sources from the times of receipt.
     pub(crate) fn step(&mut self, clocks: &[ClockError], mut restarted: impl FnMut(u16)) -> bool {
         let Some((mut sweep, mut own)) = self.solution.next.take() else {
@@ -118,7 +118,7 @@ impl Registration {
         true
     }
 
-    /// Decays the sums of one source by one tick, and factors its normal equations.
+    /// Fades the sums of a source by a tick, and factors the normal equations.
     fn forget_and_factor(&mut self, own: usize, clock: ClockError) {
         let count = self.sources.len();
         self.seeds[own].fade(self.keep_drifting);
@@ -143,7 +143,7 @@ impl Registration {
         self.solution.factors[own] = factor;
     }
 
-    /// Solves for the errors of one source, with the errors of the others fixed.
+    /// Solves for the errors of a source, with the errors of all others fixed.
     fn solve(&mut self, own: usize, clock: ClockError) {
         let Some(factor) = &self.solution.factors[own] else {
             return;
@@ -159,8 +159,7 @@ impl Registration {
         known.errors = known.model.known(factor.solve(&right), &Errors::zeros());
     }
 
-    /// Returns the normal equations of one source without the comparisons with sources whose own errors are not solved
-    /// for yet.
+    /// Returns the normal equations of a source without the comparisons with unsettled sources.
     fn settled_equations(&self, own: usize, clock: ClockError) -> (NormalMatrix, Errors) {
         let count = self.sources.len();
         let (mut normal, mut right) = prior(clock);

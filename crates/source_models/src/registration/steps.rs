@@ -1,19 +1,19 @@
 //! Steps of the systematic errors: a generalised likelihood ratio on innovations, and the start of a new estimate.
 //!
-//! The differences of registration compare states of trackers. A tracker follows a step of its sensor over several
+//! The differences of registration compare states of trackers. A tracker follows a step of the sensor over several
 //! scans, and settled sources are compared rarely, so that such differences show a step after half a minute. The
-//! innovations of the system filters show the step in the next scan: the measurements behind the states are
-//! independent of each other, and each report has an innovation.
+//! innovations of the system filters show the step in the next scan: the measurements behind the states are independent
+//! of each other, and each report has an innovation.
 //!
 //! For each source and for several possible times of the step, the mean innovation since then is compared with the mean
-//! innovation of all other sources since then. Both means contain what all sources have in common, such as the lag of
-//! the filters in a turn, and the part of the step that the filters have absorbed already. The difference of the means
-//! is the most likely step, and its squared statistical length the ratio of the likelihoods. A step is an offset, or an
-//! offset and a rotation. The length is reduced where the innovations of the source scatter more than expected. The
-//! source with the greatest length has changed, if no other source comes near it; two sources alone are not told apart.
+//! innovation of all other sources since then. Both means contain the common part of all sources, such as the lag of
+//! the filters in a turn, and the part of the step already absorbed by the filters. The difference of the means is the
+//! most likely step, and its squared statistical length the likelihood ratio. A step is an offset, or an offset and a
+//! rotation. The length is reduced if the innovations of the source scatter more than expected. The source with the
+//! greatest length has changed, if no other source comes near; two sources alone are indistinguishable.
 //!
-//! The new estimate of the source that changed begins with the step that was found. Its former estimate is a rival: if
-//! it explains the new errors, as after the end of a fault, it is taken up again.
+//! The new estimate of the changed source begins with the detected step. The former estimate is a rival: a former
+//! estimate that explains the new errors, as after the end of a fault, is resumed.
 //!
 //! Source: A. Willsky, H. Jones, *A generalized likelihood ratio approach to the detection and estimation of jumps in
 //! linear systems*, IEEE Transactions on Automatic Control 21 (1976).
@@ -32,39 +32,39 @@ type Vector3 = nalgebra::Vector3<f64>;
 /// Rows of the errors that may step.
 const ROWS: [usize; 3] = [0, 1, AZIMUTH];
 
-/// Intervals of the memory, and ticks of each interval.
+/// Intervals of the memory, and ticks per interval.
 const INTERVALS: usize = 12;
 const INTERVAL_TICKS: u8 = 2;
-/// Numbers of the latest intervals that are tested for a step at their beginning.
+/// Numbers of intervals since the tested starts of a step.
 const STARTS: [usize; 7] = [1, 2, 3, 4, 6, 9, 12];
-/// Innovations of the source, and of all others, for a test.
+/// Least number of innovations of each source in a test.
 const COUNT_MIN: f64 = 6.0;
-/// Squared statistical length of a rotation that is more than an offset.
+/// Least squared statistical length of a significant rotation.
 const TURNS: f64 = 16.0;
-/// Weight of one innovation: turns make innovations of one target depend on each other.
+/// Weight of an innovation: turns make innovations of a target depend on each other.
 const WEIGHT: f64 = 0.5;
-/// Largest squared length of one innovation. Scattered absurd reports make no step, as they enlarge the scatter.
+/// Largest squared length of an innovation. Scattered absurd reports make no step, because of the enlarged scatter.
 const SQUARED_MAX: f64 = 1000.0;
-/// Squared statistical length of a step.
+/// Least squared statistical length of a step.
 const STEP: f64 = 25.0;
-/// Squared statistical length of a further step of a source that has changed lately, and for how many ticks it has.
+/// Least squared statistical length of a further step of a recently changed source, and ticks of this state.
 const FURTHER: f64 = 9.2;
 const MOVING_TICKS: u8 = 24;
 /// Squared statistical length up to which a former estimate explains the new errors.
 const EXPLAINED: f64 = 11.3;
-/// Standard deviation of a former estimate that is taken up again, metres.
+/// Standard deviation of a resumed former estimate, metres.
 const FORMER_SIGMA_M: f64 = 10.0;
-/// Standard deviation of a found step relative to its length: filters and trackers have absorbed a part.
+/// Standard deviation of a detected step relative to its length: filters and trackers have absorbed a part.
 const UNKNOWN_SHARE: f64 = 0.1;
 /// Least standard deviation of a rotation, radians: ten metres at fifty kilometres.
 const ROTATION_MIN_RAD: f64 = 2e-4;
-/// Ticks after a step in which measurements are compared instead of states: trackers have not followed the step yet.
+/// Ticks after a step with comparisons of measurements instead of states: trackers have not followed the step yet.
 pub(crate) const YOUNG_TICKS: u8 = 25;
 
-/// Ticks after a step in which filters may still be misled by it.
+/// Ticks after a step with possibly misled filters.
 pub(crate) const MISLED_TICKS: u8 = 6;
 
-/// Sums of the innovations of one source in one interval, as the normal equations of an offset and a rotation.
+/// Sums of the innovations of a source in an interval, as the normal equations of an offset and a rotation.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Sums {
     /// Σ HᵀWH of the offset (xx, xy, yy), the products of offset and rotation, and of the rotation.
@@ -76,9 +76,9 @@ struct Sums {
     /// Σ of squared lengths, and number.
     squares: f64,
     count: f64,
-    /// Number of innovations that were bounded.
+    /// Number of bounded innovations.
     bounded: f64,
-    /// Targets of the innovations, as bits of their numbers.
+    /// Targets of the innovations, as bits by number.
     targets: u64,
 }
 
@@ -98,14 +98,14 @@ impl Sums {
         self
     }
 
-    /// Returns the mean and its covariance, if there is no rotation.
+    /// Returns the mean and its covariance, without a rotation.
     fn mean(&self) -> ([f64; 2], Symmetric2) {
         let [xx, xy, yy] = inverse(self.information);
         let [east, north, _] = self.sum;
         ([xx * east + xy * north, xy * east + yy * north], [xx, xy, yy])
     }
 
-    /// Returns the mean with its covariance; all innovations of one target contain the same point of the target.
+    /// Returns the mean with its covariance; all innovations of a target contain the same detection point.
     fn mean_of(&self, source: usize, points_m2: f64) -> MeanInnovation {
         let (mean_m, covariance_m2) = self.mean();
         let [xx, xy, yy] = covariance_m2.map(|value| value * self.scatter(mean_m) / WEIGHT);
@@ -117,13 +117,13 @@ impl Sums {
         }
     }
 
-    /// Returns the variance of the innovations about their mean relative to the expected one; at least 1.
+    /// Returns the variance of the innovations about the mean relative to the expected variance; at least 1.
     fn scatter(&self, [east, north]: [f64; 2]) -> f64 {
         let explained = self.sum[0] * east + self.sum[1] * north;
         ((self.squares - explained) / (2.0 * self.count - 2.0)).max(1.0)
     }
 
-    /// Returns the share of one target in the sums.
+    /// Returns the share of a single target in the sums.
     fn targets_share(&self) -> f64 {
         1.0 / f64::from(self.targets.count_ones().max(1))
     }
@@ -158,22 +158,22 @@ fn inverse([xx, xy, yy]: Symmetric2) -> Symmetric2 {
     [yy / determinant, -xy / determinant, xx / determinant]
 }
 
-/// A step of the errors of one source.
+/// A step of the errors of a source.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Step {
     pub(crate) source: usize,
     /// Offset east and north, metres, and rotation about the origin, radians clockwise; the covariance of the three.
     pub(crate) by: Vector3,
     covariance: Matrix3,
-    /// Whether it is more than an offset.
+    /// Whether the step includes a rotation.
     pub(crate) turns: bool,
-    /// Whether it is larger than the innovations can show.
+    /// Whether the step exceeds the range of the innovations.
     pub(crate) is_beyond: bool,
-    /// Whether the source has changed lately.
+    /// Whether the source has changed recently.
     pub(crate) is_further: bool,
-    /// Number of targets that show it, at most 64.
+    /// Number of targets with the step, at most 64.
     pub(crate) targets: u32,
-    /// Interval in which the step was found, and number of intervals up to it since the step.
+    /// Interval of the detection of the step, and number of intervals up to then since the step.
     found: usize,
     intervals: usize,
     /// Squared statistical length.
@@ -189,10 +189,10 @@ impl Step {
     }
 }
 
-/// What is known of a source that changed from the step itself.
+/// Information on a changed source from the step itself.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Seed {
-    /// Normal equations, which fade.
+    /// Normal equations, fading.
     pub(crate) normal: NormalMatrix,
     pub(crate) right: Errors,
 }
@@ -203,8 +203,8 @@ impl Seed {
         right: Errors::from_array_storage(nalgebra::ArrayStorage([[0.0; ERRORS]; 1])),
     };
 
-    /// Returns what a step reveals of a source whose errors were `old`, with its `former` estimate as rival,
-    /// and the model of the new errors. `place_m` is the position of the sensor, if known.
+    /// Returns the information of a step on a source with the errors `old` before the step, with the `former` estimate
+    /// as rival, and the model of the new errors. `place_m` is the position of the sensor, if known.
     pub(crate) fn of(
         step: &Step,
         old: &SourceErrors,
@@ -212,7 +212,7 @@ impl Seed {
         place_m: Option<[f64; 2]>,
     ) -> (Self, BiasModel) {
         let [east, north] = place_m.unwrap_or_default();
-        // A rotation about the origin is one about the sensor, and an offset.
+        // A rotation about the origin equals a rotation about the sensor and an offset.
         let moved = Matrix3::new(1.0, 0.0, north, 0.0, 1.0, -east, 0.0, 0.0, 1.0);
         let by = moved * step.by;
         let mut covariance = moved * step.covariance * moved.transpose();
@@ -312,11 +312,11 @@ impl FormerErrors {
 pub(crate) struct StepSearch {
     /// Per source, and per interval as a ring.
     sums: Vec<[Sums; INTERVALS]>,
-    /// For the search: sums of each source since a time, their means, and the most likely step of each source.
+    /// For the search: sums of each source since a start, means, and the most likely step of each source.
     since: Vec<Sums>,
     means: Vec<MeanInnovation>,
     best: Vec<Option<Step>>,
-    /// Ticks for which each source counts as changing.
+    /// Remaining ticks in which each source counts as changing.
     moving: Vec<u8>,
     /// Present interval, and its ticks.
     present: usize,
@@ -336,7 +336,7 @@ impl StepSearch {
         }
     }
 
-    /// Adds an innovation of a source: residual, its covariance, number and position (east, north) of the target.
+    /// Adds an innovation of a source: residual and covariance, number and position (east, north) of the target.
     #[inline]
     pub(crate) fn add(
         &mut self,
@@ -346,7 +346,7 @@ impl StepSearch {
     ) {
         let [xx, xy, yy] = inverse(covariance_m2);
         let squared = squared2(residual_m, covariance_m2);
-        // NaN is rejected.
+        // The condition rejects NaN.
         if !(squared < f64::MAX && xx > 0.0) {
             return;
         }
@@ -373,7 +373,7 @@ impl StepSearch {
         *sums = sums.plus(&added);
     }
 
-    /// Takes the offset of a step off the innovations since the step: it is taken off the reports from now on.
+    /// Subtracts the offset of a step from the innovations since the step: later reports are corrected by the offset.
     pub(crate) fn carry(&mut self, step: &Step) {
         let (east, north) = (step.by.x, step.by.y);
         self.moving[step.source] = MOVING_TICKS;
@@ -389,14 +389,14 @@ impl StepSearch {
         }
     }
 
-    /// Forgets all innovations: corrections have changed.
+    /// Discards all innovations after a change of the corrections.
     pub(crate) fn clear(&mut self) {
         self.sums.fill([Sums::default(); INTERVALS]);
         self.ticks = 0;
     }
 
-    /// Looks for a step once per tick, among the sources that are `sought`. Detection points of one target have a
-    /// variance of up to `points_m2` per axis.
+    /// Searches for a step among the `sought` sources, once per tick. The detection points of a target have a variance
+    /// of up to `points_m2` per axis.
     pub(crate) fn look(&mut self, points_m2: f64, sought: impl Fn(usize) -> bool) -> Option<Step> {
         let step = self.step(points_m2, sought);
         for moving in &mut self.moving {
@@ -440,7 +440,7 @@ impl StepSearch {
         (best.length > limit && second < SECOND_MAX * best.length && sought(best.source)).then_some(best)
     }
 
-    /// Compares the mean innovation of each source in the latest intervals with that of all others.
+    /// Compares the mean innovation of each source in the latest intervals with the mean of all others.
     fn compare(&mut self, intervals: usize, points_m2: f64) {
         self.means.clear();
         let known = self

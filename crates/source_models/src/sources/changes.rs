@@ -1,10 +1,10 @@
-//! Sources whose systematic errors change.
+//! Sources with changing systematic errors.
 
 use crate::sources::Sources;
 
 impl Sources {
-    /// Starts the estimates of the sources anew that the others contradict since the last call: their errors have
-    /// changed by more than the filters accept.
+    /// Restarts the estimates of the sources set aside since the last call: the errors of these sources have changed by
+    /// more than the filters accept.
     pub(crate) fn begin_anew_where_set_aside(&mut self, restarted: &mut impl FnMut(u16)) {
         let set_aside = self.credibility.all_set_aside();
         let changed = set_aside & !std::mem::replace(&mut self.was_set_aside, set_aside);
@@ -15,8 +15,8 @@ impl Sources {
         }
     }
 
-    /// Ends the contradictions of the sources whose changed errors have been found: they were due to those errors.
-    /// `before` are the sources of which an error was removed before, as bits.
+    /// Ends the contradictions of the sources with newly found errors: the contradictions came from these errors.
+    /// `before` are the sources with an error removed before, as bits.
     pub(crate) fn trust_found(&mut self, before: u64) {
         let found = self.registration.removing() & !before;
         for source in 0..self.models.len() as u16 {

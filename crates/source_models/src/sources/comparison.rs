@@ -1,4 +1,4 @@
-//! Comparison of reports of two sources on one target, from which systematic errors are estimated.
+//! Comparison of reports of two sources on one target, for estimating systematic errors.
 
 use estimation::AxisNoise;
 use messages::{NS_PER_S, sensor_track_bits};
@@ -9,7 +9,7 @@ use crate::settings::{Settings, SourceSettings};
 use crate::sources::{Sources, place_of};
 
 impl Sources {
-    /// Learns the systematic errors of two sources from their reports on one target.
+    /// Learns the systematic errors of two sources from reports of both on one target.
     pub(crate) fn compare(&mut self, settings: &Settings, pair: &ComparedStates<'_>) {
         let now_ns = pair.own.report.time_of_measurement_ns;
         let view = |state: &StatedState<'_>| self.view(&settings.sources, state, now_ns);
@@ -27,7 +27,7 @@ impl Sources {
         self.registration.learn(&own, &other, points_m2, (reports, pair.age_s));
     }
 
-    /// A sensor track as its source gives it, at `time_ns`.
+    /// A sensor track as given by its source, at `time_ns`.
     fn view(&self, sources: &[SourceSettings], stated: &StatedState<'_>, time_ns: i64) -> TargetView {
         let report = stated.report;
         let seconds = (time_ns - report.time_of_measurement_ns) as f64 / NS_PER_S;

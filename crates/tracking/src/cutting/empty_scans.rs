@@ -3,8 +3,8 @@
 use super::{Boundaries, CutScan, Cutter, OpenScan, Rhythm};
 
 impl<T> Cutter<T> {
-    /// Takes note of a complete scan without detections. Later scans have greater numbers, and what is earlier than the
-    /// scan that follows is too late.
+    /// Takes note of a complete scan without detections. Later scans have greater numbers, and detections earlier than
+    /// the following scan are too late.
     pub fn empty_scan(&mut self, scan: CutScan) {
         let Some(Rhythm { period_ns, .. }) = self.rhythm else {
             return;

@@ -1,9 +1,9 @@
 //! Queue of reports until the scans reach their arrival.
 //!
-//! A report is used in the first scan after its arrival. Scans are usually processed later than they were made, so
-//! reports come before their scan; given to the tracker at once, they would take the room of reports needed earlier.
-//! They wait here, ordered by their content and not by their arrival at the queue. So the tracker receives the same
-//! sequence from a file and from several sensors.
+//! A report is used in the first scan after the arrival. Scans are usually processed with delay, so reports come before
+//! the scan; given to the tracker at once, such reports would take the room of reports needed earlier. Reports wait
+//! here, ordered by content and not by arrival at the queue. So the tracker receives the same sequence from a file and
+//! from several sensors.
 
 use std::cmp::Ordering;
 use std::collections::VecDeque;
@@ -16,7 +16,7 @@ use crate::tracker::Tracker;
 /// Most reports that wait, of sensors that go on without an end: more would be of no use to the tracker either.
 pub const WAITING_MAX: usize = 1024;
 
-/// Reports of wide-area sensors in the order of their arrival.
+/// Reports of wide-area sensors in the order of arrival.
 #[derive(Clone, Debug)]
 pub struct Arrivals {
     waiting: VecDeque<WideAreaReport>,
@@ -41,7 +41,7 @@ impl Arrivals {
         }
     }
 
-    /// Takes a report. `false` if there is no room for it.
+    /// Takes a report. `false` without room.
     pub fn arrive(&mut self, report: WideAreaReport) -> bool {
         if self.waiting.len() == self.room {
             return false;

@@ -8,7 +8,7 @@ use crate::joined::JoinedClusters;
 use crate::log_sum::log_sum;
 use crate::parents::Parents;
 
-/// Families of the children in a store, in their order; working memory for one cluster after the other.
+/// Families of the children in a store, in the store's order; working memory, reused for each cluster.
 #[derive(Clone, Debug)]
 pub(crate) struct ChildCorrection {
     /// Parent, and whether the child has as many tracks as a wide-area report asks for.
@@ -31,8 +31,8 @@ impl ChildCorrection {
         self.families.push((parent, is_enough));
     }
 
-    /// Corrects the children's reliabilities, counts the correction, and records it together with the correction of
-    /// their parents.
+    /// Corrects the children's reliabilities, counts the correction, and records it together with the correction of the
+    /// parents.
     pub(crate) fn run(
         &self,
         joined: &JoinedClusters<'_>,
@@ -69,7 +69,7 @@ impl ChildCorrection {
         }
     }
 
-    /// Share of the children's reliability that those have with as many tracks as a due wide-area report asks for.
+    /// Share of the children's reliability held by children with as many tracks as a due wide-area report asks for.
     fn share_of_enough(&self, store: &HypothesisStore) -> f64 {
         let children = store.children.iter().map(|child| child.log_reliability);
         let enough = children.clone().zip(&self.families);

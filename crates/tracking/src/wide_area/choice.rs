@@ -1,8 +1,8 @@
 //! Choice of the cluster for a wide-area report (WA-3).
 //!
-//! The report is coarse and late. So nothing is gated: of each cluster only the centre is taken, the mean of its
-//! tracks' positions with their reliabilities as weights, moved along their velocities to the time of observation; and
-//! the nearest one is meant, unless even that is too far away.
+//! The report is coarse and late. So nothing is gated: of each cluster only the centre is taken, the mean of the track
+//! positions with the reliabilities as weights. The centres are moved along the velocities to the time of observation.
+//! The nearest cluster is meant, unless even this cluster is too far away.
 //!
 //! Limit: a false detection that happens to be nearer is a cluster, too. `tracks_min` of
 //! [`SupportSettings`](super::settings::SupportSettings) passes over clusters in which hardly a track is believed.
@@ -16,7 +16,7 @@ pub struct Centre {
     pub position_m: [f64; AXES],
     /// Velocity, metres per second.
     pub velocity_mps: [f64; AXES],
-    /// Expected number of tracks: sum of their reliabilities.
+    /// Expected number of tracks: sum of the reliabilities.
     pub tracks: f64,
 }
 
@@ -58,8 +58,8 @@ fn length(east: f64, north: f64) -> f64 {
     (east * east + north * north).sqrt()
 }
 
-/// The number, of (number, distance), with the smallest distance below `threshold_m`, the smallest one of equal ones;
-/// `None` if all are at or beyond it.
+/// The number, of (number, distance), with the smallest distance below `threshold_m`, the smallest number among equal
+/// distances; `None` if all distances are at or beyond the threshold.
 pub fn nearest(distances_m: impl Iterator<Item = (usize, f64)>, threshold_m: f64) -> Option<usize> {
     let below = distances_m.filter(|(_, distance)| *distance < threshold_m);
     let least = below.min_by(|one, other| one.1.total_cmp(&other.1).then(one.0.cmp(&other.0)));
@@ -82,7 +82,7 @@ mod tests {
         .unwrap();
         assert!((centre.position_m[0] - 75.0).abs() < 1e-9 && (centre.tracks - 1.2).abs() < 1e-12);
         assert!((centre.velocity_mps[1] + 7.5).abs() < 1e-12);
-        // Eight seconds before, it was 80 m further west and 60 m further north.
+        // Eight seconds before, the centre was 80 m further west and 60 m further north.
         assert!((centre.distance_m([-5.0, 60.0, 9e3], -8.0)).abs() < 1e-9);
         assert_eq!(Centre::of([].into_iter()), None);
         assert_eq!(Centre::of([([1.0; 3], [0.0; 3], 0.0)].into_iter()), None);

@@ -1,23 +1,23 @@
 //! Earlier confirmation where reports show more targets than the confirmed tracks account for (WA-6).
 //!
 //! The obvious test compares the report with the number of confirmed tracks in the cluster. The test fails after a
-//! mistake. An early confirmation is a guess; the guessed track may survive in an unlikely hypothesis only. There it
-//! follows the target that the likely hypotheses give to another track. Two confirmed tracks on one target would then
-//! satisfy a count of two for good, and the track of the other target would never be confirmed. Therefore the confirmed
-//! tracks count by their *expected* number: the sum of their reliabilities.
+//! mistake. An early confirmation is a guess; the guessed track may survive in an unlikely hypothesis only. There the
+//! guessed track follows the target that the likely hypotheses give to another track. Two confirmed tracks on one
+//! target would then satisfy a count of two for good, and the track of the other target would never be confirmed.
+//! Therefore the confirmed tracks count by their *expected* number: the sum of the reliabilities.
 //!
-//! Several hypotheses may agree on the place of the unconfirmed target and differ in the past of its track. No such
-//! track need be reliable alone, so the reliabilities are added.
+//! Several hypotheses may agree on the place of the unconfirmed target and differ in the past of the target's track. No
+//! such track need be reliable alone, so the reliabilities are added.
 //!
 //! The newly confirmed track and the mistaken one are two histories of the same target: no hypothesis contains both. So
-//! the new one takes over number and root. Otherwise the picture would show both until the unlikely hypothesis ends,
+//! the new track takes over number and root. Otherwise the picture would show both until the unlikely hypothesis ends,
 //! and each mistake would cost a number.
 
 use crate::hypothesis_store::HypothesisStore;
 use crate::limits::HISTORY_MAX;
 use crate::track::{NO_DETECTION, Track};
 
-/// Expected number of confirmed tracks: their reliabilities, whose sum the store has found.
+/// Expected number of confirmed tracks: the sum of the reliabilities found by the store.
 pub(super) fn expected(store: &HypothesisStore) -> f64 {
     let confirmed = store.tracks.iter().filter(|track| track.is_confirmed());
     confirmed.map(|track| track.reliability).sum()
@@ -45,7 +45,7 @@ pub(super) fn on_same_target(store: &HypothesisStore, place: usize, scans: usize
 }
 
 /// The confirmed track of which the tentative track at `place` is another history: of the confirmed tracks with which
-/// no branch of the tentative track shares a hypothesis, the likeliest; of equal ones the lowest number.
+/// no branch of the tentative track shares a hypothesis, the likeliest; of equally likely tracks the lowest number.
 pub(super) fn other_history(store: &HypothesisStore, place: usize) -> Option<Track> {
     let root = store.tracks[place].root;
     let reliability = |number: u32| -> f64 {
@@ -80,8 +80,8 @@ fn excludes(store: &HypothesisStore, number: u32, root: u32) -> bool {
     })
 }
 
-/// Confirms all branches of the track at `place` under `number`, and under the root of that number's track, if it has
-/// one already: from now on they are branches of one ancestor.
+/// Confirms all branches of the track at `place` under `number`, and under the root of that number's track, if there is
+/// such a track already: from now on all are branches of the same ancestor.
 pub(super) fn number(store: &mut HypothesisStore, place: usize, number: u32, root: u32) {
     let own = store.tracks[place].root;
     for branch in store.tracks.iter_mut().filter(|track| track.root == own) {
@@ -100,7 +100,7 @@ mod tests {
     /// Root, number, latest detection.
     type Branch = (u32, u32, u32);
 
-    /// A store of hypotheses, each with its probability and its tracks.
+    /// A store of hypotheses, each with probability and tracks.
     fn store(branches: &[Branch], hypotheses: &[(f64, &[u32])]) -> HypothesisStore {
         let settings = settings();
         let measurement = DetectionMeasurement::of(&position(0, 0.0, 0.0), None).unwrap();

@@ -1,17 +1,16 @@
 //! Correction of reliabilities by a known number of targets (WA-4).
 //!
-//! A hypothesis is a set of tracks. A sensor with a long observation reports the number of targets, so hypotheses
-//! with at least as many tracks are likelier than hypotheses with fewer. The on-board detections do not determine
-//! the factor, and a probability of 0 or 1 would let the report override everything. The source's rule sets the
-//! outcome instead: the sums of the two groups stand as r to 1 − r, and ratios within each group stay unchanged. A
-//! group above r keeps its sum: the correction only ever raises it.
+//! A hypothesis is a set of tracks. A sensor with a long observation reports the number of targets, so hypotheses with
+//! at least as many tracks are likelier than hypotheses with fewer. The on-board detections do not determine the
+//! factor, and a probability of 0 or 1 would let the report override everything. The source's rule sets the outcome
+//! instead: the sums of the two groups stand as r to 1 − r, and ratios within each group stay unchanged. A group above
+//! r keeps its sum: the correction only ever raises the sum.
 //!
-//! The correction is applied twice in its scan: to the hypotheses before the scan, then to the children of each,
-//! before unreliable children are dropped. Otherwise a child made likely by the report would already have been
-//! dropped.
+//! The correction is applied twice in the scan: to the hypotheses before the scan, then to the children of each, before
+//! unreliable children are dropped. Otherwise a child made likely by the report would already have been dropped.
 //!
-//! Limit: a wrong report is raised to r all the same. [`Rule::Factor`] is milder: it multiplies the odds, so the
-//! detections keep their influence.
+//! Limit: a wrong report is raised to r all the same. [`Rule::Factor`] is milder: the odds are multiplied, so the
+//! detections keep influence.
 //!
 //! Source: patent JP4702010B2, embodiment 1.
 
@@ -103,7 +102,7 @@ impl KeyValue for Rule {
 pub(crate) struct Gains {
     /// Gain of hypotheses with at least the reported number of tracks.
     pub(crate) enough: f64,
-    /// Gain of those with fewer.
+    /// Gain of the hypotheses with fewer.
     pub(crate) fewer: f64,
 }
 
@@ -113,7 +112,7 @@ impl Gains {
         fewer: 0.0,
     };
 
-    /// Computes the gains for two groups; `enough` and `fewer` are the logarithms of their reliability sums.
+    /// Computes the gains for two groups; `enough` and `fewer` are the logarithms of the reliability sums.
     pub(crate) fn of(enough: f64, fewer: f64, rule: Rule) -> Self {
         // Written so that NaN changes nothing.
         if !(enough > f64::NEG_INFINITY && fewer > f64::NEG_INFINITY) {
@@ -155,7 +154,7 @@ impl Gains {
     }
 }
 
-/// Corrects the reliabilities of hypotheses with these numbers of tracks by a report of `targets`. Their sum stays.
+/// Corrects the reliabilities of hypotheses with these numbers of tracks by a report of `targets`. The sum stays.
 pub fn correct(reliabilities: &mut [f64], tracks: &[u32], targets: f64, rule: Rule) {
     let is_enough = |tracks: u32| has_enough(tracks as usize, targets);
     let pairs = reliabilities.iter().zip(tracks);
@@ -197,7 +196,7 @@ mod tests {
         }
     }
 
-    /// (reliability of the parent, ratios of its children, tracks of the children), as the worked check has them.
+    /// (reliability of the parent, ratios of the children, tracks of the children), from the worked check.
     type Family = (f64, &'static [f64], &'static [u32]);
     const FAMILIES: [Family; 2] = [(0.9, &[3.0, 3.0, 2.0, 2.0], &[1, 1, 2, 2]), (0.1, &[7.0, 3.0], &[2, 2])];
 

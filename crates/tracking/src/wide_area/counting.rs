@@ -1,21 +1,22 @@
 //! Another system's tracks, counted by place (WA-2).
 //!
-//! A remote system that sends its tracks implicitly reports the number of targets. Its tracks come one after the
-//! other, each with its own time; a count needs all tracks at one time. So they are cut by time: the measurements of
-//! one period are a picture, with the latest report of each track. The picture is complete when a track of a later
-//! period arrives, or when the caller reports a period of silence. Then all tracks of the picture are moved along
-//! their velocities to the latest time among them. Tracks within a distance of each other, directly or through
-//! others between them, make one report: their number, mean position and mean velocity.
+//! A remote system that sends its tracks implicitly reports the number of targets. The tracks come singly, each with
+//! its own time; a count needs all tracks at the same time. So the tracks are cut by time: the measurements of a period
+//! are a picture, with the latest report of each track. The picture is complete when a track of a later period arrives,
+//! or when the caller reports a period of silence. Then all tracks of the picture are moved along the velocities to the
+//! latest time of the picture. Tracks within a distance of each other, directly or through others between, make a
+//! single report: number, mean position and mean velocity.
 //!
 //! All reports of a picture have the same time of observation and of arrival, so that a tracker that shares counts
-//! among clusters can use them together.
+//! among clusters can use all together.
 //!
-//! Limits: a picture is up to a period late. A track that changes its number within a period counts twice in it.
+//! Limits: a picture is up to a period late. A track with a change of number within a period counts twice in the
+//! period.
 
 use messages::{AXES, NS_PER_S};
 use observations::WideAreaReport;
 
-/// Most tracks of one picture.
+/// Most tracks of a picture.
 pub const TRACKS_MAX: usize = 2048;
 
 /// Track of the other system.
@@ -34,9 +35,9 @@ pub struct CountedTrack {
 /// Totals of tracks counted and left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CountingTotals {
-    /// Tracks of a period whose picture was already complete.
+    /// Tracks of a period with an already complete picture.
     pub late: u64,
-    /// Tracks beyond [`TRACKS_MAX`] in one period.
+    /// Tracks beyond [`TRACKS_MAX`] in a period.
     pub crowded_out: u64,
     /// Pictures that were made reports of.
     pub pictures: u64,
@@ -50,7 +51,7 @@ pub struct TrackCounter {
     /// Number of the period at hand.
     period: Option<i64>,
     picture: Vec<CountedTrack>,
-    /// By track of the picture: its group.
+    /// By track of the picture: the group.
     groups: Vec<usize>,
     counts: CountingTotals,
 }
@@ -70,7 +71,7 @@ impl TrackCounter {
     }
 
     /// Takes a track received at `arrival_ns` (UTC, nanoseconds). A track of a later period completes the picture
-    /// before; its reports are added to `reports`.
+    /// before; the reports of that picture are added to `reports`.
     pub fn take(&mut self, track: CountedTrack, arrival_ns: i64, reports: &mut Vec<WideAreaReport>) {
         let period = track.time_ns.div_euclid(self.period_ns);
         match self.period {
@@ -95,7 +96,7 @@ impl TrackCounter {
         let Some(time_ns) = self.picture.iter().map(|track| track.time_ns).max() else {
             return;
         };
-        // Makes the order of the reports, and their sums, independent of the order of arrival.
+        // Makes the order and the sums of the reports independent of the order of arrival.
         self.picture.sort_unstable_by_key(|track| track.number);
         for track in &mut self.picture {
             let seconds = (time_ns - track.time_ns) as f64 / NS_PER_S;
@@ -129,7 +130,7 @@ impl TrackCounter {
         self.counts.pictures += 1;
     }
 
-    /// Gives each track the place of the first track of its group.
+    /// Gives each track the place of the first track of the group.
     fn group(&mut self) {
         self.groups.clear();
         self.groups.extend(0..self.picture.len());
@@ -184,7 +185,7 @@ mod tests {
         let tracks = [
             track(1, 0.5, 0.0),
             track(2, 1.0, 9000.0),
-            // The first one again, 150 m on in its time; two beside it, one of them by the other only.
+            // The first track again, 150 m on at its time; two tracks beside, the second through the first only.
             track(1, 2.0, 150.0),
             track(3, 2.0, 600.0),
             track(4, 3.0, 1200.0),
@@ -267,7 +268,7 @@ mod tests {
             for (place, one) in reports.iter().enumerate() {
                 prop_assert!(one.arrival_ns >= one.time_ns && one.targets > 0);
                 prop_assert!(one.position_m.iter().chain(&one.velocity_mps).all(|value| value.is_finite()));
-                // Single tracks that are their own report are farther from each other than the distance.
+                // Single tracks with a separate report are farther from each other than the distance.
                 for other in reports[..place].iter().filter(|other| other.time_ns == one.time_ns) {
                     let away = (one.position_m[0] - other.position_m[0]).hypot(one.position_m[1] - other.position_m[1]);
                     prop_assert!(one.targets > 1 || other.targets > 1 || away > group_m - 1e-6);

@@ -12,7 +12,7 @@ use crate::measurement::DetectionMeasurement;
 use crate::motion::MotionSettings;
 use crate::track_report::TrackReport;
 
-/// Search region for one track, and the time of the look.
+/// Search region for a track, and the time of the look.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cue {
     /// The sensor that is to look.
@@ -27,7 +27,7 @@ pub struct Cue {
     pub velocity_mps: [f64; AXES],
     /// Longer and shorter half axis of the search region, metres.
     pub half_axes_m: [f64; 2],
-    /// Direction of the longer one, clockwise from north, radians in [0, π).
+    /// Direction of the longer axis, clockwise from north, radians in [0, π).
     pub orientation_rad: f64,
 }
 
@@ -61,7 +61,7 @@ impl Sampled for Cue {
     }
 }
 
-/// Times of the sensors' next looks: one period after the last look of each, or as many periods as a silent sensor has
+/// Times of the sensors' next looks: a period after the last look of each, or as many periods as a silent sensor has
 /// let pass.
 #[derive(Clone, Debug, Default)]
 pub struct LookTimes {
@@ -90,7 +90,7 @@ impl LookTimes {
         }
     }
 
-    /// Pairs (sensor, time of its first look after `now_ns` in nanoseconds) for the sensors with a known period.
+    /// Pairs (sensor, time of the first look after `now_ns` in nanoseconds) for the sensors with a known period.
     pub fn next(&self, now_ns: i64) -> impl Iterator<Item = (u32, i64)> + '_ {
         let next = move |(sensor, last_ns, period_ns): &(u32, i64, Option<i64>)| {
             let period_ns = (*period_ns)?;
@@ -102,8 +102,8 @@ impl LookTimes {
     }
 }
 
-/// Mean of the largest standard deviations of detections' places, metres, where `sigmas` are those of detections that
-/// state none. `None` if no detection has a place: directions alone do not.
+/// Mean of the largest standard deviations of detections' places, metres, where `sigmas` are for detections that state
+/// none. `None` if no detection has a place: directions alone do not.
 pub fn sigma_m(detections: &[Detection], sigmas: Option<[f64; 4]>) -> Option<f64> {
     let places = detections
         .iter()
@@ -114,8 +114,7 @@ pub fn sigma_m(detections: &[Detection], sigmas: Option<[f64; 4]>) -> Option<f64
     (count > 0.0).then_some(sum_m / count)
 }
 
-/// Makes a cue at `time_ns` for `sensor_id`, whose detections have a standard deviation of `sigma_m` in any
-/// direction.
+/// Makes a cue at `time_ns` for `sensor_id` with a standard deviation of detections of `sigma_m` in any direction.
 pub(crate) fn cue(
     track: &TrackReport,
     (sensor_id, time_ns): (u32, i64),

@@ -16,7 +16,7 @@ use crate::population::Population;
 use crate::settings::Settings;
 use crate::track_report::{BestBranch, TrackReport, find_best, report_of};
 
-/// Working memory for one population after the other.
+/// Working memory, reused for each population.
 #[derive(Clone, Debug)]
 pub(crate) struct DescriptionWorkspace {
     /// By cluster of the population at hand.
@@ -131,8 +131,8 @@ impl DescriptionWorkspace {
     }
 }
 
-/// Combines the confirmed tracks of a cluster, including branches: their mean weighted by reliability. `None`
-/// without confirmed tracks.
+/// Combines the confirmed tracks of a cluster, including branches: the mean weighted by reliability. `None` without
+/// confirmed tracks.
 fn joined(population: &Population, cluster: u32, group: Group, settings: &Settings) -> Option<TrackReport> {
     let cluster = &population.clusters[cluster as usize];
     let tracks = population.tracks[cluster.tracks.start as usize..cluster.tracks.end as usize].iter();

@@ -1,9 +1,9 @@
 //! A report's number of targets shared among several clusters (WA-5).
 //!
-//! If a coarse position fits several clusters, the nearest cluster may be the wrong choice. Then the number is
-//! shared among all clusters within a range, by closeness: the weights are inverse distances, optionally combined
-//! with the tracks already in a cluster. Whole shares are rounded to the correct sum (largest remainders);
-//! optionally their sum may exceed the reported number, so that no cluster is left without a share.
+//! If a coarse position fits several clusters, the nearest cluster may be the wrong choice. Then the number is shared
+//! among all clusters within a range, by closeness: the weights are inverse distances, optionally combined with the
+//! tracks already in a cluster. Whole shares are rounded to the correct sum (largest remainders); optionally the sum
+//! may exceed the reported number, so that no cluster is left without a share.
 //!
 //! Source: patent JP4702010B2, embodiment 2.
 

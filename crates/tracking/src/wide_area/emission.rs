@@ -27,13 +27,13 @@ pub struct Emission {
 /// Reason why an emission was rejected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EmissionRejection {
-    /// No type is described, so it could be of none.
+    /// No type is described, so the emission could be of none.
     NoTypes,
     /// A value is no number, or cannot be.
     NoNumber,
     /// Received this many nanoseconds before the closed scans: more than allowed.
     TooLate(i64),
-    /// No room for another one.
+    /// No room for another emission.
     Full,
 }
 
@@ -82,10 +82,10 @@ impl Emission {
     }
 }
 
-/// Emissions still in use, in the order of their use by scans.
+/// Emissions still in use, in the order of use by scans.
 #[derive(Clone, Debug)]
 pub(crate) struct Emissions {
-    /// Each with the earliest time of a scan that uses it, nanoseconds.
+    /// Each with the earliest time of a scan that uses the emission, nanoseconds.
     list: Vec<(i64, Emission)>,
 }
 
@@ -98,7 +98,7 @@ impl Emissions {
         }
     }
 
-    /// Stores an emission, and returns the earliest time of a scan that uses it. Emissions that no scan after
+    /// Stores an emission, and returns the earliest time of a scan that uses the emission. Emissions that no scan after
     /// `closed_ns` uses are removed.
     pub(crate) fn keep(
         &mut self,

@@ -1,8 +1,8 @@
-//! Expected targets of each cluster in one scan, derived from the reports.
+//! Expected targets of each cluster in a scan, derived from the reports.
 //!
-//! Reports of the same time of observation add up if they refer to the same cluster: a sensor may report targets
-//! singly or together. Among different times the latest report holds. Reports that are matched one to one
-//! ([`super::matching`]) are handled together, observation by observation.
+//! Reports of the same time of observation add up for the same cluster: a sensor may report targets singly or together.
+//! Among different times the latest report holds. Reports that are matched one to one ([`super::matching`]) are handled
+//! together, observation by observation.
 
 use association::Grid;
 use messages::{AXES, NS_PER_S};
@@ -18,21 +18,20 @@ use crate::counts::TrackerCounts;
 use crate::population::{Cluster, Population};
 use crate::track::Track;
 
-/// Side of the cells in which centres are looked for, metres, and how many cells a search looks through in one
-/// direction.
+/// Side of the cells in the search for centres, metres, and number of cells of a search in one direction.
 const CELL_M: f64 = 5000.0;
 const CELLS_MAX: i32 = 16;
 /// Maximum of centres compared directly, without a grid.
 const FEW: usize = 16;
 
-/// Knowledge of one cluster from reports.
+/// Knowledge of a cluster from reports.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Expectation {
-    /// Number of targets, `None` if no valid report means it.
+    /// Number of targets, `None` if no valid report means the cluster.
     pub(crate) targets: Option<f64>,
     /// Whether the report is due in this scan.
     pub(crate) is_due: bool,
-    /// Set if a report covers the cluster's place and shows no target around it.
+    /// Set if a report covers the cluster's place and shows no target around.
     pub(crate) is_absent: bool,
     /// Origin of the targets.
     pub(crate) origin: Option<Origin>,
@@ -40,7 +39,7 @@ pub(crate) struct Expectation {
     observed_ns: i64,
 }
 
-/// A scan for which the reports of an observation are matched one to one.
+/// A scan with one-to-one matching of the reports of an observation.
 struct MatchedScan<'a> {
     /// Whether these reports are due in the scan.
     is_due: bool,
@@ -49,18 +48,18 @@ struct MatchedScan<'a> {
     settings: &'a SupportSettings,
 }
 
-/// Working memory for one scan after the other.
+/// Working memory, reused for each scan.
 #[derive(Clone, Debug)]
 pub(crate) struct Expectations {
     /// By cluster; empty if nothing is known of any.
     list: Vec<Expectation>,
     /// Pairs (cluster, centre) of the candidates for a report.
     centres: Vec<(u32, Centre)>,
-    /// Positions of the centres, unless they are few; and the greatest of their speeds, metres per second.
+    /// Positions of the centres, unless few; and the greatest speed of a centre, metres per second.
     grid: Grid,
     in_grid: usize,
     speed_max_mps: f64,
-    /// Places in the list of centres of those that may be within range of the report at hand, in no order.
+    /// Places in the list of centres, for the centres that may be within range of the report at hand, in no order.
     near: Vec<u32>,
     /// By candidate: share of the targets.
     shares: Vec<f64>,
@@ -93,7 +92,8 @@ impl Expectations {
         self.list.get(cluster as usize).copied().unwrap_or_default()
     }
 
-    /// For the scan at `time_ns` after the population `before`; `lasting` ones even if no report is due in it.
+    /// For the scan at `time_ns` after the population `before`; `lasting` expectations even if no report is due in the
+    /// scan.
     pub(crate) fn find(
         &mut self,
         before: &Population,
@@ -141,7 +141,7 @@ impl Expectations {
 
     fn find_centres(&mut self, before: &Population, settings: &SupportSettings) {
         self.centres.clear();
-        // Most clusters are clutter: they need no centre.
+        // Most clusters are clutter and need no centre.
         let is_believed = |cluster: &Cluster| {
             let expected: f64 = tracks_of(cluster, before).iter().map(|track| track.reliability).sum();
             expected > 0.0 && expected >= settings.tracks_min
@@ -163,7 +163,7 @@ impl Expectations {
         self.speed_max_mps = speeds.fold(0.0, f64::max);
     }
 
-    /// Finds the centres that may be within range of a place, so long after the population or before it.
+    /// Finds the centres that may be within range of a place, so long after or before the population.
     fn search(&mut self, place_m: [f64; AXES], seconds: f64, range_m: f64) {
         self.near.clear();
         let reach_m = range_m + self.speed_max_mps * seconds.abs();
@@ -177,7 +177,7 @@ impl Expectations {
         }
     }
 
-    /// Collects a report and the reports of its group (WA-5).
+    /// Collects a report and the reports of the same group (WA-5).
     fn group(
         &mut self,
         reports: &[WideAreaReport],
@@ -206,7 +206,7 @@ impl Expectations {
         sum
     }
 
-    /// Adds a report to its clusters. `false` if no cluster fits. The centres are at `reference_ns`.
+    /// Adds a report to the matching clusters. `false` if no cluster fits. The centres are at `reference_ns`.
     fn take(&mut self, report: &WideAreaReport, is_due: bool, reference_ns: i64, settings: &SupportSettings) -> bool {
         if report.targets == 0 {
             // Nothing to correct; absence is another matter.
@@ -251,8 +251,8 @@ impl Expectations {
         true
     }
 
-    /// Adds the reports that are of the same observation and arrival as the one at `place` to the clusters with which
-    /// they are matched one to one.
+    /// Matches the reports of the same observation and arrival as the report at `place` one to one, and adds each to
+    /// the matched cluster.
     fn take_together(
         &mut self,
         reports: &[WideAreaReport],
@@ -406,7 +406,7 @@ mod tests {
     use crate::Tracker;
     use crate::testing::{S, position, settings};
 
-    /// Targets three kilometres apart; the second one's report lies nearer to the first one.
+    /// Targets three kilometres apart; the report of the second lies nearer to the first.
     #[test]
     fn reports_matched_one_to_one_ask_each_cluster_for_its_own_targets() {
         let mut tracker = Tracker::new(settings()).unwrap();
@@ -442,7 +442,8 @@ mod tests {
         let both = [report(100.0, 2), report(1400.0, 1)];
         assert_eq!(asked(Matching::Nearest, &both), (vec![None, Some(1.0)], 2, 0));
         assert_eq!(asked(Matching::OneToOne, &both), (vec![Some(1.0), Some(2.0)], 2, 0));
-        // A report alone leaves out the track beside it; a third report finds no cluster, and none of zero is one.
+        // A report alone leaves out the track beside; a third report finds no cluster, and a report of zero targets is
+        // not matched.
         assert_eq!(asked(Matching::OneToOne, &both[..1]), (vec![None, Some(1.0)], 1, 0));
         let many = [both[0], both[1], report(500.0, 4), report(0.0, 0)];
         assert_eq!(asked(Matching::OneToOne, &many).2, 1);

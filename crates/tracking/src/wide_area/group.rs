@@ -1,13 +1,13 @@
-//! Unresolved targets, tracked as one group (WA-7).
+//! Unresolved targets, tracked as a group (WA-7).
 //!
 //! On-board sensors that see four targets alternately as one and as three give tracks that come and go. A group is
-//! steadier: one state for all targets, and their number. The wide-area sensor shows when to use it: as long as a
-//! cluster has fewer tracks than reported targets, the on-board sensors do not resolve them. Hypotheses differ in
-//! their numbers of tracks, so the result is a probability.
+//! steadier: a single state for all targets, and the number of targets. The wide-area sensor shows when to use a group:
+//! as long as a cluster has fewer tracks than reported targets, the on-board sensors do not resolve the targets.
+//! Hypotheses differ in the number of tracks, so the result is a probability.
 //!
-//! A group track replaces its cluster's confirmed tracks. Its number is the smallest of their numbers, its state is
-//! their mean by reliability, with the spread of their positions in its covariance, and it has the expected number
-//! of members. The tracker itself continues to track single targets: when they are resolved, their tracks exist.
+//! A group track replaces the confirmed tracks of the cluster. The number is the smallest track number. The state is
+//! the mean by reliability, with the spread of the positions in the covariance. The number of members is the expected
+//! number. The tracker itself continues to track single targets: resolved targets already have tracks.
 
 use super::correction::has_enough;
 
@@ -20,7 +20,7 @@ settings::settings! {
     }
 }
 
-/// Size of a group published as one track.
+/// Size of a group published as a single track.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Group {
     /// Expected number of members, at least 2.

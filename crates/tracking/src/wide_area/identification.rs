@@ -1,17 +1,17 @@
-//! Identification of a target (WA-9) by its emissions and its origin.
+//! Identification of a target (WA-9) by emissions and origin.
 //!
 //! Neither is sufficient alone. An on-board receiver measures frequency, pulse interval and bearing of an emission;
 //! several types have similar emissions, and a bearing has no range. The wide-area sensor observed the origin of the
-//! targets; several types start there. Bayes' rule combines both: the prior knowledge of the origin gives each type
-//! its probability, and each emission multiplies the probabilities of the matching types.
+//! targets; several types start there. Bayes' rule combines both: the prior knowledge of the origin gives each type a
+//! probability, and each emission multiplies the probabilities of the matching types.
 //!
-//! An emission belongs to the track in its direction; with two tracks in that direction, to none, since it would
-//! identify both. The origin is taken from the route that the wide-area sensor reports; without a route, it is the
-//! first position of the track's targets at that sensor. The result is the likeliest type with its probability, or
-//! none while the alternative is likelier.
+//! An emission belongs to the track in that direction; with two tracks in that direction, to none, since both would be
+//! identified. The origin is taken from the route that the wide-area sensor reports; without a route, the origin is the
+//! first position of the track's targets at that sensor. The result is the likeliest type with the probability, or none
+//! while the alternative is likelier.
 //!
-//! Identifications are part of the population after a scan, like the tracks: after a late scan, report or emission
-//! they are derived again.
+//! Identifications are part of the population after a scan, like the tracks: after a late scan, report or emission all
+//! are derived again.
 //!
 //! Limits: emissions of one target are assumed independent, which is not exact; so at most [`EMISSIONS_MAX`] count
 //! per track.
@@ -34,7 +34,7 @@ const UNKNOWN: f64 = 0.5;
 /// Statistical distance within which an emission comes from a track's direction.
 const GATE: f64 = 3.0;
 
-/// Knowledge of the confirmed tracks of a population, by their numbers.
+/// Knowledge of the confirmed tracks of a population, by number.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Identities {
     tracks: Vec<TrackIdentification>,
@@ -56,7 +56,7 @@ struct TrackIdentification {
 pub(crate) struct Origin {
     /// East and north, metres.
     pub(crate) place_m: [f64; 2],
-    /// Set if a route reports the origin; otherwise it is the first observed position.
+    /// Set if a route reports the origin; otherwise the origin is the first observed position.
     pub(crate) is_reported: bool,
 }
 
@@ -80,7 +80,7 @@ impl Origin {
 pub(crate) struct Whereabouts {
     /// East and north, metres.
     pub(crate) place_m: [f64; 2],
-    /// Variances of both, and their covariance, m².
+    /// Variances of both, and the covariance, m².
     pub(crate) variances_m2: [f64; 3],
 }
 
@@ -148,8 +148,8 @@ impl Identities {
         }
     }
 
-    /// Applies an emission. `tracks` are in the order of their numbers. Returns the index of the emitting track, if
-    /// it is unambiguous.
+    /// Applies an emission. `tracks` are in the order of numbers. Returns the index of the emitting track, if
+    /// unambiguous.
     pub(crate) fn emitted(
         &mut self,
         emission: &Emission,
@@ -173,14 +173,14 @@ impl Identities {
         Some(place)
     }
 
-    /// Type of the track at `place`, if it is likelier than all other types together, including undescribed types.
+    /// Type of the track at `place`, if likelier than all other types together, including undescribed types.
     pub(crate) fn target_type(&self, place: usize, knowledge: &Knowledge) -> TargetType {
         let best = self.best(place, knowledge);
         let named = best.and_then(|(target, confidence)| TargetType::new(&knowledge.types[target].name, confidence));
         named.unwrap_or_default()
     }
 
-    /// The likeliest type, with its probability.
+    /// The likeliest type, with the probability.
     fn best(&self, place: usize, knowledge: &Knowledge) -> Option<(usize, f64)> {
         let known = self.tracks.get(place)?;
         let prior = known.origin.and_then(|origin| knowledge.at(origin.place_m));
@@ -206,7 +206,7 @@ impl Identities {
 }
 
 impl Whereabouts {
-    /// Position of a track at `time_ns`, along its velocity; with the covariance of its last observation.
+    /// Position of a track at `time_ns`, along the velocity; with the covariance of the last observation.
     pub(crate) fn of(track: &Track, time_ns: i64) -> Self {
         let estimate = track.motion.estimate();
         let (position_m, velocity_mps) = (estimate.position_m(), estimate.velocity_mps());

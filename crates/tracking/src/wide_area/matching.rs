@@ -1,9 +1,9 @@
 //! One-to-one matching of reports with clusters (WA-3).
 //!
-//! The nearest cluster is the wrong one where a sensor reports several groups and its errors are as large as their
-//! distances: two reports then mean the same cluster, and the other cluster has none. All reports of the same
-//! observation and arrival are therefore matched together. Each has at most one cluster, each cluster at most one
-//! report, and the sum of the distances is smallest. A report without a cluster adds the range to the sum.
+//! The nearest cluster is wrong where a sensor reports several groups with errors as large as the distances of the
+//! groups: two reports then mean the same cluster, and the other cluster has none. All reports of the same observation
+//! and arrival are therefore matched together. Each report has at most one cluster, each cluster at most one report,
+//! and the sum of the distances is smallest. A report without a cluster adds the range to the sum.
 //!
 //! Limit: a sensor that reports the targets of an unresolved group singly needs `nearest`, which adds up its reports.
 
@@ -11,7 +11,7 @@ use association::assignment::{Assignment, Pair};
 
 /// Most reports that are matched together; more are matched in several steps.
 pub(super) const TOGETHER_MAX: usize = 256;
-/// Most clusters that are considered for a report, the nearest ones.
+/// Most clusters that are considered for a report, nearest first.
 pub(super) const CLUSTERS_MAX: usize = 16;
 
 settings::words! {
@@ -24,14 +24,14 @@ settings::words! {
     }
 }
 
-/// Working memory for one observation after the other.
+/// Working memory, reused for each observation.
 #[derive(Clone, Debug)]
 pub(super) struct Matcher {
     assignment: Assignment,
     pairs: Vec<Pair>,
-    /// By report of the observation: the centre that it means.
+    /// By report of the observation: the matched centre.
     chosen: Vec<Option<u32>>,
-    /// By report: its place in the list of reports.
+    /// By report: the place in the list of reports.
     pub(super) reports: Vec<usize>,
 }
 
@@ -51,12 +51,12 @@ impl Matcher {
         self.reports.clear();
     }
 
-    /// Adds a report, the one in this place of the list, with (centre, distance in metres) of the centres in range.
+    /// Adds the report in this place of the list, with (centre, distance in metres) of the centres in range.
     pub(super) fn add(&mut self, report: usize, distances_m: impl Iterator<Item = (u32, f64)>) {
         let row = self.reports.len() as u32;
         self.reports.push(report);
         let first = self.pairs.len();
-        // Sorted in by distance: the vector must not outgrow its room, nor the order of the search matter.
+        // Sorted in by distance: the vector must not outgrow the allocated room, nor the order of the search matter.
         for (column, cost) in distances_m {
             let pair = Pair { row, column, cost };
             let nearer = |kept: &Pair| kept.cost.total_cmp(&cost).then(kept.column.cmp(&column)).is_lt();
@@ -151,7 +151,7 @@ mod tests {
                 prop_assert!(centre.is_none_or(|centre| distances[row][centre as usize] < range_m));
             }
             let least = cost(&distances, &found, range_m);
-            // Every matching, as digits to the base of the number of clusters and one more.
+            // Every matching, as digits to the base of the number of clusters plus 1.
             for number in 0..5_u32.pow(distances.len() as u32) {
                 let digit = |row: usize| number / 5_u32.pow(row as u32) % 5;
                 let other: Vec<_> = (0..distances.len()).map(|row| digit(row).checked_sub(1)).collect();

@@ -1,10 +1,10 @@
 //! Prior knowledge about places: likely types and sizes of formations (WA-10).
 //!
-//! The usual origin of targets is often known: airliners come from this bearing; groups of four of the same type
-//! come from that field. Such knowledge refers to a place: a sector of bearings from a point, or a circle. It
-//! applies to a wide-area report by the origin of its targets, or by their position if the origin is unknown. It
-//! contains the likely types (module `identification`) and the likely sizes of formations. If a formation of four is
-//! likely and two are reported, the correction may count on four.
+//! The usual origin of targets is often known: airliners come from this bearing; groups of four of the same type come
+//! from that field. Such knowledge refers to a place: a sector of bearings from a point, or a circle. The knowledge
+//! applies to a wide-area report by the origin of the targets, or by the position if the origin is unknown. The content
+//! is the likely types (module `identification`) and the likely sizes of formations. If a formation of four is likely
+//! and two are reported, the correction may count on four.
 //!
 //! Contradictory statements are rejected, because no rule could choose between them: probabilities beyond 1, a type
 //! or number stated twice, two sectors from one point, or two circles that overlap. If a sector and a circle
@@ -112,7 +112,7 @@ impl Sector {
         self.clockwise_rad(self.bearings_deg[1].rad())
     }
 
-    /// From the first bearing to this one.
+    /// From the first bearing to this bearing.
     fn clockwise_rad(&self, bearing_rad: f64) -> f64 {
         (bearing_rad - self.bearings_deg[0].rad()).rem_euclid(TAU)
     }
@@ -195,7 +195,7 @@ impl Knowledge {
         self.priors.iter().find(|prior| prior.contains(point_m))
     }
 
-    /// Prior knowledge of a report's targets, by their origin or position.
+    /// Prior knowledge of a report's targets, by origin or position.
     pub fn of(&self, report: &WideAreaReport) -> Option<&Prior> {
         let [east, north, _] = report.position_m;
         self.at(report.origin_m.unwrap_or([east, north]))

@@ -6,7 +6,7 @@ use observations::WideAreaReport;
 pub const TARGETS_MAX: u32 = 256;
 /// Most reports kept at a time.
 pub(crate) const REPORTS_MAX: usize = 4096;
-/// Largest valid coordinate, metres: beyond it nothing on Earth is in one plane with the sensors.
+/// Largest valid coordinate, metres: beyond, nothing on Earth is in one plane with the sensors.
 pub(crate) const PLACE_MAX_M: f64 = 1e7;
 
 /// Reason why a report was rejected.
@@ -14,13 +14,13 @@ pub(crate) const PLACE_MAX_M: f64 = 1e7;
 pub enum ReportRejection {
     /// A coordinate, velocity or origin is no number, or no place.
     NoPlace,
-    /// The report arrived before it was observed.
+    /// The report arrived before the time of observation.
     NegativeDelay,
     /// The report arrived later than allowed; the delay in nanoseconds.
     TooLate(i64),
     /// More targets than [`TARGETS_MAX`].
     TooManyTargets(u32),
-    /// No room for another one.
+    /// No room for another report.
     Full,
 }
 

@@ -1,12 +1,13 @@
 //! Times of publication of the track picture (WA-11): at a fixed period, independent of the sensors.
 //!
-//! Scans come when they come; a display or another system wants the confirmed tracks at even times. So the times are
-//! multiples of the period, and the tracks are moved to them ([`Tracker::picture_at`](crate::Tracker::picture_at)).
+//! Scans come at irregular times; a display or another system needs the confirmed tracks at even times. So the times
+//! are multiples of the period, and the tracks are moved to these times
+//! ([`Tracker::picture_at`](crate::Tracker::picture_at)).
 
 /// Most pictures that are made up for after a pause.
 const BEHIND_MAX: i64 = 100;
 
-/// Even times, one after the other.
+/// Successive even times.
 #[derive(Clone, Debug)]
 pub struct OutputSchedule {
     period_ns: i64,
@@ -14,7 +15,7 @@ pub struct OutputSchedule {
 }
 
 impl OutputSchedule {
-    /// Every `period_ns`, at least one nanosecond.
+    /// Every `period_ns`, at least 1 ns.
     pub fn new(period_ns: i64) -> Self {
         Self {
             period_ns: period_ns.max(1),
@@ -27,13 +28,13 @@ impl OutputSchedule {
         self.period_ns
     }
 
-    /// Whether [`Self::next`] has a time until `now_ns`; never before its first call.
+    /// Whether [`Self::next`] has a time until `now_ns`; never before the first call of [`Self::next`].
     pub fn is_due(&self, now_ns: i64) -> bool {
         self.next_ns.is_some_and(|next_ns| next_ns <= now_ns)
     }
 
-    /// The next time of a picture, if it is not after `now_ns`; to be asked until there is none. The first one is the
-    /// first even time from the first `now_ns` on; after a pause at most the last hundred are made up for.
+    /// The next time of a picture, if not after `now_ns`; to be called until `None`. The first picture is at the first
+    /// even time from the first `now_ns` on; after a pause at most the last hundred are made up for.
     pub fn next(&mut self, now_ns: i64) -> Option<i64> {
         let even = |time_ns: i64| time_ns.div_euclid(self.period_ns).saturating_mul(self.period_ns);
         let first_ns = || even(now_ns.saturating_sub(1)).saturating_add(self.period_ns);

@@ -21,7 +21,7 @@ use crate::settings::Settings;
 use crate::track::Track;
 use crate::track_report::{BestBranch, TrackReport};
 
-/// Wide-area support of one tracker.
+/// Wide-area support of a tracker.
 #[derive(Clone, Debug)]
 pub(crate) struct Support {
     reports: ReportList,
@@ -160,7 +160,7 @@ impl<'a> ClusterSupport<'a> {
         self.clusters.iter().map(|(_, cluster)| expectations.of(*cluster))
     }
 
-    /// WA-4: demand on one of the clusters, by the rule of a due report, or by the valid rule afterwards.
+    /// WA-4: demand on a cluster, by the rule of a due report, or by the valid rule afterwards.
     pub(crate) fn demand(&self, cluster: u32) -> Demand {
         let expectation = self.expectations.of(cluster);
         let held = self.settings.held;
@@ -196,7 +196,7 @@ impl<'a> ClusterSupport<'a> {
         }
     }
 
-    /// WA-8: when else tracks are deleted; `None` if they are not.
+    /// WA-8: additional deletion of tracks; `None` without additional deletion.
     pub(crate) fn deletion(&self) -> Option<Deletion> {
         let early = self.settings.deletion?;
         let is_absent = self.expectations().all(|expectation| expectation.is_absent);
@@ -205,7 +205,7 @@ impl<'a> ClusterSupport<'a> {
 
     /// WA-6: confirms tracks early if reports show more targets than the confirmed tracks account for. Hypotheses agree
     /// on a target by their associations over the last `merge_scans`. `taken_over` receives a track that takes over the
-    /// number of another one, its reliability, and the least one.
+    /// number of another track, the reliability of this track, and the least reliability.
     pub(crate) fn confirm(
         &self,
         store: &mut HypothesisStore,
@@ -266,7 +266,7 @@ impl<'a> ClusterSupport<'a> {
 pub(crate) struct Demand {
     /// Number of targets, if that is known.
     targets: Option<f64>,
-    /// Rule for the reliabilities of its hypotheses; `None` without a correction.
+    /// Rule for the reliabilities of the hypotheses; `None` without a correction.
     correction: Option<Rule>,
     /// Set if the reliabilities of the children are corrected, too.
     pub(crate) corrects_children: bool,
