@@ -1,6 +1,6 @@
 //! The engine: processes one report at a time and hands out the states of the system tracks that change.
 //!
-//! A report passes six steps, each but the second with a separate folder:
+//! A report passes six steps, each with a folder:
 //!
 //! 1. *Admit*: the report is checked and completed ([`inlet`]). Time passes up to the report, and the known errors of
 //!    the source's clock and frame are taken off. A late report takes a separate path from here (`update::late`).
@@ -16,13 +16,12 @@
 //! The engine learns nothing of the sources. The evidence of a report on the source is a [`Fact`], handed to
 //! [`Sources::learn`] at its origin. Evidence of one target stays in the tables of [`Tracks`].
 
-use messages::{Counter, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
+use messages::{Counter, SensorTrack, TrackState, sensor_track_bits};
 use settings::SettingsError;
-use source_models::{Content, Correction, Fact, InnovationFact, Measurement, ReportFact, Sources, whole_report};
+use source_models::{Fact, Measurement, ReportFact, Sources, whole_report};
 
 use crate::admit::host_clock::HostClock;
 use crate::admit::inlet::{self, SoundCovariances};
-use crate::associate::association_step::Search;
 use crate::associate::scan::Scans;
 use crate::engine_counters::EngineCounters;
 use crate::explanation::Sink;
@@ -297,142 +296,6 @@ impl Engine {
         None
     }
 
-    /// Stores a report, free of the source's known errors, as the latest of its sensor track. Returns the sensor track
-    /// and the new measurement in the report; `None` if the report is out of order or the table is full.
-    fn store(
-        &mut self,
-        report: &SensorTrack,
-        known: Option<SensorSlot>,
-        repaired: bool,
-    ) -> Option<(SensorSlot, Option<Measurement>)> {
-        let (identity, conflict) = if self.settings.association.use_identity {
-            inlet::believed_identity(report, &self.tracks.systems)
-        } else {
-            (report.identity, None)
-        };
-        if let Some(counter) = conflict {
-            self.outbox.counts.add(report.source, counter);
-        }
-        let earlier = self.earlier(report, known)?;
-        let before = earlier.map(|(sensor, seconds)| (self.tracks.sensors.get(sensor).earlier(), seconds));
-        let before = before.as_ref().map(|(before, seconds)| (before, *seconds));
-        let is_foreign = self.settings.sources[usize::from(report.source)].is_centre;
-        // The state is the only content of a centre's report, and the newest state replaces the previous state.
-        let (mut content, mut correction) = (Content::none(), Correction::NONE);
-        if !is_foreign {
-            let goes_on = before.is_none() && self.tracks.goes_on(report.source, report.track_number);
-            self.tracks
-                .sources
-                .read_content(report, (before, goes_on), repaired, &mut content);
-            correction = self.tracks.sources.correction_of(&self.settings.sources, report);
-        }
-        let sensors = &mut self.tracks.sensors;
-        let place = earlier.map(|(sensor, _)| sensor).or_else(|| sensors.insert(report));
-        let Some(sensor) = place else {
-            self.outbox.counts.add(report.source, Counter::DroppedTable);
-            return None;
-        };
-        let identity = match self.settings.association.use_identity {
-            true => sensors.believe(sensor, report, identity),
-            false => identity,
-        };
-        let entry = sensors.get_mut(sensor);
-        entry.take(report, identity, &correction, &content);
-        entry.repaired = repaired;
-        entry.is_foreign = is_foreign;
-        entry.epoch = self.tracks.sources.epoch_of(report.source);
-        sensors.note(sensor, self.settings.sources[usize::from(report.source)].period_ns);
-        if let Some(measurement) = &mut content.measurement {
-            measurement.correct(&correction);
-        }
-        Some((sensor, content.measurement))
-    }
-
-    /// Returns the entry of the report's sensor track and the seconds since the latest report; `Some(None)` if there is
-    /// no entry yet; `None` if the report is older.
-    fn earlier(&mut self, report: &SensorTrack, known: Option<SensorSlot>) -> Option<Option<(SensorSlot, f64)>> {
-        let time_ns = report.time_of_measurement_ns;
-        if known.is_none() && self.is_outdated(report) {
-            self.outbox.counts.add(report.source, Counter::RejectedClock);
-            return None;
-        }
-        let source = (
-            report.source,
-            self.settings.sources[usize::from(report.source)].period_ns,
-        );
-        self.tracks.sources.learn(
-            &self.settings,
-            Fact::Report(ReportFact::Timed {
-                source,
-                time_ns,
-                is_first: known.is_none(),
-            }),
-        );
-        let Some(sensor) = known else {
-            self.tracks.sources.learn(
-                &self.settings,
-                Fact::Report(ReportFact::Follows {
-                    source: report.source,
-                    time_ns,
-                    since_ns: None,
-                }),
-            );
-            return Some(None);
-        };
-        let age_ns = time_ns - self.tracks.sensors.get(sensor).time_ns;
-        let ends = report.state == TrackState::Terminated as u8;
-        if age_ns < 0 || (age_ns == 0 && !ends) {
-            self.outbox.counts.add(report.source, Counter::RejectedOutOfOrder);
-            return None;
-        }
-        let is_over = age_ns > self.tracks.sources.silence_ns(report.source) && age_ns > self.tracks.silence_ns(sensor);
-        if is_over || self.is_reused(sensor, report, age_ns) {
-            // The source has reused the number for another target.
-            self.tracks.drop_sensor_track(sensor);
-            return Some(None);
-        }
-        self.tracks.sources.learn(
-            &self.settings,
-            Fact::Report(ReportFact::Follows {
-                source: report.source,
-                time_ns,
-                since_ns: Some(age_ns),
-            }),
-        );
-        let system = self.tracks.sensors.get(sensor).system;
-        // The gaps of a slow target are no property of the source.
-        if system == NO_SYSTEM || !self.tracks.systems.get(system).rhythm.is_slow() {
-            self.tracks.sources.learn(
-                &self.settings,
-                Fact::Report(ReportFact::Gap {
-                    source: report.source,
-                    gap_ns: age_ns,
-                }),
-            );
-        }
-        Some(Some((sensor, age_ns as f64 / NS_PER_S)))
-    }
-
-    /// Returns whether a report is older than the lifetime of a track without further reports. Extrapolated to the
-    /// present, such a report would fit any target.
-    #[inline]
-    fn is_outdated(&self, report: &SensorTrack) -> bool {
-        let sources = &self.tracks.sources;
-        let longest_ns = sources.silence_ns(report.source) + sources.fresh_ns(report.source);
-        self.schedule.now_ns().saturating_sub(report.time_of_measurement_ns) > longest_ns
-    }
-
-    /// Returns whether a sensor that has begun anew gave the number of a sensor track to another target.
-    #[inline]
-    fn is_reused(&self, sensor: SensorSlot, report: &SensorTrack, age_ns: i64) -> bool {
-        let period_ns = self.settings.sources[usize::from(report.source)].period_ns;
-        let search = Search {
-            settings: &self.settings,
-            tracks: &self.tracks,
-        };
-        2 * age_ns > 3 * period_ns && search.is_of_another(sensor, report)
-    }
-
     /// Applies a stored report: terminates, associates, checks, then updates the system track.
     fn work_off(
         &mut self,
@@ -486,44 +349,6 @@ impl Engine {
             let whole = whole_report(&self.tracks.sensors.get(sensor).latest);
             self.update(sensor, report, Some(&whole), sink);
         }
-    }
-
-    /// Excludes a sensor track contradicted by other sources from the estimate. The reports are still compared with the
-    /// reports of the other sources.
-    #[cold]
-    fn set_aside(&mut self, sensor: SensorSlot, measurement: Option<&Measurement>) {
-        let entry = self.tracks.sensors.get_mut(sensor);
-        entry.role = Role::SetAside;
-        let source = entry.source;
-        self.outbox.counts.add(source, Counter::RejectedContradicted);
-        if let Some(measurement) = measurement {
-            self.learn_of_contradiction(sensor, measurement);
-        }
-        self.compare(sensor, measurement);
-    }
-
-    /// Lets the models learn from an unused measurement, contradicted by other sources.
-    fn learn_of_contradiction(&mut self, sensor: SensorSlot, measurement: &Measurement) {
-        let entry = self.tracks.sensors.get(sensor);
-        let target = self.tracks.systems.get(entry.system);
-        if !self.settings.registration.enabled || target.life != TrackState::Confirmed {
-            return;
-        }
-        let [x, y, _] = target.filter.place_at(entry.time_ns);
-        let residual_m = [measurement.position_m[0] - x, measurement.position_m[1] - y];
-        let known = &target.filter.estimate.covariance;
-        let [xx, xy, _, yy, ..] = measurement.covariance_m2;
-        let covariance_m2 = [xx + known.get(0, 0), xy + known.get(0, 1), yy + known.get(1, 1)];
-        self.tracks.sources.learn(
-            &self.settings,
-            Fact::Innovation(InnovationFact::Contradicted {
-                source: entry.source,
-                target: entry.system,
-                place_m: [x, y],
-                velocity_mps: entry.latest.velocity_mps,
-                residual: (residual_m, covariance_m2),
-            }),
-        );
     }
 
     /// Updates the system track of a primary sensor track after its `report` has been stored; `measurement` is the new

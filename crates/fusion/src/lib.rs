@@ -26,6 +26,7 @@ mod engine_counters;
 mod engine_tests;
 mod explanation;
 mod judge;
+mod measure;
 mod merger;
 mod orders;
 mod publish;

@@ -1,6 +1,7 @@
 //! Selection of reports that may move a track: not contradicted by other reports of the target (module `credibility`).
 
-use source_models::{AGREES, CONTRADICTS, Fact, Nearness, PairFact, apart, distance_from};
+use messages::{Counter, TrackState};
+use source_models::{AGREES, CONTRADICTS, Fact, InnovationFact, Measurement, Nearness, PairFact, apart, distance_from};
 
 use crate::engine::Engine;
 use crate::tables::sensor_tracks::{Role, SensorEntry, SensorSlot};
@@ -12,6 +13,44 @@ const FITS: f64 = 6.0;
 const MISLEADS_FROM: f64 = 0.05;
 
 impl Engine {
+    /// Excludes a sensor track contradicted by other sources from the estimate. The reports are still compared with the
+    /// reports of the other sources.
+    #[cold]
+    pub(crate) fn set_aside(&mut self, sensor: SensorSlot, measurement: Option<&Measurement>) {
+        let entry = self.tracks.sensors.get_mut(sensor);
+        entry.role = Role::SetAside;
+        let source = entry.source;
+        self.outbox.counts.add(source, Counter::RejectedContradicted);
+        if let Some(measurement) = measurement {
+            self.learn_of_contradiction(sensor, measurement);
+        }
+        self.compare(sensor, measurement);
+    }
+
+    /// Lets the models learn from an unused measurement, contradicted by other sources.
+    fn learn_of_contradiction(&mut self, sensor: SensorSlot, measurement: &Measurement) {
+        let entry = self.tracks.sensors.get(sensor);
+        let target = self.tracks.systems.get(entry.system);
+        if !self.settings.registration.enabled || target.life != TrackState::Confirmed {
+            return;
+        }
+        let [x, y, _] = target.filter.place_at(entry.time_ns);
+        let residual_m = [measurement.position_m[0] - x, measurement.position_m[1] - y];
+        let known = &target.filter.estimate.covariance;
+        let [xx, xy, _, yy, ..] = measurement.covariance_m2;
+        let covariance_m2 = [xx + known.get(0, 0), xy + known.get(0, 1), yy + known.get(1, 1)];
+        self.tracks.sources.learn(
+            &self.settings,
+            Fact::Innovation(InnovationFact::Contradicted {
+                source: entry.source,
+                target: entry.system,
+                place_m: [x, y],
+                velocity_mps: entry.latest.velocity_mps,
+                residual: (residual_m, covariance_m2),
+            }),
+        );
+    }
+
     /// Whether the latest report of a sensor track may be used.
     #[inline]
     pub(crate) fn admits(&mut self, sensor: SensorSlot) -> bool {

@@ -1,0 +1,3 @@
+//! Measure: the measurement behind a report, and the sensor track that the report belongs to.
+
+pub(crate) mod storing;
