@@ -1,8 +1,8 @@
 //! Plain iceoryx2 ports: the lower bound for everything built on iceoryx2.
 //!
-//! A measurement of the time added by Koseki's processes needs the transport alone, with the same payload and the
-//! same number of hops. These ports have no header, no sequence numbers and no counters: samples are written and read
-//! in place. They serve measurements only; losses are not counted.
+//! A measurement of the time added by Koseki's processes needs the transport alone, with the same payload and the same
+//! number of hops. These ports have no header, no sequence numbers and no counters: samples are written and read in
+//! place. These ports serve measurements only; losses are not counted.
 
 use std::marker::PhantomData;
 use std::time::Duration;
@@ -35,7 +35,7 @@ pub struct BareSettings {
     pub depth: usize,
     /// Most samples in a slice.
     pub slice_len: usize,
-    /// Whether receivers are woken by events; else they ask again and again.
+    /// Whether receivers are woken by events; otherwise receivers poll continually.
     pub events: bool,
 }
 
@@ -49,10 +49,10 @@ pub struct BareSender<T: Payload> {
 }
 
 impl<T: Payload> BareSender<T> {
-    /// Opens `service`, or creates it.
+    /// Opens `service`, or creates the service.
     ///
     /// # Errors
-    /// If it exists with other sizes, or cannot be created.
+    /// If the service exists with other sizes, or cannot be created.
     pub fn open(bus: &Bus<SharedMemory>, service: &str, settings: BareSettings) -> Result<Self, BusError> {
         let (port, notifier) = sender(bus.node(), service, settings, &detail::<T>())?;
         Ok(Self {
@@ -101,10 +101,10 @@ pub struct BareReceiver<T: Payload> {
 }
 
 impl<T: Payload> BareReceiver<T> {
-    /// Opens `service`, or creates it.
+    /// Opens `service`, or creates the service.
     ///
     /// # Errors
-    /// If it exists with other sizes, or cannot be created.
+    /// If the service exists with other sizes, or cannot be created.
     pub fn open(bus: &Bus<SharedMemory>, service: &str, settings: BareSettings) -> Result<Self, BusError> {
         let (port, listener) = receiver(bus.node(), service, settings, &detail::<T>())?;
         Ok(Self {
@@ -124,13 +124,13 @@ impl<T: Payload> BareReceiver<T> {
         let received = SharedMemory::receive(&self.port);
         let slice = received.map_err(|error| failed(&self.service, "receive", error.to_string()))?;
         let Some(slice) = slice else { return Ok(false) };
-        // Read once: in shared memory it may change.
+        // Read once: in shared memory the count may change.
         let count = slice.header().number_of_elements() as usize;
         if count > self.slice_len {
             return Err(failed(&self.service, "receive", format!("a slice of {count} samples")));
         }
         // SAFETY: the service was opened with the size and alignment of `T`, each slice has room for `slice_len`
-        // samples, and any bits are one.
+        // samples, and any bits are a valid `T`.
         visit(unsafe { std::slice::from_raw_parts(slice.payload().as_ptr().cast(), count) });
         Ok(true)
     }
@@ -231,7 +231,7 @@ fn slices(
         .subscriber_max_borrowed_samples(1)
         .enable_safe_overflow(true)
         .history_size(0);
-    // SAFETY: both details are those of the types as which both ends write and read these bytes; there is no header.
+    // SAFETY: both details belong to the types as which both ends write and read these bytes; there is no header.
     let described = unsafe {
         described
             .__internal_set_payload_type_details(samples)

@@ -11,9 +11,9 @@
 //! | 4 | `/tmp/koseki-<user number>` | it is free, or belongs to this user |
 //! | 5 | `/tmp/koseki-<user number>-<8 random digits>` | another user sits on the fourth |
 //!
-//! The last two are in folders in which every user can create files, so that their names prove nothing. The owner
-//! cannot be forged: a valid folder belongs to this user, is no link, is writable by no other user, and is below
-//! folders in which no other user can replace it (`check`). Nothing in any other folder is read or written.
+//! The last two are in folders in which every user can create files, so that names prove nothing. The owner cannot be
+//! forged: a valid folder belongs to this user, is no link, is writable by no other user, and is below folders in which
+//! no other user can replace it (`check`). Nothing in any other folder is read or written.
 
 use std::fs::{self, DirBuilder, Metadata};
 use std::io;
@@ -28,7 +28,7 @@ use crate::seal;
 const OF_SYSTEM: &str = "/run/koseki";
 const OF_ALL: &str = "/tmp";
 
-/// The base folder of this process; see the module's table. It need not exist.
+/// The base folder of this process; see the module's table. The folder need not exist.
 pub fn find() -> PathBuf {
     let set = |name: &str| {
         std::env::var_os(name)
@@ -61,7 +61,7 @@ fn in_common_folder(folder: &Path) -> PathBuf {
     own.unwrap_or_else(|| folder.join(format!("{begin}{:08x}", seal::random())))
 }
 
-/// Creates the folder if missing, and checks it.
+/// Creates the folder if missing, and checks the folder.
 pub(crate) fn make(base: &Path) -> Result<(), BusError> {
     if !check(base)? {
         DirBuilder::new()
@@ -111,7 +111,7 @@ pub(crate) fn check(base: &Path) -> Result<bool, BusError> {
         if !is_own(&found) && found.uid() != system && found.uid() != 0 {
             return refused(folder, "belongs to another user");
         }
-        // In a sticky folder, only the owners of files can rename them.
+        // In a sticky folder, only the owners of files can rename files.
         if found.mode() & 0o002 != 0 && found.mode() & 0o1000 == 0 {
             return refused(folder, "may be written by others");
         }

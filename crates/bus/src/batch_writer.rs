@@ -2,11 +2,12 @@
 //!
 //! The obvious way collects samples in a list, and loans a slice once the list is complete. Then a loan of some 900
 //! instructions, and a second copy of each sample, stand between the last sample and the subscribers. Here the next
-//! slice is loaned after a send, when nobody waits, and each sample is written once, to its place in the slice.
+//! slice is loaned after a send, when no process waits, and each sample is written once, to the final place in the
+//! slice.
 //!
-//! A slice has the length of its loan, and the length of the next batch is unknown. So the next slice is as long as the
-//! previous batch: a steady stream has batches of one length. A batch of another length is copied into a slice of that
-//! length.
+//! A slice has the length of the loan, and the length of the next batch is unknown. So the next slice is as long as the
+//! previous batch: a steady stream has batches of equal length. A batch of another length is copied into a slice of
+//! that length.
 
 use crate::error::BusError;
 use crate::loaned::LoanedSlice;
@@ -14,10 +15,10 @@ use crate::ports::Transport;
 use crate::publisher::{Mark, Publisher};
 use crate::transport::Payload;
 
-/// Collects samples, and sends them as one slice (as several, if they are more than a slice has places).
+/// Collects samples, and sends the batch as a single slice (as several, if the slice has too few places).
 #[derive(Debug)]
 pub struct BatchWriter<S: Transport, T: Payload> {
-    /// The slice that was loaned ahead, if there is one.
+    /// The slice that was loaned ahead, if any.
     next: LoanedSlice<S, T>,
     /// Samples beyond the places of that slice.
     rest: Vec<T>,
@@ -39,7 +40,7 @@ impl<S: Transport, T: Payload> BatchWriter<S, T> {
         &self.publisher
     }
 
-    /// Returns the publisher, to change what it states in every slice.
+    /// Returns the publisher, to change the statements in every slice.
     pub fn publisher_mut(&mut self) -> &mut Publisher<S, T> {
         &mut self.publisher
     }
@@ -69,7 +70,7 @@ impl<S: Transport, T: Payload> BatchWriter<S, T> {
         self.len() == 0
     }
 
-    /// Sends the batch, also an empty one: see [`Publisher::send`]. Each sample passes `finish` beside its sequence
+    /// Sends the batch, also an empty batch: see [`Publisher::send`]. Each sample passes `finish` beside the sequence
     /// number. Afterwards the next slice is loaned.
     ///
     /// # Errors
@@ -93,7 +94,7 @@ impl<S: Transport, T: Payload> BatchWriter<S, T> {
 
     #[inline]
     fn loan_ahead(&mut self, length: usize) {
-        // Without a slice, the next batch is copied, and its send returns the error.
+        // Without a slice, the next batch is copied, and that send returns the error.
         let _ = self.publisher.loan(&mut self.next, length);
     }
 
@@ -121,7 +122,7 @@ impl<S: Transport, T: Payload> BatchWriter<S, T> {
 }
 
 impl<S: Transport, T: Payload> Drop for BatchWriter<S, T> {
-    /// The last slice of a topic often announces its end: a reader must not sleep on it.
+    /// The last slice of a topic often announces the end: a reader must not sleep past this slice.
     fn drop(&mut self) {
         self.settle();
     }
@@ -225,7 +226,7 @@ mod tests {
             writer.push(&track(1));
             writer.send(mark(0), |_, _| ()).unwrap();
         };
-        // The first batch is copied; the others find nobody, and remember it.
+        // The first batch is copied; the others find no listener, and record this.
         (0..3).for_each(|_| send(&mut writer));
         let name = iceoryx2::prelude::ServiceName::new(topic.name.as_str()).unwrap();
         let events = bus.node().service_builder(&name).event().open().unwrap();
@@ -263,7 +264,7 @@ mod tests {
         let topic = messages::sensor_tracks("a");
         let _held = bus.hold(&topic).unwrap();
         let mut writer = BatchWriter::new(bus.publisher(&topic, 1).unwrap(), 1);
-        // The first batch is copied; the second finds nobody, and remembers it.
+        // The first batch is copied; the second finds no listener, and records this.
         for number in 0..2 {
             writer.push(&track(number));
             writer.send(mark(0), |_, _| ()).unwrap();

@@ -2,7 +2,7 @@
 //!
 //! A single process, the keeper, *holds* every topic; all other processes only open topics. If every process created
 //! services, a kill at the wrong moment would leave a service that no process can open, and the first process would
-//! decide about sizes. With a holder, a topic exists before its first use and as long as the instance runs.
+//! decide about sizes. With a holder, a topic exists before its first use and during the whole run of the instance.
 
 use std::sync::atomic::Ordering::{Release, SeqCst};
 use std::sync::atomic::fence;
@@ -28,7 +28,7 @@ use crate::waiter::{WATCHED_MAX, WaitMode, Waiter};
 
 /// How long a topic that does not exist (yet) is asked for.
 const OPEN_PATIENCE: Duration = Duration::from_millis(500);
-/// Publishers of a topic with few of them that may leave between two looks of a subscriber without loss.
+/// Publishers of a topic with few publishers that may leave between two looks of a subscriber without loss.
 const FEW_LEAVERS: usize = 8;
 /// Start of names used within a process only.
 const PREFIX_IN_PROCESS: &str = "k_";
@@ -127,7 +127,7 @@ impl<S: Transport> Bus<S> {
     /// greater `depth` than the usual number permits longer queues to subscribers that request them.
     ///
     /// # Errors
-    /// If it exists with another type or smaller sizes, or cannot be created.
+    /// If the topic exists with another type or smaller sizes, or cannot be created.
     pub fn hold<T: Payload>(&self, topic: &Topic<T>) -> Result<TopicHold, BusError> {
         if S::CROSSES_PROCESSES {
             // Lines are created first, so that every process that finds the topic finds the lines.
@@ -136,10 +136,10 @@ impl<S: Transport> Bus<S> {
         S::hold(&self.node, &self.service(topic))
     }
 
-    /// Makes the log of `topic`, at `created_ns` (monotonic, nanoseconds); it exists as long as the instance does.
+    /// Makes the log of `topic`, at `created_ns` (monotonic, nanoseconds); the log exists as long as the instance.
     ///
     /// # Errors
-    /// If it cannot be made.
+    /// If the log cannot be made.
     pub fn hold_log<T: Payload>(&self, topic: &Topic<T>, created_ns: u64) -> Result<(), BusError> {
         if S::CROSSES_PROCESSES {
             log::create(&self.prefix, topic, created_ns)?;
@@ -147,8 +147,8 @@ impl<S: Transport> Bus<S> {
         Ok(())
     }
 
-    /// Returns the writer of the log of `topic`; only one writer may exist at a time. [In process](crate::InProcess)
-    /// the log has no reader.
+    /// Returns the writer of the log of `topic`; at most a single writer may exist at a time. [In
+    /// process](crate::InProcess) the log has no reader.
     ///
     /// # Errors
     /// If no process holds the log.
@@ -192,9 +192,9 @@ impl<S: Transport> Bus<S> {
         Ok(Publisher::new(opened, line, self.hint(topic)?, topic, incarnation))
     }
 
-    /// Returns a subscriber to `topic`. `now_ns` reads the monotonic clock of the publishers' incarnations; it is
-    /// called once, when the subscriber is connected. Samples of publishers started later must arrive, and count as
-    /// lost otherwise; of older publishers, only samples after the first taken slice are expected.
+    /// Returns a subscriber to `topic`. `now_ns` reads the monotonic clock of the publishers' incarnations, once, when
+    /// the subscriber is connected. Samples of publishers started later must arrive, and count as lost otherwise; of
+    /// older publishers, only samples after the first taken slice are expected.
     ///
     /// # Errors
     /// [`BusError::NoSuchTopic`] if no process holds the topic; [`BusError::Full`] if the topic has no free place,
@@ -224,7 +224,7 @@ impl<S: Transport> Bus<S> {
         Ok(Subscriber::new(opened, ends, self.hint(topic)?, topic, joined_ns))
     }
 
-    /// Last words of the publishers of `topic`, the dead ones included until their lines are needed for others: see
+    /// Last words of the publishers of `topic`, the dead ones included until the lines are needed for others: see
     /// [`PublisherLine`]. None [in process](crate::InProcess), where publishers end with all others.
     ///
     /// # Errors
@@ -286,8 +286,8 @@ impl<S: Transport> Waiter<S> {
         }
         self.listen(S::listen(&bus.node, &bus.service(topic))?);
         bus.hint(topic)?.listeners().fetch_add(1, Release);
-        // A publisher that does not see this listener yet does not wake it, but has written its slice before: the first
-        // question of the wait finds the slice (see the module `wake_up`).
+        // A publisher that does not see this listener yet does not wake the listener, but has written its slice before:
+        // the first question of the wait finds the slice (see the module `wake_up`).
         fence(SeqCst);
         Ok(())
     }

@@ -25,7 +25,7 @@ pub enum BusError {
         limit: usize,
     },
 
-    /// A deployment's folder is so deep that the names of sockets in it would not fit.
+    /// A deployment's folder is so deep that the names of sockets in the folder would not fit.
     #[error(
         "{} is {length} bytes long, which leaves no room for the names of sockets in it: at most {limit} bytes work; \
          take a shorter instance name or another base folder",
@@ -40,7 +40,7 @@ pub enum BusError {
         limit: usize,
     },
 
-    /// The base folder is open to other users, or could be exchanged by them.
+    /// The base folder is open to other users, or could be exchanged by other users.
     #[error(
         "base folder: {} {fault}: take a folder of your own, in folders of your own (mode 0700), with --root or \
          $KOSEKI_ROOT",
@@ -49,7 +49,7 @@ pub enum BusError {
     BaseNotPrivate {
         /// The folder, or a folder above.
         path: PathBuf,
-        /// Why it is refused.
+        /// Reason of the refusal.
         fault: &'static str,
     },
 
@@ -71,11 +71,11 @@ pub enum BusError {
     AlreadyRunning {
         /// The instance.
         instance: String,
-        /// The process, where it could be read.
+        /// The process, where readable.
         pid: Option<u32>,
     },
 
-    /// The instance's launcher is gone, but processes that it started still run.
+    /// The instance's launcher is gone, but processes that the launcher started still run.
     #[error(
         "instance {instance} has no launcher, but its shared memory is still used by {}: end these processes first",
         Processes(processes)
@@ -83,7 +83,7 @@ pub enum BusError {
     StillUsed {
         /// The instance.
         instance: String,
-        /// Processes that use it.
+        /// Processes that use the instance.
         processes: Vec<MemberProcess>,
     },
 
@@ -107,7 +107,7 @@ pub enum BusError {
         action: &'static str,
         /// On which file or folder.
         path: PathBuf,
-        /// Why it failed.
+        /// Cause of the failure.
         source: io::Error,
     },
 
@@ -123,7 +123,7 @@ pub enum BusError {
         instance: String,
         /// Folder of the instance.
         path: PathBuf,
-        /// iceoryx2's word for it.
+        /// iceoryx2's reason.
         reason: String,
     },
 
@@ -135,7 +135,7 @@ pub enum BusError {
     NoSuchTopic {
         /// The topic.
         topic: Arc<str>,
-        /// How long it was asked for.
+        /// Duration of the attempts.
         waited_ms: u128,
     },
 
@@ -146,7 +146,7 @@ pub enum BusError {
     Incompatible {
         /// The topic.
         topic: Arc<str>,
-        /// iceoryx2's word for it.
+        /// iceoryx2's reason.
         reason: String,
     },
 
@@ -182,11 +182,11 @@ pub enum BusError {
         topic: Arc<str>,
         /// Attempt that failed.
         action: &'static str,
-        /// iceoryx2's word for it.
+        /// iceoryx2's reason.
         reason: String,
     },
 
-    /// A waiter watches as many topics as it can.
+    /// A waiter watches as many topics as possible.
     #[error("topic {topic}: this waiter already watches {limit} topics, and that is its limit")]
     WatchedTooMany {
         /// The topic.
@@ -195,8 +195,8 @@ pub enum BusError {
         limit: usize,
     },
 
-    /// A slice could not be sent. The slice's samples keep their sequence numbers, so that subscribers count them as
-    /// lost.
+    /// A slice could not be sent. The slice's samples keep their sequence numbers, so that subscribers count the
+    /// samples as lost.
     #[error(
         "topic {topic}: {samples} samples were not sent: {reason}; remove dead processes, they may hold the memory"
     )]
@@ -205,7 +205,7 @@ pub enum BusError {
         topic: Arc<str>,
         /// How many samples.
         samples: usize,
-        /// iceoryx2's word for it.
+        /// iceoryx2's reason.
         reason: &'static str,
     },
 
@@ -214,11 +214,11 @@ pub enum BusError {
     Take {
         /// The topic.
         topic: Arc<str>,
-        /// iceoryx2's word for it.
+        /// iceoryx2's reason.
         reason: &'static str,
     },
 
-    /// The subscriber keeps as many slices as it may.
+    /// The subscriber keeps as many slices as permitted.
     #[error("topic {topic}: {limit} slices are kept, which is the limit: release a slice, or copy its samples")]
     Borrowed {
         /// The topic.
@@ -236,7 +236,7 @@ pub enum BusError {
         source: io::Error,
     },
 
-    /// The shared memory is too small. Without this check, the first write past its end would kill the writer.
+    /// The shared memory is too small. Without this check, the first write past the end would kill the writer.
     #[error(
         "{} has {free} bytes free, but the topics need up to {needed}: free some, make it larger (`mount -o \
          remount,size=…`), or configure fewer sources",
@@ -255,11 +255,11 @@ pub enum BusError {
 /// A kind of place that a topic has a limited number of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PortRole {
-    /// One that sends.
+    /// A port that sends.
     Publisher,
-    /// One that takes.
+    /// A port that takes.
     Subscriber,
-    /// One that waits.
+    /// A port that waits.
     Listener,
     /// A process that has opened the topic.
     Process,

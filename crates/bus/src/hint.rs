@@ -2,7 +2,7 @@
 //!
 //! A look into an empty queue of iceoryx2 costs some 400 instructions, and a spinning reader of several topics mostly
 //! looks into empty queues. Therefore each publisher increments a word of the topic after a slice has entered the
-//! queues. A reader that found its queue empty looks again when the word has changed: one load of a cache line that is
+//! queues. A reader that found an empty queue looks again when the word has changed: one load of a cache line that is
 //! written by senders only.
 //!
 //! The word is a hint, not the truth: a publisher in another language never touches the word, and a publisher may be

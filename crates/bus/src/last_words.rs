@@ -1,15 +1,17 @@
 //! Protocol of a publisher's line: one publisher writes, any process reads, and a later publisher takes the line over.
 //!
 //! # No reader mixes two publishers
-//! A publisher takes a line by a swap of the owner's word to its own with the state "claimed", and only then writes the
-//! fields, behind a fence (release). It writes the check last, and then the owner's word with the state "lives" (both
-//! release). A reader reads the check, the owner's word, the fields, and behind a fence (acquire) the owner's word and
-//! the check again. It accepts the fields if both are what they were, and the check agrees with owner and identity.
+//! A publisher takes a line by a swap of the owner's word to the publisher's own with the state "claimed", and only
+//! then writes the fields, behind a fence (release). The publisher writes the check last, and then the owner's word
+//! with the state "lives" (both release). A reader reads the check, the owner's word, the fields, and behind a fence
+//! (acquire) the owner's word and the check again. The reader accepts the fields if both are unchanged, and the check
+//! agrees with owner and identity.
 //!
-//! The owner's word names the process only: a process that takes its own former line over, and leaves it again, brings
-//! the same word back. The check differs for each publisher. Once it is read, the owner's word and the fields are this
-//! publisher's or a later one's. A field of a later one shows its claim at least, behind the fence; its owner's word
-//! can equal the first only if the later one lives or has ended, and then the second check is the later one's.
+//! The owner's word names the process only: a process that takes a former line of the same process over, and leaves the
+//! line again, brings the same word back. The check differs for each publisher. Once the check is read, the owner's
+//! word and the fields are this publisher's or a later one's. A field of a later publisher shows at least the claim,
+//! behind the fence. The later owner's word can equal the first only if the later publisher lives or has ended; then
+//! the second check is the later publisher's.
 //!
 //! # No end is overlooked
 //! A mark changes the owner's word, and then increments the count of ends in the head. A reader that sees the count
@@ -22,7 +24,7 @@ use std::sync::atomic::Ordering::{AcqRel, Acquire, Relaxed, Release};
 
 use crate::atomic::{AtomicU64, fence};
 
-/// States of a line, in the lower bits of its owner's word.
+/// States of a line, in the lower bits of the owner's word.
 pub(crate) const CLAIMED: u64 = 1;
 pub(crate) const LIVES: u64 = 2;
 pub(crate) const ENDED: u64 = 3;
@@ -30,7 +32,7 @@ pub(crate) const DIED: u64 = 4;
 const STATE_BITS: u32 = 3;
 pub(crate) const STATE: u64 = (1 << STATE_BITS) - 1;
 
-/// Words of a topic before its lines.
+/// Words of a topic before the lines.
 #[derive(Debug, Default)]
 #[repr(C, align(64))]
 pub(crate) struct LineHead {
@@ -51,22 +53,22 @@ pub(crate) struct Line {
     origin: AtomicU64,
     incarnation: AtomicU64,
     schema: AtomicU64,
-    /// Agrees with the four fields before it.
+    /// Agrees with the four preceding fields.
     pub(crate) check: AtomicU64,
     next_sequence: AtomicU64,
     heartbeat_ns: AtomicU64,
-    /// Count of ends when this one ended: the oldest is filled again first.
+    /// Count of ends when this line ended: the oldest line is filled again first.
     pub(crate) end: AtomicU64,
 }
 
 /// Last words of a publisher.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PublisherLine {
-    /// When the publisher started, by its own statement (monotonic, ns).
+    /// Start of the publisher, as stated by the publisher (monotonic, ns).
     pub incarnation: u64,
-    /// Sequence number after the last sample that was sent, or that was about to be when its publisher was killed.
+    /// Sequence number after the last sample that was sent, or about to be sent when the publisher was killed.
     pub next_sequence: u64,
-    /// Monotonic time of the last send, nanoseconds; 0 before the first one.
+    /// Monotonic time of the last send, nanoseconds; 0 before the first send.
     pub heartbeat_ns: i64,
     /// Whether the publisher lives, has left, or was killed.
     pub life: PublisherState,
@@ -81,13 +83,13 @@ pub struct PublisherLine {
 pub enum PublisherState {
     /// The publisher lives, or its death is not detected yet.
     Lives,
-    /// It left.
+    /// The publisher left.
     Ended,
-    /// Its process ended without leaving.
+    /// The publisher's process ended without leaving.
     Died,
 }
 
-/// Identity of a publisher in its line.
+/// Identity of a publisher in a line.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Identity {
     /// iceoryx2's number of the process.
@@ -109,7 +111,7 @@ impl Line {
         {
             return false;
         }
-        // No reader sees a field of the new publisher under the old one's name.
+        // No reader sees a field of the new publisher under the old publisher's name.
         fence(Release);
         let origin = fold(who.origin);
         self.origin.store(origin, Relaxed);
@@ -147,19 +149,19 @@ impl Line {
         }
     }
 
-    /// Last words of the line's publisher; `None` if there was none, or one is taking the line over.
+    /// Last words of the line's publisher; `None` if there was none, or a publisher is taking the line over.
     pub(crate) fn read(&self) -> Option<PublisherLine> {
-        // Before the owner's word: this is then the same publisher's, or a later one's.
+        // Before the owner's word: this word then belongs to the same publisher, or to a later publisher.
         let check = self.check.load(Acquire);
         let owner = self.owner.load(Acquire);
         let line = self.look(check, owner)?;
-        // The line was one publisher's all the while, and not another one's of the same process.
+        // The line belonged to the same publisher throughout, not to another publisher of the same process.
         fence(Acquire);
         let same = self.owner.load(Acquire) == owner && self.check.load(Relaxed) == check;
         same.then_some(line)
     }
 
-    /// The words besides `check` and `owner`; `None` if they do not agree.
+    /// The words besides `check` and `owner`; `None` in case of disagreement.
     pub(crate) fn look(&self, check: u64, owner: u64) -> Option<PublisherLine> {
         let line = PublisherLine {
             incarnation: self.incarnation.load(Relaxed),
@@ -180,11 +182,11 @@ impl Line {
     }
 }
 
-/// What is known of the ends of a topic's publishers.
+/// Known ends of a topic's publishers.
 #[derive(Debug)]
 pub(crate) struct EndsSeen {
     schema: u64,
-    /// Count of ends when it was last looked.
+    /// Count of ends at the last look.
     seen: u64,
     /// For each line, the last publisher with a reported end.
     told: Vec<u64>,
@@ -238,7 +240,7 @@ impl EndsSeen {
         }
     }
 
-    /// Reports each publisher whose end is not reported yet.
+    /// Reports each publisher with an end not reported yet.
     #[inline]
     pub(crate) fn settle(&mut self, mut tell: impl FnMut(&PublisherLine)) {
         for ended in self.waiting.drain(..) {

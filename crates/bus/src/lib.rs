@@ -18,11 +18,11 @@
 //! and creates no files. The same conformance suite tests both.
 //!
 //! Four rules hold throughout:
-//! - **A publisher never waits.** A stopped, dead or slow subscriber loses its oldest slices, and counts the loss.
+//! - **A publisher never waits.** A stopped, dead or slow subscriber loses the oldest slices, and counts the loss.
 //! - **Loss is counted, not guessed**, from the sequence number in the header of every slice.
-//! - **The steady state allocates nothing** once every port is connected to its peers: `take` and `wait` nothing at
-//!   all, `send` nothing of its own (iceoryx2 0.10 allocates a block of some fifty bytes per slice, and frees the
-//!   block at once).
+//! - **The steady state allocates nothing** once every port is connected to all peers: `take` and `wait` nothing at
+//!   all, `send` nothing directly (iceoryx2 0.10 allocates a block of some fifty bytes per slice, and frees the block
+//!   at once).
 //! - **Removal is explicit.** Dead processes are removed when the keeper calls [`Bus::remove_dead`] or a topic has no
 //!   free place; the remains of a dead deployment, when [`Root::claim`] succeeds, or when the last joined process
 //!   leaves.

@@ -1,20 +1,20 @@
-//! Line of a publisher: its last sequence number, which outlives the publisher.
+//! Line of a publisher: the last sequence number, which outlives the publisher.
 //!
-//! A slice states how many samples its publisher had sent before, so that the next slice reveals missing samples.
-//! After the last slice there is no such check: samples that died with a killed publisher would go unnoticed.
-//! Therefore each publisher has a *line* of shared memory, one cache line long. Before each send the publisher writes
-//! the sequence number after this send to the line, and afterwards the time. The line remains after the publisher's
-//! end. A subscriber with an empty queue compares: numbers below the line's number that were not taken are lost.
+//! A slice states how many samples the publisher had sent before, so that the next slice reveals missing samples. After
+//! the last slice there is no such check: samples that died with a killed publisher would go unnoticed. Therefore each
+//! publisher has a *line* of shared memory, a single cache line long. Before each send the publisher writes the
+//! sequence number after this send to the line, and afterwards the time. The line remains after the publisher's end. A
+//! subscriber with an empty queue compares: numbers below the line's number that were not taken are lost.
 //!
-//! The lines of a topic are a file in shared memory, created by the topic's holder: a head, and twice as many lines
-//! as simultaneous publishers, so that the lines of recently ended publishers remain readable when their places are
-//! reused. A publisher that leaves marks its line as ended; the line of a killed publisher is marked by the process
-//! that removes the dead ([`Bus::remove_dead`](crate::Bus::remove_dead)). Each mark increments a count in the head;
-//! until the count changes, a check of an empty queue costs a subscriber one load.
+//! The lines of a topic are a file in shared memory, created by the topic's holder: a head, and twice as many lines as
+//! simultaneous publishers, so that the lines of recently ended publishers remain readable when the places are reused.
+//! A publisher that leaves marks the line as ended; the line of a killed publisher is marked by the process that
+//! removes the dead ([`Bus::remove_dead`](crate::Bus::remove_dead)). Each mark increments a count in the head; until
+//! the count changes, a check of an empty queue costs a subscriber one load.
 //!
-//! Limits: a publisher in another language has no line; its missing samples are detected by gaps only. Any process of
-//! the same user can write to the file. Readers accept a line only if its fields are consistent, and use no field as
-//! an index or a length. A line reused before a subscriber reads it is not counted.
+//! Limits: a publisher in another language has no line; missing samples are then detected by gaps only. Any process of
+//! the same user can write to the file. Readers accept a line only if the fields are consistent, and use no field as an
+//! index or a length. A line reused before a subscriber's read is not counted.
 //!
 //! The protocol of both sides is in `last_words`.
 
@@ -52,7 +52,7 @@ impl LineReader {
         Self { lines, schema }
     }
 
-    /// Last words of the publishers, the dead ones included until their lines are needed for others.
+    /// Last words of the publishers, the dead ones included until the lines are needed for others.
     pub fn read(&self) -> Vec<PublisherLine> {
         let lines = self.lines.iter().flat_map(Lines::read);
         lines.filter(|line| line.schema == self.schema).collect()
@@ -105,7 +105,7 @@ impl Lines {
     }
 
     fn list(&self) -> &[Line] {
-        // SAFETY: as in `head`; behind it the mapping has `count` lines.
+        // SAFETY: as in `head`; behind the head the mapping has `count` lines.
         unsafe { std::slice::from_raw_parts(self.mapping.start().cast::<Line>().add(1).as_ptr(), self.count) }
     }
 
@@ -153,7 +153,7 @@ impl Lines {
     }
 }
 
-/// The line of a publisher of this process. When dropped, it is marked as ended.
+/// The line of a publisher of this process. When dropped, the line is marked as ended.
 #[derive(Debug)]
 pub(crate) struct OwnLine {
     lines: Lines,
@@ -205,8 +205,8 @@ impl Ends {
         Self { lines, ends }
     }
 
-    /// Returns whether publishers have ended. Their last slices may still be in the queue: empty the queue, then
-    /// [settle](Self::settle).
+    /// Returns whether publishers have ended. The last slices of these publishers may still be in the queue: empty the
+    /// queue, then [settle](Self::settle).
     #[inline]
     pub(crate) fn news(&mut self) -> bool {
         self.ends.news(self.lines.head(), self.lines.list())
@@ -239,7 +239,7 @@ fn io_error(action: &'static str, path: PathBuf, source: io::Error) -> BusError 
     BusError::Io { action, path, source }
 }
 
-/// Marks all publishers of the instance as dead whose processes are missing in `nodes`. Names of the instance's
+/// Marks all publishers of the instance as dead if their processes are missing in `nodes`. Names of the instance's
 /// memory begin with `prefix`; files that cannot be opened are skipped.
 pub(crate) fn mark_dead<E>(prefix: &str, nodes: impl FnOnce() -> Result<Vec<u128>, E>) {
     let start = name_start(prefix);
@@ -281,7 +281,7 @@ mod tests {
         }
     }
 
-    /// Lines of two publishers, and their words.
+    /// Lines of two publishers, and the words of both.
     fn lines(folder: &tempfile::TempDir) -> (Lines, Mapping) {
         let path = folder.path().join("lines");
         let mapping = || Mapping::create(&path, 5 * LINE_BYTES).unwrap();
@@ -289,7 +289,7 @@ mod tests {
     }
 
     fn words(mapping: &Mapping) -> &[AtomicU64] {
-        // SAFETY: the mapping is aligned to a page and has so many words, of which any bits are atomic ones.
+        // SAFETY: the mapping is aligned to a page and has so many words, and any bits are a valid atomic word.
         unsafe { std::slice::from_raw_parts(mapping.start().cast().as_ptr(), mapping.bytes() / size_of::<u64>()) }
     }
 
@@ -301,7 +301,7 @@ mod tests {
         own.number(9);
         let found: Vec<_> = all.read().collect();
         assert_eq!((found.len(), found[0].next_sequence), (1, 9));
-        // The owner, its identity and the check are the first words of a line; the head is as long as a line.
+        // The owner, the identity and the check are the first words of a line; the head is as long as a line.
         let first = LINE_BYTES / size_of::<u64>();
         for word in &words(&mapping)[first..first + 5] {
             for bit in 0..64 {

@@ -1,4 +1,4 @@
-//! A slice on loan: places in shared memory that its publisher writes, and that no subscriber sees before it is sent.
+//! A slice on loan: places in shared memory written by the publisher, and invisible to subscribers before the send.
 
 use std::fmt;
 use std::mem::MaybeUninit;
@@ -14,7 +14,7 @@ use crate::transport::Payload;
 /// back.
 pub(crate) struct LoanedSlice<S: Transport, T: Payload> {
     loan: Option<DropGuard<Loan<S>>>,
-    /// First place: asking the loan for it costs some tens of instructions.
+    /// First place: asking the loan for this place costs some tens of instructions.
     first: NonNull<MaybeUninit<T>>,
     places: usize,
     written: usize,
@@ -68,7 +68,7 @@ impl<S: Transport, T: Payload> LoanedSlice<S, T> {
         self.written
     }
 
-    /// Whether there is a slice, and all its places have been written.
+    /// Whether there is a slice, and all places of the slice have been written.
     #[inline]
     pub(crate) fn is_full(&self) -> bool {
         self.written == self.places && self.loan.is_some()
@@ -83,7 +83,7 @@ impl<S: Transport, T: Payload> LoanedSlice<S, T> {
     #[inline]
     pub(crate) fn push(&mut self, sample: &T) -> bool {
         // SAFETY: the loan has so many places of the size and alignment of `T`, with which the topic was opened, keeps
-        // them as long as it lives, and nothing but `self` refers to them.
+        // them for the life of the loan, and nothing but `self` refers to these places.
         let all = unsafe { NonNull::slice_from_raw_parts(self.first, self.places).as_mut() };
         let Some(place) = all.get_mut(self.written) else {
             return false;
@@ -103,7 +103,7 @@ impl<S: Transport, T: Payload> LoanedSlice<S, T> {
     /// Writes the header, and puts the slice into the queues of all subscribers.
     ///
     /// # Errors
-    /// Why it could not be sent, for instance because places are not written.
+    /// The reason why the slice could not be sent, for instance because places are not written.
     #[inline]
     pub(crate) fn send(&mut self, header: &BatchHeader) -> Result<(), &'static str> {
         let Some(loan) = self.loan.as_mut().filter(|_| self.written == self.places) else {
@@ -111,8 +111,8 @@ impl<S: Transport, T: Payload> LoanedSlice<S, T> {
         };
         (self.places, self.written) = (0, 0);
         let place = std::ptr::from_mut(loan.user_header_mut()).cast::<BatchHeader>();
-        // SAFETY: the topic was opened with the size and alignment of a `BatchHeader` for this place; with it, and with
-        // all samples, the slice is complete.
+        // SAFETY: the topic was opened with the size and alignment of a `BatchHeader` for this place; with the header,
+        // and with all samples, the slice is complete.
         unsafe {
             place.write(*header);
             S::send(&mut self.loan)

@@ -1,12 +1,13 @@
-//! A log in shared memory: samples of one writer, for readers at any speed.
+//! A log in shared memory: samples of a single writer, for readers at any speed.
 //!
-//! A topic costs its publisher some thousand instructions per slice, which is expensive if each sample must be
-//! published before its result. A log costs some ten: the writer stores the sample in the next place of a ring, and
-//! increments a count. The writer has no list of readers, no reader can slow the writer, and written samples survive
-//! a kill at any instruction. A successor continues at the next place; only one writer may exist at a time.
+//! A topic costs the publisher some thousand instructions per slice, which is expensive if each sample must be
+//! published before the sample's result. A log costs some ten: the writer stores the sample in the next place of a
+//! ring, and increments a count. The writer has no list of readers, no reader can slow the writer, and written samples
+//! survive a kill at any instruction. A successor continues at the next place; only a single writer may exist at a
+//! time.
 //!
-//! The ring is a file in shared memory, created by its holder: a head with the time of creation and the number of
-//! samples ever written, and as many places as the topic has depth, a power of two. A reader copies places, then
+//! The ring is a file in shared memory, created by the topic's holder: a head with the time of creation and the number
+//! of samples ever written, and as many places as the topic has depth, a power of two. A reader copies places, then
 //! reads the count again: places overwritten in the meantime are lost to this reader. The protocol of both sides is in
 //! `ring`.
 
@@ -76,7 +77,7 @@ impl<T: Payload> Ring<T> {
     }
 }
 
-/// Makes the log of `topic`, at `created_ns` (monotonic, nanoseconds), or finds it.
+/// Makes the log of `topic`, at `created_ns` (monotonic, nanoseconds), or finds the log.
 pub(crate) fn create<T: Payload>(prefix: &str, topic: &Topic<T>, created_ns: u64) -> Result<(), BusError> {
     let path = path_of(prefix, topic);
     let ring = Mapping::create(&path, log_bytes(topic)).and_then(|mapping| Ring::of(topic, mapping));
@@ -124,7 +125,7 @@ impl<T: Payload> LogWriter<T> {
         Ok(Self { ring, next })
     }
 
-    /// Writes a sample down: when this returns it is there, even if this process dies.
+    /// Writes a sample: after the return the sample is stored, even if this process dies.
     #[inline]
     pub fn write(&mut self, sample: &T) {
         let octets = T::octets(std::slice::from_ref(sample)).as_chunks::<WORD>().0;
@@ -163,9 +164,8 @@ impl<T: Payload> LogReader<T> {
         self.next = self.next.max(next);
     }
 
-    /// Returns the next samples, a few hundred at most, and the number of the first: the count of samples ever
-    /// written before it. `None` without new samples. A number above the expected number gives the number of lost
-    /// samples.
+    /// Returns the next samples, a few hundred at most, and the number of the first: the count of samples ever written
+    /// before. `None` without new samples. A number above the expected number gives the number of lost samples.
     pub fn read(&mut self) -> Option<(u64, &[T])> {
         let read = self.ring.ring().read(self.next, &mut self.copied, of_words);
         let first = read.unwrap_or_else(|DamagedCount| {
@@ -205,7 +205,7 @@ mod tests {
         }
     }
 
-    /// Writer and reader of one ring of so many places.
+    /// Writer and reader of the same ring of so many places.
     fn pair(places: usize) -> (LogWriter<WorkStep>, LogReader<WorkStep>, tempfile::TempDir) {
         let folder = tempfile::tempdir().unwrap();
         let mut topic = messages::event_log();
@@ -256,10 +256,10 @@ mod tests {
         for word in [u64::MAX, 1 << 63, (1 << 48) - 1, (1 << 48) - 3, 1 << 47] {
             let (mut writer, mut reader, _folder) = pair(8);
             reader.ring.words().iter().for_each(|place| place.store(word, Relaxed));
-            // Of all these words, only the first agrees with its check.
+            // Of all these words, only the first agrees with the check.
             assert_eq!(reader.read().is_some(), word == u64::MAX);
             writer.next = writer.ring.ring().begin();
-            // The numbers begin again at 0 before they overflow.
+            // The numbers begin again at 0 before an overflow.
             (0..9).for_each(|number| writer.write(&step(number)));
             while reader.read().is_some() {}
             reader.go_on(u64::MAX);

@@ -1,4 +1,4 @@
-//! Mapped files in shared memory: words that outlive their writer.
+//! Mapped files in shared memory: words that outlive the writer.
 
 use std::fs::OpenOptions;
 use std::io;
@@ -20,14 +20,14 @@ pub(crate) struct Mapping {
     bytes: usize,
 }
 
-// SAFETY: the mapping belongs to the process, not to a thread; its users access atomic words only.
+// SAFETY: the mapping belongs to the process, not to a thread; the users access atomic words only.
 unsafe impl Send for Mapping {}
 
 impl Mapping {
     /// Creates the file with this number of `bytes`, or opens an existing file.
     ///
     /// # Errors
-    /// If it cannot be made, or is another user's.
+    /// If the file cannot be made, or is another user's.
     pub(crate) fn create(path: &Path, bytes: usize) -> io::Result<Self> {
         let file = options().create(true).mode(0o600).open(path)?;
         // Reserved now: a write into a page for which there is no memory left would end the process.
@@ -39,7 +39,7 @@ impl Mapping {
     /// Opens the file.
     ///
     /// # Errors
-    /// If there is none, or it is empty or another user's.
+    /// If there is no file, or the file is empty or another user's.
     pub(crate) fn open(path: &Path) -> io::Result<Self> {
         let file = options().open(path)?;
         let found = file.metadata()?;
@@ -62,8 +62,8 @@ impl Mapping {
         Self::at(start.cast(), bytes)
     }
 
-    /// Moves memory without a file into a new file. The words keep their address and their values, provided that no
-    /// other thread writes them meanwhile.
+    /// Moves memory without a file into a new file. The words keep address and values, provided that no other thread
+    /// writes the words meanwhile.
     ///
     /// # Errors
     /// If the file cannot be created, or has another length; the memory is unchanged then.
@@ -108,7 +108,7 @@ impl Mapping {
 
 impl Drop for Mapping {
     fn drop(&mut self) {
-        // SAFETY: the mapping was made with this length, and nothing borrows from it any more.
+        // SAFETY: the mapping was made with this length, and nothing borrows from the mapping any more.
         let _ = unsafe { munmap(self.start.as_ptr().cast(), self.bytes) };
     }
 }

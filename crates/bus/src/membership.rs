@@ -15,7 +15,8 @@ pub(crate) struct Membership {
 }
 
 impl Membership {
-    /// Joins the instance; also returns the start of the names of its memory. `None` if the instance does not run.
+    /// Joins the instance; also returns the start of the names of the instance's memory. `None` if the instance does
+    /// not run.
     pub(crate) fn begin(root: &Root) -> Result<Option<(Self, String)>, BusError> {
         if root.holder()?.is_none() {
             return Ok(None);
@@ -24,7 +25,7 @@ impl Membership {
             return Ok(None);
         };
         // A failed lock means that the instance is being removed; and if the folder was removed before the lock,
-        // another instance may have taken its place.
+        // another instance may have taken the place.
         if flock(&seal.file, FlockOperation::NonBlockingLockShared).is_err()
             || !is_same_file(&seal.file, &root.path().join(SEAL))
         {
@@ -38,8 +39,8 @@ impl Membership {
 
 impl Drop for Membership {
     fn drop(&mut self) {
-        // Only the last leaving member can lock alone, because all members release their locks before the attempt.
-        // After a failure, for example because a killed launcher's lock remains, the next start removes the files.
+        // Only the last leaving member can lock alone, because all members release the locks before the attempt. After
+        // a failure, for example because a killed launcher's lock remains, the next start removes the files.
         let _ = flock(&self.seal.file, FlockOperation::Unlock);
         if !is_same_file(&self.seal.file, &self.root.path().join(SEAL)) {
             // The memory was replaced during this membership. Memory created by this process since then belongs to no

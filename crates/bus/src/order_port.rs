@@ -1,6 +1,6 @@
-//! Port of an operator: sends orders to fusion, and receives their states.
+//! Port of an operator: sends orders to fusion, and receives the states of orders.
 //!
-//! Fusion identifies an order by its token, so an order may be sent again until its state is published: the repetition
+//! Fusion identifies an order by the token, so an order may be sent again until the state is published: the repetition
 //! has no further effect. The port needs write access to the instance's folder; the file mode of the folder therefore
 //! decides which users give orders.
 
@@ -13,12 +13,12 @@ use crate::{Bus, BusError, Mark, Publisher, Subscriber, Transport};
 /// Time after which an unanswered order is sent again, nanoseconds: far longer than an answer takes.
 const REPEAT_NS: i64 = 1_000_000_000;
 
-/// Port for orders of one operator.
+/// Port for orders of an operator.
 #[derive(Debug)]
 pub struct OrderPort<S: Transport> {
     orders: Publisher<S, Order>,
     states: Subscriber<S, OrderState>,
-    /// Order without answer, and the monotonic time at which it is sent next.
+    /// Order without answer, and the monotonic time of the next send.
     pending: Option<(Order, i64)>,
     list: Vec<OrderState>,
 }
@@ -37,7 +37,7 @@ impl<S: Transport> OrderPort<S> {
         })
     }
 
-    /// Gives an order at `utc_ns` (nanoseconds since 1970); [`Self::turn`] sends it and returns the answer.
+    /// Gives an order at `utc_ns` (nanoseconds since 1970); [`Self::turn`] sends the order and returns the answer.
     pub fn give(&mut self, order: &Order, utc_ns: i64) {
         let order = Order {
             token: token(utc_ns),
@@ -47,7 +47,7 @@ impl<S: Transport> OrderPort<S> {
         self.pending = Some((order, i64::MIN));
     }
 
-    /// Stops sending the pending order after its sender's time limit. Fusion may have obeyed the order already.
+    /// Stops sending the pending order after the sender's time limit. Fusion may have obeyed the order already.
     pub fn withdraw(&mut self) {
         self.pending = None;
     }

@@ -1,20 +1,20 @@
 //! Memory that outlasts the processes of an instance, and the instance's other memory.
 //!
-//! Memory for a process's successor must survive the launcher's death and the removal of all remains by the next
-//! start. It is a separate file, `/dev/shm/kept_<of the instance>_<name>.<random>`, with a link to it,
-//! `<base>/<instance>.<name>`. The base folder is private: the link leads only to files made by this user's
-//! processes. The file's own name proves nothing, because every user can create files in its folder. A successor
-//! fills a new file and then redirects the link, which is atomic.
+//! Memory for a process's successor must survive the launcher's death and the removal of all remains by the next start.
+//! The memory is a separate file, `/dev/shm/kept_<of the instance>_<name>.<random>`, with the link
+//! `<base>/<instance>.<name>`. The base folder is private: the link leads only to files made by this user's processes.
+//! The file's own name proves nothing, because every user can create files in its folder. A successor fills a new file
+//! and then redirects the link, which is atomic.
 //!
-//! Without room for the file, the words are at first in memory of the process alone. Each [`Outlasting::publish`] tries
-//! again to move them into the file.
+//! Without room for the file, the words are at first in private memory of the process. Each [`Outlasting::publish`]
+//! tries again to move the words into the file.
 //!
-//! Only an orderly end of the instance removes it ([`Root::remove_outlasting`]), after its last state has become a file
-//! ([`Root::outlasting_file`], [`Root::publish_outlasting`]).
+//! Only an orderly end of the instance removes the memory ([`Root::remove_outlasting`]), after its last state has
+//! become a file ([`Root::outlasting_file`], [`Root::publish_outlasting`]).
 //!
-//! The machine's death ends this memory. For data that must survive a reboot, the memory is copied to a folder on
-//! disk at times ([`Root::copy_outlasting`]), and restored from this folder ([`Root::revive_outlasting`]). A record
-//! written during the copy may be torn, as after a kill of its writer.
+//! The machine's death ends this memory. For data that must survive a reboot, the memory is copied to a folder on disk
+//! at times ([`Root::copy_outlasting`]), and restored from this folder ([`Root::revive_outlasting`]). A record written
+//! during the copy may be torn, as after a kill of the writer.
 
 use std::fs::{self, File};
 use std::io::{self, Seek as _, SeekFrom, Write as _};
@@ -36,7 +36,7 @@ const REVIVED: &str = "-revived";
 /// Words per page: blank pages take no room in a copy.
 const PAGE: usize = 512;
 
-/// Words that outlast their process, mapped.
+/// Words that outlast a process, mapped.
 #[derive(Debug)]
 pub struct Outlasting {
     mapping: Mapping,
@@ -50,11 +50,11 @@ pub struct Outlasting {
 unsafe impl Sync for Outlasting {}
 
 impl Root {
-    /// Returns new words, all 0, which are visible to others only after they are [published](Outlasting::publish)
-    /// under `name`.
+    /// Returns new words, all 0, which are visible to others only after being [published](Outlasting::publish) under
+    /// `name`.
     ///
     /// # Errors
-    /// If the machine has no memory left for them. Shared memory without room is no error here.
+    /// If the machine has no memory left for the words. Shared memory without room is no error here.
     pub fn make_outlasting(&self, name: &str, words: usize) -> Result<Outlasting, BusError> {
         self.make_outlasting_as(&format!("{name}.{:08x}", random()), name, words)
     }
@@ -76,10 +76,10 @@ impl Root {
         })
     }
 
-    /// The words that were published under `name` last; `None` if none were, or they are gone.
+    /// The words that were published under `name` last; `None` if none were published, or the words are gone.
     ///
     /// # Errors
-    /// If something else has their place.
+    /// If something else has the place of the words.
     pub fn outlasting(&self, name: &str) -> Result<Option<Outlasting>, BusError> {
         let link = self.outlasting_link(name);
         let path = match fs::read_link(&link) {
@@ -102,7 +102,7 @@ impl Root {
     /// Copies all that is published to files in `folder`, whole or not at all.
     ///
     /// # Errors
-    /// If a file cannot be written; the one before stays.
+    /// If a file cannot be written; the previous copy stays.
     pub fn copy_outlasting(&self, folder: &Path) -> Result<(), BusError> {
         fs::create_dir_all(folder).map_err(io_error("create", folder))?;
         for name in self.outlasting_names() {
@@ -121,10 +121,10 @@ impl Root {
     }
 
     /// Publishes the copies in `folder`, except names that still exist; returns the number of published copies. An
-    /// empty or unreadable copy is published as one blank word.
+    /// empty or unreadable copy is published as a single blank word.
     ///
     /// # Errors
-    /// If there is no memory for it.
+    /// If there is no memory for the words.
     pub fn revive_outlasting(&self, folder: &Path) -> Result<usize, BusError> {
         let mut revived = 0;
         let prefix = format!("{}.", self.instance());
@@ -139,7 +139,7 @@ impl Root {
             }
             let path = entry.path();
             // An empty or unreadable copy becomes a blank word, which every reader rejects: a successor needs to know
-            // that a copy existed, even if its contents are lost.
+            // that a copy existed, even if the contents are lost.
             let octets = fs::read(&path).unwrap_or_default();
             self.publish_octets(&format!("{name}.{:08x}{REVIVED}", random()), name, &octets)?;
             revived += 1;
@@ -147,11 +147,11 @@ impl Root {
         Ok(revived)
     }
 
-    /// Publishes `octets`, the last state of memory that was published under `name`. Empty octets become one blank
+    /// Publishes `octets`, the last state of memory that was published under `name`. Empty octets become a single blank
     /// word, which every reader rejects: a successor needs to know that there was a predecessor.
     ///
     /// # Errors
-    /// If there is no memory for it.
+    /// If there is no memory for the words.
     pub fn publish_outlasting(&self, name: &str, octets: &[u8]) -> Result<(), BusError> {
         self.publish_octets(&format!("{name}.{:08x}", random()), name, octets)
     }
@@ -210,8 +210,8 @@ impl Root {
         remove_files(&self.kept_prefix(), None);
     }
 
-    /// Copies the memory published under `name` to a file beside it, with a name that ends with `ending`, for
-    /// analysis; returns the path.
+    /// Copies the memory published under `name` to an adjacent file, with a name that ends with `ending`, for analysis;
+    /// returns the path.
     pub fn copy_outlasting_aside(&self, name: &str, ending: &str) -> Option<PathBuf> {
         let link = self.outlasting_link(name);
         let aside = link.with_extension(format!("{name}-{ending}"));
@@ -305,7 +305,7 @@ fn write_copy(path: &Path, words: &[AtomicU64]) -> io::Result<()> {
     file.sync_all()
 }
 
-/// Removes this user's files in shared memory with names that begin with `prefix`, except one file.
+/// Removes this user's files in shared memory with names that begin with `prefix`, except a single file.
 fn remove_files(prefix: &str, but: Option<&Path>) {
     let entries = fs::read_dir(SHARED_MEMORY_DIR).into_iter().flatten().flatten();
     for entry in entries {
@@ -360,7 +360,7 @@ mod tests {
         };
         let words = memory.words();
         words[999].store(7, Relaxed);
-        // The file's name is taken by a folder: as without room, the words stay where they are.
+        // The file's name is taken by a folder: as without room, the words stay in place.
         fs::remove_file(&memory.path).unwrap();
         fs::create_dir(&memory.path).unwrap();
         assert!(memory.publish().is_err() && root.outlasting("a").unwrap().is_none());

@@ -1,7 +1,7 @@
 //! Ports of both transports, compiled once.
 //!
-//! A function generic over the transport is compiled again in every calling crate, with all the iceoryx2 code it
-//! needs: this was more than half of a service's compile time. A method of a concrete type is compiled with the type.
+//! A function generic over the transport is compiled again in every calling crate, with all the iceoryx2 code needed:
+//! this was more than half of a service's compile time. A method of a concrete type is compiled with the type.
 //! Therefore all iceoryx2 code is called through methods of [`Ports`], and iceoryx2's values are dropped here, too
 //! ([`DropGuard`]).
 
@@ -84,7 +84,7 @@ pub struct Sending<S: Medium> {
     pub(crate) failed_connections: Arc<AtomicU64>,
 }
 
-/// The port behind a subscriber, and a counter of its failed connections.
+/// The port behind a subscriber, and a counter of failed connections.
 #[derive(Debug)]
 pub struct Receiving<S: Medium> {
     pub(crate) port: DropGuard<SubscriberPort<S>>,
@@ -99,7 +99,7 @@ pub struct DropGuard<T> {
 }
 
 impl<T> DropGuard<T> {
-    /// Keeps `value`. Called where `T` is a concrete type: that is where its drop is compiled.
+    /// Keeps `value`. Called where `T` is a concrete type: there the drop is compiled.
     pub(crate) fn new(value: T) -> Self {
         Self {
             value: ManuallyDrop::new(value),
@@ -131,12 +131,12 @@ impl<T> DerefMut for DropGuard<T> {
 impl<T> Drop for DropGuard<T> {
     fn drop(&mut self) {
         // SAFETY: `end` drops the value in place, once: nothing but this and `into_inner`, which keeps this from
-        // running, takes it away.
+        // running, takes the value away.
         unsafe { (self.end)(&mut self.value) }
     }
 }
 
-/// Listeners of both transports have a descriptor, but only their concrete types give access to it.
+/// Listeners of both transports have a descriptor, but only the concrete types give access to the descriptor.
 macro_rules! transport {
     ($name:ty, $crosses:literal) => {
         impl Transport for $name {
@@ -145,8 +145,8 @@ macro_rules! transport {
 
         impl Ports for $name {
             fn descriptor(listener: &Listener<Self>) -> BorrowedFd<'_> {
-                // SAFETY: the listener keeps its descriptor open and unchanged during its life, and the result cannot
-                // outlive the borrow of the listener.
+                // SAFETY: the listener keeps the descriptor open and unchanged during the listener's life, and the
+                // result cannot outlive the borrow of the listener.
                 unsafe { BorrowedFd::borrow_raw(listener.file_descriptor().native_handle()) }
             }
 
@@ -201,7 +201,7 @@ macro_rules! transport {
                 service.listener(node).map(DropGuard::new)
             }
 
-            // Loans have some two hundred bytes: they are moved as little as possible.
+            // Loans have some two hundred bytes: moves are kept to a minimum.
             fn loan(
                 port: &PublisherPort<Self>,
                 length: usize,

@@ -3,9 +3,9 @@
 /// A live process that has joined an instance.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MemberProcess {
-    /// Number in the operating system; 0 if it cannot be read.
+    /// Number in the operating system; 0 if unreadable.
     pub pid: u32,
-    /// The name it gave itself.
+    /// The name given by the process.
     pub name: String,
 }
 

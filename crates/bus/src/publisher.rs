@@ -4,8 +4,8 @@
 //! loses its oldest slice, and detects the loss by the numbers ([`BatchHeader`]).
 //!
 //! Progress marks need care where a send is longer than a slice. "No later sample is older than this" is true of the
-//! last of its slices only: the samples of the others are still followed by some of the same send. So all slices but
-//! the last repeat the mark of the previous send, and only the last one can end the source.
+//! last slice only: the samples of the other slices are still followed by some of the same send. So all slices but the
+//! last repeat the mark of the previous send, and only the last slice can end the source.
 
 use std::marker::PhantomData;
 use std::sync::Arc;
@@ -23,7 +23,7 @@ use crate::service::{PublisherPort, Slices};
 use crate::transport::Payload;
 use crate::wake_up::WakeUp;
 
-/// Sends slices of samples `T` on one topic.
+/// Sends slices of samples `T` on a single topic.
 #[derive(Debug)]
 pub struct Publisher<S: Transport, T: Payload> {
     port: DropGuard<PublisherPort<S>>,
@@ -35,13 +35,13 @@ pub struct Publisher<S: Transport, T: Payload> {
     samples: PhantomData<fn(T)>,
     topic: Arc<str>,
     slice_len: usize,
-    /// Header of the next slice. Its progress mark is that of the previous send.
+    /// Header of the next slice. The progress mark is the mark of the previous send.
     header: BatchHeader,
     counts: PublisherCounts,
     failed_connections: Arc<AtomicU64>,
 }
 
-/// Statements of a send besides its samples: see [`BatchHeader`].
+/// Statements of a send besides the samples: see [`BatchHeader`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Mark {
     /// No sample of a later send will have a time of measurement before this (UTC, ns); `i64::MIN` if unknown.
@@ -52,14 +52,14 @@ pub struct Mark {
     pub end: bool,
 }
 
-/// Counts of a publisher since it was made.
+/// Counts of a publisher since creation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PublisherCounts {
     /// Samples sent.
     pub samples: u64,
-    /// Slices sent, the empty ones included.
+    /// Slices sent, empty slices included.
     pub slices: u64,
-    /// Samples that could not be sent; subscribers count them as lost.
+    /// Samples that could not be sent; subscribers count such samples as lost.
     pub not_sent: u64,
     /// Times a connection to a subscriber could not be made or was found damaged; others are not affected.
     pub failed_connections: u64,
@@ -100,7 +100,7 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
         self
     }
 
-    /// This publisher, stating in every slice the identity of the boot of the machine that its samples come from.
+    /// This publisher, stating in every slice the identity of the boot of the machine from which the samples come.
     #[must_use]
     pub fn of_boot(mut self, boot: u16) -> Self {
         let flags = self.header.flags & !(u32::from(u16::MAX) << BatchHeader::BOOT_SHIFT);
@@ -118,12 +118,12 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
         self.header.clock_offset_ms = offset_ms;
     }
 
-    /// The start-up number of fusion that this publisher states; 0 if it is none.
+    /// The start-up number of fusion that this publisher states; 0 if the publisher is no fusion.
     pub fn epoch(&self) -> u64 {
         self.header.epoch
     }
 
-    /// This publisher, stating in every slice the identity of the sensor that its samples come from.
+    /// This publisher, stating in every slice the identity of the sensor from which the samples come.
     #[must_use]
     pub fn of_sensor(mut self, sensor_uid: u32) -> Self {
         self.header.sensor_uid = sensor_uid;
@@ -139,12 +139,12 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
 
     /// Sends `count` samples in as many slices as needed; for 0 samples, an empty slice with the watermark.
     ///
-    /// `fill` is called once per sample, in order, with its index in this send (from 0) and its sequence number; the
+    /// `fill` is called once per sample, in order, with the index in this send (from 0) and the sequence number; the
     /// result is written to the place read by subscribers. Waiting subscribers are woken.
     ///
     /// # Errors
-    /// [`BusError::Send`] if a slice could not be sent; those before it were. The samples that were not sent are
-    /// counted here, keep their numbers, and so are counted as lost by subscribers. Sending may be tried again.
+    /// [`BusError::Send`] if a slice could not be sent; all slices before that slice were. The samples that were not
+    /// sent are counted here, keep the numbers, and so are counted as lost by subscribers. Sending may be tried again.
     pub fn send(&mut self, mark: Mark, count: usize, mut fill: impl FnMut(usize, u64) -> T) -> Result<(), BusError> {
         self.number(count);
         let mut done = 0;
@@ -165,7 +165,7 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
         }
     }
 
-    /// Sends a slice that has been written ahead, as one whole send. Each sample passes `finish` beside its sequence
+    /// Sends a slice that has been written ahead, as a whole send. Each sample passes `finish` beside the sequence
     /// number. To be [settled](Self::settle).
     ///
     /// # Errors
@@ -215,7 +215,7 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
         }
     }
 
-    /// Header of the next slice; the `last` one of a send has its mark.
+    /// Header of the next slice; the `last` slice of a send has the send's mark.
     #[inline]
     fn header_of(&self, mark: &Mark, last: bool) -> BatchHeader {
         BatchHeader {
@@ -257,14 +257,14 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
         }
     }
 
-    /// Passes over the next `count` sequence numbers: of samples that were lost before they got here, which subscribers
-    /// count as lost with the next slice.
+    /// Passes over the next `count` sequence numbers: of samples that were lost upstream, which subscribers count as
+    /// lost with the next slice.
     pub fn pass_over(&mut self, count: u64) {
         self.header.first_sequence += count;
     }
 
-    /// Whether the topic has subscribers: what nobody receives need not be computed. A subscriber that ended without
-    /// leaving counts until it is [removed](crate::Bus::remove_dead).
+    /// Whether the topic has subscribers: without a receiver, nothing need be computed. A subscriber that ended without
+    /// leaving counts until [removed](crate::Bus::remove_dead).
     pub fn has_subscribers(&self) -> bool {
         S::has_subscribers(&self.slices)
     }
@@ -284,7 +284,7 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
         self.header.first_sequence
     }
 
-    /// Most samples in one slice.
+    /// Most samples in a slice.
     pub fn slice_len(&self) -> usize {
         self.slice_len
     }

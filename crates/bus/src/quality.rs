@@ -1,7 +1,7 @@
 //! iceoryx2 settings of every topic.
 //!
-//! iceoryx2 refuses to open a service with larger demands than its creator's, and its defaults (two publishers,
-//! buffers of two, a waiting publisher) are unsuitable. Every process that creates or opens a topic therefore uses
+//! iceoryx2 refuses to open a service with larger demands than the creator's, and the defaults (two publishers, buffers
+//! of two, a waiting publisher) are unsuitable. Every process that creates or opens a topic therefore uses
 //! [`describe_slices`] and [`describe_wake_ups`], with the topic's own [`TopicCapacity`]; no setting has a default
 //! value.
 //!
@@ -27,7 +27,7 @@ pub(crate) type Octets = [CustomPayloadMarker];
 /// Header of a slice, likewise: a [`BatchHeader`].
 pub(crate) type Header = CustomHeaderMarker;
 
-/// Most processes that have a topic open at a time: 64 sources, the services, each perhaps twice, and spare ones.
+/// Most processes that have a topic open at a time: 64 sources, the services, each perhaps twice, and spares.
 pub(crate) const NODES_MAX: usize = 256;
 
 /// Publishers of a topic that may leave between two looks of a subscriber without loss: all that there can be.
@@ -64,7 +64,7 @@ pub(crate) fn describe_slices<S: Medium>(
         .subscriber_max_borrowed_samples(BORROWED_MAX)
         .enable_safe_overflow(true)
         .history_size(0);
-    // SAFETY: both details are those of the types as which `publisher` and `subscriber` write and read these bytes.
+    // SAFETY: both details belong to the types as which `publisher` and `subscriber` write and read these bytes.
     Ok(unsafe {
         described
             .__internal_set_payload_type_details(samples)
@@ -86,7 +86,7 @@ pub(crate) fn describe_wake_ups<S: Medium>(
         .max_listeners(capacity.subscribers)
         .event_id_max_value(0)
         .disable_deadline()
-        // A new publisher wakes waiting readers, so that they connect before the first slice.
+        // A new publisher wakes waiting readers, so that readers connect before the first slice.
         .notifier_created_event(EventId::new(0))
         .disable_notifier_dropped_event()
         .disable_notifier_dead_event())
@@ -102,10 +102,10 @@ fn service_name(name: &TopicName) -> Result<ServiceName, BusError> {
 
 /// Slices for which a publisher reserves memory. `capacity.depth` is the longest queue that the topic permits.
 ///
-/// iceoryx2 would reserve `subscribers × (depth + borrowed)`, for subscribers that all hold different slices. Here
-/// this is impossible: the waiting slices of a subscriber are always among the last `depth` slices sent, because
-/// overflow drops the oldest. Therefore at most `depth` slices wait for all subscribers together, and each subscriber
-/// borrows a few more. The second `depth` is for a dead subscriber with an unchanged queue during its removal.
+/// iceoryx2 would reserve `subscribers × (depth + borrowed)`, for subscribers that all hold different slices. Here this
+/// is impossible: the waiting slices of a subscriber are always among the last `depth` slices sent, because overflow
+/// drops the oldest. Therefore at most `depth` slices wait for all subscribers together, and each subscriber borrows a
+/// few more. The second `depth` is for a dead subscriber with an unchanged queue during the removal.
 pub(crate) fn reserved_slices(capacity: TopicCapacity) -> usize {
     let shared = 2 * capacity.depth + capacity.subscribers * BORROWED_MAX + LOANED_MAX;
     shared.min(worst_case_slices(capacity))

@@ -1,10 +1,10 @@
 //! Files of dead processes that iceoryx2 leaves behind.
 //!
-//! iceoryx2 removes a dead process's files by the process's own description and by the entries of its ports in each
-//! topic. A process killed at certain moments has neither: before it has described itself, or while a cleaner removes
-//! the description, or between the creation of a connection of two ports and the entry of the ports in their topic.
-//! The files carry the numbers of their node or of their two ports; every such number contains the process number. A
-//! file is removed if no living process and no node with a description has that process number.
+//! iceoryx2 removes a dead process's files by the process's own description and by the entries of ports in each topic.
+//! A process killed at certain moments has neither: before it has described itself, or while a cleaner removes the
+//! description, or between the creation of a connection of two ports and the entry of the ports in their topic. The
+//! files carry the numbers of their node or of their two ports; every such number contains the process number. A file
+//! is removed if no living process and no node with a description has that process number.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -19,10 +19,10 @@ use crate::seal::SHARED_MEMORY_DIR;
 /// Ending of the name of a connection between two ports.
 const CONNECTION: &str = ".connection";
 
-/// File of iceoryx2, and the nodes or ports that it belongs to.
+/// File of iceoryx2, and the nodes or ports that own the file.
 struct Owned {
     path: PathBuf,
-    /// As listed: its process may remove a folder at any time.
+    /// As listed: the process may remove a folder at any time.
     is_folder: bool,
     owners: Vec<u128>,
 }
@@ -30,7 +30,7 @@ struct Owned {
 impl Root {
     /// Removes the files of dead processes that iceoryx2 leaves behind.
     pub(crate) fn remove_remains(&self, prefix: &str) -> Result<(), BusError> {
-        // Listed before the living are: a process that joins meanwhile is not among them.
+        // Listed before the living are: a process that joins meanwhile is not in the list.
         let mut files = owned_files(&self.path().join(NODES), |name| {
             let number = name.strip_prefix(prefix).unwrap_or(name).split('.').next()?;
             Some(vec![number.parse().ok()?])
@@ -61,7 +61,7 @@ impl Root {
     }
 }
 
-/// Returns the files of `folder` whose names state owners.
+/// Returns the files of `folder` with owners in the names.
 fn owned_files(folder: &Path, owners: impl Fn(&str) -> Option<Vec<u128>>) -> Result<Vec<Owned>, BusError> {
     let entries = fs::read_dir(folder).map_err(io_error("read", folder))?;
     let owned = |entry: fs::DirEntry| {

@@ -1,19 +1,20 @@
-//! Protocol of a log: one writer at a time stores samples in a ring, and any number of readers copy them.
+//! Protocol of a log: a single writer at a time stores samples in a ring, and any number of readers copy them.
 //!
 //! # No reader takes a sample that is half another
 //! The writer stores the words of a sample, then the count of samples ever written (release), and behind that a fence
 //! (release) before it stores the words of the next sample. A reader reads the count (acquire), copies places, and
-//! behind a fence (acquire) reads the count again. If it copied a word of a later sample, the second count shows that
+//! behind a fence (acquire) reads the count again. If a word of a later sample was copied, the second count shows that
 //! sample as begun at least, and the copies are given up. The place of the sample that may be being written is never
 //! copied.
 //!
-//! A successor of a killed writer goes on at the count, behind the same fence: a reader that copies one of its words
-//! sees the count of its predecessor.
+//! A successor of a killed writer goes on at the count, behind the same fence: a reader that copies a word of the
+//! successor sees the count of the predecessor.
 //!
 //! # No count is absurd
 //! The count has [`COUNT_BITS`] bits, a sample per microsecond for nine years, so that no number of a sample overflows.
-//! The other bits of its word are a check: a word with one wrong bit is refused, and replaced by the writer's next one.
-//! A place is a number without its upper bits. The workspace `models` checks the protocol in all orders of operations.
+//! The other bits of the word are a check: a word with a single wrong bit is refused, and replaced by the writer's next
+//! word. A place is a number without its upper bits. The workspace `models` checks the protocol in all orders of
+//! operations.
 
 use std::slice;
 use std::sync::atomic::Ordering::{Acquire, Relaxed, Release};
@@ -30,7 +31,7 @@ const COUNT: u64 = (1 << COUNT_BITS) - 1;
 /// Samples that a reader copies at a time.
 pub(crate) const AT_A_TIME: u64 = 256;
 
-/// The count of samples is not what a writer has written.
+/// The count of samples was not written by a writer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct DamagedCount;
 
@@ -49,7 +50,7 @@ impl<'a> RingWords<'a> {
     /// Number of the sample that a new writer writes first.
     pub(crate) fn begin(self) -> u64 {
         let word = self.words[NEXT].load(Acquire);
-        // A log must be written whatever has become of the count: readers see a jump, or wait.
+        // A log must be written whatever the state of the count: readers see a jump, or wait.
         let next = count(word).unwrap_or(word & COUNT);
         // A reader that sees a word of the next sample also sees this count.
         fence(Release);
@@ -73,7 +74,7 @@ impl<'a> RingWords<'a> {
     /// first. `None` if there are no new samples.
     ///
     /// # Errors
-    /// If the count is damaged, as it is until the next sample.
+    /// If the count is damaged, a state that lasts until the next sample.
     pub(crate) fn read<T>(
         self,
         next: u64,
@@ -96,7 +97,7 @@ impl<'a> RingWords<'a> {
         of_words: impl Fn(SampleWords<'a>) -> Option<T>,
     ) -> Result<Option<u64>, DamagedCount> {
         let written = count(self.words[NEXT].load(Acquire)).ok_or(DamagedCount)?;
-        // One place may be being written.
+        // A single place may be being written.
         let oldest = (written + 1).saturating_sub(self.places);
         let first = next.max(oldest);
         let Some(new) = written.checked_sub(first).filter(|new| *new > 0) else {
@@ -109,7 +110,7 @@ impl<'a> RingWords<'a> {
         Ok(Some(first))
     }
 
-    /// Whether no sample from `first` on was overwritten before it was copied.
+    /// Whether no sample from `first` on was overwritten before the copy.
     fn are_still_there(self, first: u64) -> bool {
         fence(Acquire);
         let written = count(self.words[NEXT].load(Relaxed));
@@ -135,13 +136,13 @@ impl Iterator for SampleWords<'_> {
     }
 }
 
-/// Word of a `count`, with its check: each bit of the count changes one bit of the check.
+/// Word of a `count`, with the check: each bit of the count changes a single bit of the check.
 #[inline]
 fn word_of(count: u64) -> u64 {
     (count ^ count >> 16 ^ count >> 32) << COUNT_BITS | count
 }
 
-/// The count in a word; `None` if it does not agree with its check.
+/// The count in a word; `None` if count and check disagree.
 #[inline]
 fn count(word: u64) -> Option<u64> {
     let count = word & COUNT;

@@ -1,25 +1,25 @@
-//! Root of an instance: its folder, the right to run it, and the complete removal of its files.
+//! Root of an instance: the folder, the right to run the instance, and the complete removal of all files.
 //!
-//! Several deployments (and any number of tests) run on one machine without seeing each other. Each is an *instance*
-//! with a name, and all its traces have known places:
+//! Several deployments (and any number of tests) run on the same machine without seeing each other. Each is an
+//! *instance* with a name, and all traces of an instance have known places:
 //!
 //! - `<base>/<instance>/`: iceoryx2's files (lists of services and processes, and sockets for wake-ups), and the
-//!   instance's [seal](crate::seal), with the start of the names of its memory;
+//!   instance's [seal](crate::seal), with the start of the names of the instance's memory;
 //! - `/dev/shm/<prefix>…`: the memory itself;
-//! - `<base>/<instance>.lock`: locked by the process that runs the instance, and holding its number;
-//! - `<base>/<instance>.checkpoint` and its target: see [`outlasting`](crate::outlasting).
+//! - `<base>/<instance>.lock`: locked by the process that runs the instance, and holding the process number;
+//! - `<base>/<instance>.checkpoint` and the link's target: see [`outlasting`](crate::outlasting).
 //!
 //! The [base folder](crate::base) is private, and only a folder that bears the seal is ever removed.
 //!
 //! A killed process leaves files behind, and iceoryx2 can get stuck on such files: a service whose only process was
 //! killed during its creation can never be opened again. Removing files by age would take memory from live processes.
-//! Instead, a single process, the launcher, *claims* the instance: it takes the lock (released by the system at any
-//! death of the process), checks that no process uses the instance, and then removes everything. All other processes
-//! only open objects created by the keeper; meanwhile they hold the seal, so that no process can join an instance
-//! during its removal. If the launcher ends before its readers, the last leaving reader removes the instance.
+//! Instead, a single process, the launcher, *claims* the instance: the launcher takes the lock (released by the system
+//! at any death of the process), checks that no process uses the instance, and then removes everything. All other
+//! processes only open objects created by the keeper; meanwhile they hold the seal, so that no process can join an
+//! instance during its removal. If the launcher ends before the readers, the last leaving reader removes the instance.
 //!
-//! Limits: Linux only (`/dev/shm`); all processes of an instance belong to one user and must name the base folder by
-//! the same path.
+//! Limits: Linux only (`/dev/shm`); all processes of an instance belong to the same user and must name the base folder
+//! by the same path.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read as _, Seek as _, Write as _};
@@ -52,7 +52,7 @@ const ROOT_PATH_MAX: usize = SOCKET_PATH_MAX - SOCKET_NAME_LEN - PREFIX_LEN;
 pub(crate) const NODES: &str = "nodes";
 /// End of the name of iceoryx2's count of processes.
 const COUNTER_SUFFIX: &str = ".global_mgmt";
-/// Time for which iceoryx2 waits for another process in the middle of a creation. It also bounds the delay of a
+/// Time for which iceoryx2 waits for another process in the middle of a creation. This time also bounds the delay of a
 /// publisher by a subscriber killed in the middle of a connection.
 pub(crate) const CREATION_TIMEOUT: Duration = Duration::from_millis(250);
 
@@ -138,7 +138,7 @@ impl Root {
         tame_logging();
         base::make(&self.base)?;
         let lock = self.lock(&seal::Patience::begin())?;
-        // From here on this process holds the lock, and every return without a `Claim` gives it back.
+        // From here on this process holds the lock, and every return without a `Claim` releases the lock.
         match self.wipe().and_then(|wiped| Seal::make(&self.path).map(|()| wiped)) {
             Ok(wiped) => Ok(Claim {
                 root: self.clone(),
@@ -181,7 +181,7 @@ impl Root {
     /// The live processes that have joined the instance.
     ///
     /// # Errors
-    /// If they cannot be listed.
+    /// If the processes cannot be listed.
     pub fn processes(&self) -> Result<Vec<MemberProcess>, BusError> {
         let mut processes = Vec::new();
         self.visit_nodes(|state| match state {
@@ -225,10 +225,10 @@ impl Root {
         listed.map_err(|error| io_error("list the processes of", &self.path)(io::Error::other(error.to_string())))
     }
 
-    /// Every instance in the folder `base` that runs, or ran and was not removed; in the order of their names.
+    /// Every instance in the folder `base` that runs, or ran and was not removed; in the order of names.
     ///
     /// # Errors
-    /// If the folder cannot be read, or is not safe. One that does not exist contains no instance.
+    /// If the folder cannot be read, or is not safe. A missing folder contains no instance.
     pub fn list(base: impl AsRef<Path>) -> Result<Vec<InstanceEntry>, BusError> {
         let base = base.as_ref();
         let entries = match fs::read_dir(base) {
@@ -277,7 +277,7 @@ impl Root {
         self.base.join(format!("{}.lock", self.instance))
     }
 
-    /// Takes the lock and writes this process's number into it.
+    /// Takes the lock and writes this process's number into the lock file.
     fn lock(&self, patience: &seal::Patience) -> Result<File, BusError> {
         let path = self.lock_path();
         loop {
@@ -291,7 +291,7 @@ impl Root {
                 .open(&path)
                 .map_err(io_error("open", &path))?;
             match flock(&lock, FlockOperation::NonBlockingLockExclusive) {
-                // The file may have been removed after it was opened here, by a process that ended the instance.
+                // The file may have been removed after the opening here, by a process that ended the instance.
                 Ok(()) if seal::is_same_file(&lock, &path) => {
                     let empty = lock.metadata().is_ok_and(|found| found.len() == 0);
                     if !empty && read_pid(&mut lock).is_none() {
@@ -316,7 +316,7 @@ impl Root {
         }
     }
 
-    /// Removes all files of an unused instance except its lock. Only for the holder of the lock.
+    /// Removes all files of an unused instance except the lock. Only for the holder of the lock.
     fn wipe(&self) -> Result<Wiped, BusError> {
         let Some(seal) = Seal::open(&self.path)? else {
             return Ok(Wiped::default());
@@ -324,7 +324,7 @@ impl Root {
         let mut processes = self.processes()?;
         let alone = seal.lock_alone().map_err(io_error("lock the seal in", &self.path))?;
         if !alone && processes.is_empty() {
-            // It is joining or leaving.
+            // The process is joining or leaving.
             processes.push(MemberProcess::unknown());
         }
         if !processes.is_empty() {
@@ -368,8 +368,8 @@ impl Root {
 }
 
 /// iceoryx2 counts processes in a file writable by every user of the machine; a truncated file would kill the next
-/// process that counts. Therefore this file is replaced by a private copy as soon as it exists: an opened original
-/// has no effect any more.
+/// process that counts. Therefore this file is replaced by a private copy immediately after its creation: an opened
+/// original has no effect any more.
 pub(crate) fn close_to_others(prefix: &str) -> Result<(), BusError> {
     let folder = Path::new(SHARED_MEMORY_DIR);
     for entry in fs::read_dir(folder).map_err(io_error("read", folder))?.flatten() {
@@ -398,7 +398,7 @@ pub(crate) fn wipe_memory(prefix: &str, wiped: &mut Wiped) -> Result<(), BusErro
     for entry in fs::read_dir(folder).map_err(io_error("read", folder))? {
         let entry = entry.map_err(io_error("read", folder))?;
         let named = entry.file_name().to_str().is_some_and(|name| name.starts_with(prefix));
-        // Files appear and vanish here at any time; one that is gone need not be removed.
+        // Files appear and vanish here at any time; a vanished file need not be removed.
         let Some(found) = entry.metadata().ok().filter(|found| named && base::is_own(found)) else {
             continue;
         };
@@ -412,15 +412,15 @@ pub(crate) fn wipe_memory(prefix: &str, wiped: &mut Wiped) -> Result<(), BusErro
     Ok(())
 }
 
-/// Right to run an instance. Dropping it removes the instance, if unused; after a kill, the next claim removes the
-/// instance.
+/// Right to run an instance. Dropping the claim removes the instance, if unused; after a kill, the next claim removes
+/// the instance.
 #[derive(Debug)]
 #[must_use = "the instance is held only as long as the claim lives"]
 pub struct Claim {
     root: Root,
     _lock: File,
     wiped: Wiped,
-    /// Prefixes of memory that was replaced: a process that was just joining it makes files even later.
+    /// Prefixes of memory that was replaced: a process that was just joining makes files even later.
     replaced: Vec<String>,
 }
 
@@ -435,8 +435,8 @@ impl Claim {
         self.wiped
     }
 
-    /// Removes every file of the instance except its lock, even in use, and starts again: for corrupt memory. Joined
-    /// processes keep their mappings.
+    /// Removes every file of the instance except the lock, even in use, and starts again: for corrupt memory. Mappings
+    /// of joined processes remain.
     ///
     /// # Errors
     /// If a file cannot be removed.
@@ -452,8 +452,8 @@ impl Claim {
         Ok(wiped)
     }
 
-    /// Removes every file of the instance, its lock too. Every [`Bus`](crate::Bus) and port of this process must be
-    /// gone.
+    /// Removes every file of the instance, including the lock. Every [`Bus`](crate::Bus) and port of this process must
+    /// be gone.
     ///
     /// # Errors
     /// [`BusError::StillUsed`] if a process (perhaps this one) still uses the instance; nothing is removed then.
@@ -483,7 +483,7 @@ impl Drop for Claim {
 pub struct Wiped {
     /// Files, sockets included.
     pub files: u64,
-    /// Bytes that they took in memory and on disk.
+    /// Bytes of the removed files in memory and on disk.
     pub bytes: u64,
 }
 
@@ -501,7 +501,7 @@ impl Wiped {
 pub struct InstanceEntry {
     /// The instance.
     pub root: Root,
-    /// Whether a live process runs it.
+    /// Whether a live process runs the instance.
     pub runs: bool,
     /// Number of that process in the operating system.
     pub pid: Option<u32>,

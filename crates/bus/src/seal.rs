@@ -1,12 +1,12 @@
-//! Seal of an instance: a file that proves that Koseki created the instance's folder, and whose lock proves that the
+//! Seal of an instance: a file that proves that Koseki created the instance's folder, and a lock that proves that the
 //! folder is in use.
 //!
 //! The file contains the *prefix*, the start of the names of the instance's memory. This memory is in a folder in
 //! which every user of the machine can create files, so that a predictable prefix could be occupied beforehand. The
 //! prefix is random for each run, and drawn again if files with this prefix exist.
 //!
-//! Every member of the instance holds a shared lock of the file until it leaves; removal takes the exclusive lock
-//! first. Therefore no process can join during a removal and recreate removed files.
+//! Every member of the instance holds a shared lock of the file until leaving; removal takes the exclusive lock first.
+//! Therefore no process can join during a removal and recreate removed files.
 
 use std::fs::{self, DirBuilder, File, OpenOptions};
 use std::io::{self, Read, Write as _};
@@ -34,12 +34,12 @@ pub(crate) const SEAL: &str = "koseki-instance";
 #[derive(Debug)]
 pub(crate) struct Seal {
     pub(crate) file: File,
-    /// `None` if the process that was making the instance was killed before it had any memory.
+    /// `None` if the process that was making the instance was killed before any memory existed.
     pub(crate) prefix: Option<String>,
 }
 
 impl Seal {
-    /// The seal in `folder`; `None` if there is no folder, or nothing is in it.
+    /// The seal in `folder`; `None` if there is no folder, or the folder is empty.
     ///
     /// # Errors
     /// [`BusError::NotOurs`] if there is something in the folder, but no seal.
@@ -60,7 +60,7 @@ impl Seal {
             Err(error) => return Err(io_error("open", &path)(error)),
         };
         let mut text = String::new();
-        // As much as it has, and a little.
+        // The whole content, and a little more.
         let read = Read::take(&mut file, 64).read_to_string(&mut text);
         read.map_err(io_error("read", &path))?;
         let prefix = match text.trim_end() {
@@ -71,7 +71,7 @@ impl Seal {
         Ok(Some(Self { file, prefix }))
     }
 
-    /// Makes the folder and its seal. Only for the holder of the instance's lock.
+    /// Makes the folder and the seal. Only for the holder of the instance's lock.
     pub(crate) fn make(folder: &Path) -> Result<(), BusError> {
         let made = DirBuilder::new().recursive(true).mode(0o700).create(folder);
         made.map_err(io_error("create", folder))?;
@@ -142,7 +142,7 @@ pub(crate) fn is_same_file(file: &File, path: &Path) -> bool {
 /// Returns an unpredictable number.
 pub(crate) fn random() -> u32 {
     let mut octets = [0; 4];
-    // The kernel refuses it only while the machine starts, and then the place is checked all the same.
+    // The kernel refuses random bytes only while the machine starts, and then the place is checked all the same.
     let _ = getrandom(&mut octets, GetRandomFlags::empty());
     u32::from_ne_bytes(octets)
 }

@@ -1,13 +1,13 @@
-//! Protocol of a topic's hint: the word counts sends, and a reader counts the sends that it has received.
+//! Protocol of a topic's hint: the word counts sends, and a reader counts the sends received so far.
 //!
 //! # No slice of a living publisher of this crate is overlooked
 //! The publisher writes the queue, and then increments the word (release). A reader reads the word (acquire) before it
-//! looks into the queue. If the queue is empty, it has received all sends up to that value of the word; from then on it
-//! counts received slices. It looks again while its count differs from the word.
+//! looks into the queue. If the queue is empty, the reader has received all sends up to that value of the word; from
+//! then on the reader counts received slices. The reader looks again while the count differs from the word.
 //!
 //! The count never exceeds the number of received sends. Once all increments are visible, the word is the number of
 //! sends: if the two are equal, nothing waits. Only while an increment is still missing (a slice was received before
-//! its publisher incremented the word), a slice of another publisher may wait unseen. A publisher that is killed at
+//! the publisher incremented the word), a slice of another publisher may wait unseen. A publisher that is killed at
 //! this moment, or gives no hint, makes this last until the next full look. After an overflow the count is too small,
 //! and the reader looks until the queue is empty. The workspace `models` checks the protocol in all orders of
 //! operations.
@@ -36,7 +36,7 @@ impl Word for AtomicU64 {
     }
 }
 
-/// A reader's count of the sends that it has received.
+/// A reader's count of the sends received so far.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ReceivedSends {
     /// In the terms of the word; `None` before the first empty queue.

@@ -1,7 +1,7 @@
 //! Topics as iceoryx2 services: creation, opening, sending, taking and waking.
 //!
-//! These functions are generic over iceoryx2's media, and a caller compiles all the iceoryx2 code they need.
-//! Therefore only [`ports`](crate::ports) calls them, once for each medium.
+//! These functions are generic over iceoryx2's media, and a caller compiles all the iceoryx2 code needed. Therefore
+//! only [`ports`](crate::ports) calls them, once for each medium.
 
 use std::any::Any;
 use std::io;
@@ -49,14 +49,14 @@ pub struct WakeUps<S: Medium> {
 pub(crate) type TakenSlice<S> = iceoryx2::sample::Sample<S, Octets, Header>;
 /// A slice that is to be written.
 pub(crate) type Loan<S> = SampleMutUninit<S, [MaybeUninit<CustomPayloadMarker>], Header>;
-/// The topic itself, which knows its readers.
+/// The topic itself, with its readers.
 pub(crate) type Slices<S> = publish_subscribe::PortFactory<S, Octets, Header>;
-/// Port of a publisher, its topic, and a counter of its failed connections.
+/// Port of a publisher, the topic, and a counter of failed connections.
 type OpenedPublisher<S> = (PublisherPort<S>, Slices<S>, Arc<AtomicU64>);
 
 /// Pause between two tries.
 const OPEN_PAUSE: Duration = Duration::from_millis(10);
-/// Largest number of attempts to drain a listener: a publisher without pauses must not block its reader.
+/// Largest number of attempts to drain a listener: a publisher without pauses must not block the reader.
 const DRAIN_MAX: usize = 16;
 
 /// Joins the instance as `process`; subscribers keep the unread slices of `leavers` ended publishers. Names of memory
@@ -81,7 +81,7 @@ pub(crate) fn join<S: Medium>(root: &Root, process: &str, prefix: &str, leavers:
         .map_err(|error| refused(error.to_string()))
 }
 
-/// Names of the topics that exist, in their order.
+/// Names of the topics that exist, in order.
 ///
 /// # Errors
 /// If the instance's files cannot be read.
@@ -96,7 +96,7 @@ pub(crate) fn topics<S: Medium>(node: &Node<S>) -> Result<Vec<String>, BusError>
         action: "list the topics",
         reason: format!("{error:?}"),
     })?;
-    // A topic is a service of slices and one of wake-ups.
+    // A topic is a service of slices and a service of wake-ups.
     names.sort_unstable();
     names.dedup();
     Ok(names)
@@ -111,13 +111,13 @@ pub(crate) fn remove_dead<S: Medium>(node: &Node<S>) -> DeadProcesses {
     }
 }
 
-/// A topic in iceoryx2's view: bytes, and their sample type.
+/// A topic in iceoryx2's view: bytes, and the sample type.
 #[derive(Debug)]
 pub struct Service<'a> {
     pub(crate) name: &'a TopicName,
     pub(crate) capacity: TopicCapacity,
     pub(crate) samples: TypeDetail,
-    /// How long one that does not exist (yet) is asked for.
+    /// Duration of the attempts to open a topic that does not exist (yet).
     pub(crate) patience: Duration,
 }
 
@@ -136,11 +136,11 @@ impl Service<'_> {
         })
     }
 
-    /// The port of a publisher, its topic, and a counter of its failed connections.
+    /// The port of a publisher, the topic, and a counter of failed connections.
     pub(crate) fn publisher<S: Medium>(&self, node: &Node<S>) -> Result<OpenedPublisher<S>, BusError> {
         let slices = self.open_slices(node)?;
         let failed_connections = Arc::new(AtomicU64::new(0));
-        // The topic's creator may have permitted longer queues than those of this process.
+        // The topic's creator may have permitted longer queues than this process.
         let reserved = reserved_slices(TopicCapacity {
             depth: longest_queue(&slices),
             ..self.capacity
@@ -168,7 +168,7 @@ impl Service<'_> {
         Ok((port, slices, failed_connections))
     }
 
-    /// The port of a subscriber with a queue of `queue` slices, and a counter of its failed connections.
+    /// The port of a subscriber with a queue of `queue` slices, and a counter of failed connections.
     pub(crate) fn subscriber<S: Medium>(
         &self,
         node: &Node<S>,
@@ -189,7 +189,7 @@ impl Service<'_> {
             slices
                 .subscriber_builder()
                 .buffer_size(queue)
-                // A publisher that died during its connection must not affect the others: the failure is counted, and
+                // A publisher that died during connection must not affect the others: the failure is counted, and
                 // reading continues.
                 .set_degradation_handler(move |_, _| {
                     counter.fetch_add(1, Ordering::Relaxed);
@@ -251,7 +251,7 @@ impl Service<'_> {
         full_error(self.name, role, limit)
     }
 
-    /// Tries until it works, fails for good, or has lasted too long.
+    /// Tries until success, a final failure, or the end of the patience.
     fn patiently<R>(&self, attempt: impl Fn() -> Result<R, BusError>) -> Result<R, BusError> {
         let start = Instant::now();
         loop {
@@ -310,13 +310,13 @@ impl TopicHold {
 pub struct DeadProcesses {
     /// Number of removed dead processes.
     pub removed: u64,
-    /// Dead processes of which something could not be removed; another process may be at it. Try again.
+    /// Dead processes with remains that could not be removed; another process may be removing the same. Try again.
     pub failed: u64,
 }
 
 /// A slice of `length` samples, to be written.
 pub(crate) fn loan<S: Medium>(port: &PublisherPort<S>, length: usize) -> Result<Loan<S>, &'static str> {
-    // SAFETY: samples travel as slices, so any number of them may be asked for.
+    // SAFETY: samples travel as slices, so any number of samples may be requested.
     unsafe { port.loan_custom_payload(length) }.map_err(loan_reason)
 }
 
@@ -396,8 +396,7 @@ fn topic_error(topic: &TopicName, action: &'static str, error: impl ToString) ->
 /// Descriptors of which a process needs some more for any port.
 const SPARE_FILES: u64 = 32;
 
-/// Adds to `reason` that the process has hardly a descriptor left, if that is so: iceoryx2 calls it an internal
-/// failure.
+/// Adds to `reason` that the process has hardly a descriptor left, if so: iceoryx2 reports an internal failure.
 pub(crate) fn with_open_files(reason: String) -> String {
     let Some(limit) = rustix::process::getrlimit(rustix::process::Resource::Nofile).current else {
         return reason;

@@ -1,8 +1,8 @@
 //! Check of the room in shared memory.
 //!
 //! Memory in `/dev/shm` is allocated page by page at the first write; a write to an unavailable page kills the writer
-//! with SIGBUS, without an error or a message. Therefore the creator of topics first checks the room for their
-//! largest size.
+//! with SIGBUS, without an error or a message. Therefore the creator of topics first checks the room for the largest
+//! size of these topics.
 
 use std::path::Path;
 
@@ -14,18 +14,18 @@ use crate::quality::{NODES_MAX, reserved_slices};
 use crate::seal::SHARED_MEMORY_DIR;
 use crate::transport::Payload;
 
-/// iceoryx2's own header of a slice, with its padding (rounded up).
+/// iceoryx2's own header of a slice, with padding (rounded up).
 const SLICE_HEADER_BYTES: usize = 64;
 /// Lists of ports and processes of a topic: bytes for each place (rounded up).
 const PLACE_BYTES: usize = 256;
-/// Bytes of a connection's queues for each slice that can wait in it (rounded up).
+/// Bytes of a connection's queues for each slice that can wait in the queues (rounded up).
 const QUEUE_ENTRY_BYTES: usize = 32;
 /// Fixed part of each file in shared memory, with the rounding to whole pages.
 const FILE_BYTES: usize = 8192;
 
 /// Returns the largest size of `topic` in shared memory with this number of `publishers`, bytes; a dead publisher
-/// counts until its removal. `topic.capacity.publishers` gives the worst case; most topics have one publisher, and
-/// two during its restart.
+/// counts until the removal. `topic.capacity.publishers` gives the worst case; most topics have a single publisher, and
+/// two during a restart.
 pub fn needed_bytes<T>(topic: &Topic<T>, publishers: usize) -> u64 {
     let capacity = topic.capacity;
     let slice = SLICE_HEADER_BYTES + size_of::<BatchHeader>() + capacity.slice_len * size_of::<T>();
@@ -44,7 +44,7 @@ pub fn needed_log_bytes<T: Payload>(topic: &Topic<T>) -> u64 {
 /// Bytes that are free in shared memory.
 ///
 /// # Errors
-/// If it cannot be asked.
+/// If the system call fails.
 pub fn free_space() -> Result<u64, BusError> {
     let path = Path::new(SHARED_MEMORY_DIR);
     let answer = rustix::fs::statvfs(path).map_err(|error| BusError::Io {

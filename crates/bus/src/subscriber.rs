@@ -1,21 +1,21 @@
 //! Subscriber: takes slices, and counts missing samples.
 //!
-//! Overflow in shared memory is silent: the oldest slice disappears. But every slice states how many samples its
+//! Overflow in shared memory is silent: the oldest slice disappears. But every slice states how many samples the
 //! publisher had sent before, so that a subscriber can expect the next number of each publisher. Skipped numbers are
 //! lost; smaller numbers are out of order.
 //!
 //! The difficult case is the *first* expected number. Counting from 0 would count samples sent before the subscriber
-//! existed; counting from the first taken slice would overlook an overflow before the first take. Publishers state
-//! the time of their start, and the subscriber stores the time of its connection. Of a later publisher, all samples
-//! are expected; of an older publisher, samples after the first taken slice. Limit: an overflow between the
-//! connection to an older publisher and the first take is not detected; therefore take soon.
+//! existed; counting from the first taken slice would overlook an overflow before the first take. Publishers state the
+//! time of the start, and the subscriber stores the time of the connection. Of a later publisher, all samples are
+//! expected; of an older publisher, samples after the first taken slice. Limit: an overflow between the connection to
+//! an older publisher and the first take is not detected; therefore take soon.
 //!
-//! A subscriber connects to a new publisher at its next check ([`Subscriber::take`], [`Subscriber::has_slices`]; a
-//! waiter is woken). From then on, slices survive their publisher's end. But slices of a publisher that started and
-//! ended between two checks are lost: a recorded source must remain until its readers have confirmed everything
-//! (`messages::Progress`). Lost samples are counted in all cases, also those that died with a killed publisher: each
-//! publisher leaves a [line](crate::line) with its last number, and a subscriber with an empty queue reads the lines
-//! of ended publishers.
+//! A subscriber connects to a new publisher at the next check ([`Subscriber::take`], [`Subscriber::has_slices`]; a
+//! waiter is woken). From then on, slices survive the publisher's end. But slices of a publisher that started and ended
+//! between two checks are lost: a recorded source must remain until the readers have confirmed everything
+//! (`messages::Progress`). Lost samples are counted in all cases, also samples that died with a killed publisher: each
+//! publisher leaves a [line](crate::line) with the last number, and a subscriber with an empty queue reads the lines of
+//! ended publishers.
 //!
 //! For a topic with *epochs* (see `messages::Epochs`), the latest received epoch is the present epoch: slices of
 //! older epochs, of a replaced fusion process, are dropped and counted, unless requested.
@@ -41,10 +41,11 @@ use crate::sends::{ReceivedSends, Word as _};
 use crate::service::{SubscriberPort, TakenSlice};
 use crate::transport::Payload;
 
-/// No publisher gets as far as this number in a hundred years: a greater one is damaged, and sums with it may overflow.
+/// No publisher gets as far as this number in a hundred years: a greater one is damaged, and sums with such a number
+/// may overflow.
 const SEQUENCE_MAX: u64 = u64::MAX >> 2;
 
-/// Takes slices of samples `T` from one topic.
+/// Takes slices of samples `T` from a single topic.
 #[derive(Debug)]
 pub struct Subscriber<S: Transport, T: Payload> {
     port: Arc<DropGuard<SubscriberPort<S>>>,
@@ -68,7 +69,7 @@ pub struct Subscriber<S: Transport, T: Payload> {
 pub enum ReceiveOutcome<S: Transport, T: Payload> {
     /// The next slice.
     Slice(Slice<S, T>),
-    /// A slice of another layout, or a damaged one: counted, and given back.
+    /// A slice of another layout, or a damaged slice: counted, and given back.
     Rejected,
     /// A slice of an older epoch: counted, and given back.
     OfOlderEpoch,
@@ -76,19 +77,19 @@ pub enum ReceiveOutcome<S: Transport, T: Payload> {
     Nothing,
 }
 
-/// A slice in shared memory, kept from being overwritten as long as this lives, also without its subscriber.
+/// A slice in shared memory, kept from being overwritten during the life of this value, also without the subscriber.
 #[derive(Debug)]
 pub struct Slice<S: Transport, T: Payload> {
     taken: DropGuard<TakenSlice<S>>,
-    /// A publisher takes back all slices of a port that is gone, the kept ones too. Dropped after `taken`.
+    /// A publisher takes back all slices of a port that is gone, kept slices included. Dropped after `taken`.
     _port: Arc<DropGuard<SubscriberPort<S>>>,
-    /// The samples of `taken`. Their count was read once: in shared memory it may change.
+    /// The samples of `taken`. The count was read once: in shared memory the count may change.
     first: NonNull<T>,
     count: usize,
 }
 
-// SAFETY: the samples are numbers that nobody writes as long as `taken` lives, so who has the one has the other. The
-// port may be dropped here while the subscriber uses it elsewhere.
+// SAFETY: the samples are numbers that nobody writes as long as `taken` lives, so a holder of `taken` may hold the
+// samples. The port may be dropped here while the subscriber uses the port elsewhere.
 unsafe impl<S: Transport, T: Payload> Send for Slice<S, T>
 where
     DropGuard<TakenSlice<S>>: Send,
@@ -105,7 +106,7 @@ where
 }
 
 impl<S: Transport, T: Payload> Slice<S, T> {
-    /// Of a topic whose slices have `slice_len` samples at most; `None` if its memory says that there are more.
+    /// Of a topic whose slices have `slice_len` samples at most; `None` if the memory states more.
     #[inline]
     fn of(taken: DropGuard<TakenSlice<S>>, port: &Arc<DropGuard<SubscriberPort<S>>>, slice_len: usize) -> Option<Self> {
         let count = usize::try_from(taken.header().number_of_elements()).ok()?;
@@ -117,10 +118,10 @@ impl<S: Transport, T: Payload> Slice<S, T> {
         })
     }
 
-    /// Header that its publisher has written.
+    /// Header written by the publisher.
     pub fn header(&self) -> &BatchHeader {
         // SAFETY: the topic was opened with the size and alignment of a `BatchHeader` for this place, and any bits are
-        // one.
+        // a valid header.
         unsafe { &*std::ptr::from_ref(self.taken.user_header()).cast() }
     }
 
@@ -128,29 +129,29 @@ impl<S: Transport, T: Payload> Slice<S, T> {
     #[inline]
     pub fn samples(&self) -> &[T] {
         // SAFETY: the topic was opened with the size and alignment of `T`; the publishers of this crate reserve
-        // `slice_len` samples for each slice, which are not fewer than `count`; any bits are one.
+        // `slice_len` samples for each slice, which are not fewer than `count`; any bits are a valid `T`.
         unsafe { NonNull::slice_from_raw_parts(self.first, self.count).as_ref() }
     }
 }
 
-/// Counts of a subscriber since it was made.
+/// Counts of a subscriber since creation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SubscriberCounts {
-    /// Samples taken, those of older epochs aside.
+    /// Samples taken, samples of older epochs aside.
     pub taken: u64,
-    /// Slices taken, the empty ones included.
+    /// Slices taken, empty slices included.
     pub slices: u64,
     /// Samples that are missing from the publishers' sequences: dropped because this subscriber fell behind, or lost
-    /// with their publisher.
+    /// with the publisher.
     pub lost: u64,
     /// Part of the lost samples that followed the last slice of an ended or killed publisher.
     pub lost_at_end: u64,
     /// Samples with a sequence number that had been passed already.
     pub out_of_order: u64,
-    /// Samples dropped because they came from a fusion that has been replaced since.
+    /// Samples dropped because of their origin in a fusion that has been replaced since.
     pub of_older_epochs: u64,
-    /// Slices refused because their publisher was built with another layout, or their length or number is none that a
-    /// publisher of the topic writes.
+    /// Slices refused because of a publisher built with another layout, or a length or number that no publisher of the
+    /// topic writes.
     pub schema_mismatch: u64,
     /// Times a connection to a publisher could not be made; others are not affected.
     pub failed_connections: u64,
@@ -159,9 +160,9 @@ pub struct SubscriberCounts {
 /// A publisher with received slices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PublisherRecord {
-    /// When the publisher started, by its own statement.
+    /// Start of the publisher, as stated by the publisher.
     pub incarnation: u64,
-    /// Sequence number that must come next: all smaller ones have been taken or are lost.
+    /// Sequence number that must come next: all smaller numbers have been taken or are lost.
     pub next_sequence: u64,
 }
 
@@ -209,8 +210,8 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
         Ok(budget)
     }
 
-    /// Takes the next slice out of the queue, for as long as its reader needs it: the memory is not reused before the
-    /// slice is dropped. A subscriber can keep [`BORROWED_MAX`](crate::BORROWED_MAX) at a time.
+    /// Takes the next slice out of the queue, for as long as the reader needs the slice: the memory is not reused
+    /// before the slice is dropped. A subscriber can keep [`BORROWED_MAX`](crate::BORROWED_MAX) at a time.
     ///
     /// # Errors
     /// [`BusError::Borrowed`] if too many slices are kept; [`BusError::Take`] if the memory of a publisher cannot be
@@ -285,8 +286,8 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
     }
 
     /// Returns whether a slice may wait: `false` if everything sent by publishers of this crate has been received.
-    /// Costs one load. Publishers in other languages, and those killed during a send, give no hint: look fully at times
-    /// all the same, and after each wake-up, until [`receive`](Self::receive) finds nothing.
+    /// Costs one load. Publishers in other languages, and publishers killed during a send, give no hint: look fully at
+    /// times all the same, and after each wake-up, until [`receive`](Self::receive) finds nothing.
     #[inline]
     pub fn may_have_slices(&self) -> bool {
         !self.received.are_all(self.hint.word())
@@ -316,7 +317,7 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
         &self.topic
     }
 
-    /// Epoch of the latest slice; 0 before the first one, and on topics without.
+    /// Epoch of the latest slice; 0 before the first slice, and on topics without epochs.
     pub fn epoch(&self) -> u64 {
         self.epochs.epoch()
     }
@@ -332,13 +333,13 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
 
 /// Where each publisher's sequence stands.
 ///
-/// Twice as many as can live at a time: a place is given up only when its publisher has long been dead, and in the
-/// order of their last slices.
+/// Twice as many as can live at a time: a place is given up only when its publisher has long been dead, in the order of
+/// last slices.
 #[derive(Debug)]
 struct Publishers {
     list: Vec<FollowedPublisher>,
     room: usize,
-    /// Where the last slice's publisher stands in the list: most often, the next slice is from the same one.
+    /// Index of the last slice's publisher: most often, the next slice is from the same publisher.
     recent: usize,
     /// Count of slices at the last slice; the smallest belongs to the oldest.
     age: u64,
@@ -353,10 +354,10 @@ struct FollowedPublisher {
     last_age: u64,
 }
 
-/// Place of a slice in its publisher's sequence.
+/// Place of a slice in a publisher's sequence.
 #[derive(Debug, PartialEq, Eq)]
 enum Step {
-    /// After the previous one, perhaps with a gap.
+    /// After the previous slice, perhaps with a gap.
     Next { skipped: u64 },
     /// Before a place that had been passed already.
     Passed,
@@ -388,7 +389,7 @@ impl Publishers {
         }
     }
 
-    /// How many samples of a publisher that has ended never came, although they were expected.
+    /// How many samples of a publisher that has ended never came, although expected.
     fn settle(&mut self, ended: &PublisherLine, joined_ns: u64) -> u64 {
         let matches =
             |each: &&mut FollowedPublisher| fold(each.origin) == ended.origin && each.incarnation == ended.incarnation;
@@ -478,7 +479,7 @@ mod tests {
         assert_eq!(publishers.follow(2, &header(100, 7), 1, 100), Step::Next { skipped: 7 });
     }
 
-    /// Words of a slice in front of its samples, counted from its header's first.
+    /// Words of a slice in front of the samples, counted from the first word of the header.
     const SLICE_COUNT: isize = -2;
     const FIRST_SEQUENCE: isize = 2;
 
@@ -494,7 +495,7 @@ mod tests {
                 continue;
             };
             let count = mapping.bytes() / size_of::<u64>();
-            // SAFETY: the mapping is aligned to a page and has so many words, of which any bits are atomic ones.
+            // SAFETY: the mapping is aligned to a page and has so many words, and any bits are a valid atomic word.
             let words: &[AtomicU64] = unsafe { std::slice::from_raw_parts(mapping.start().cast().as_ptr(), count) };
             let is = |place: usize, value| {
                 words
@@ -534,7 +535,7 @@ mod tests {
         let mut next = 0;
         for (place, is_length) in [(SLICE_COUNT, true), (FIRST_SEQUENCE, false)] {
             for word in absurd.into_iter().filter(|word| is_length || *word > SEQUENCE_MAX) {
-                // One that is whole, so that no number is missing when the damaged one is.
+                // An intact slice, so that no number is missing when the damaged slice is.
                 for is_damaged in [false, true] {
                     publisher.send(mark, SAMPLES, |_, _| SensorTrack::default()).unwrap();
                     if is_damaged {

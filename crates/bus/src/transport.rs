@@ -1,4 +1,4 @@
-//! Transports: shared memory, and its equivalent within a process.
+//! Transports: shared memory, and the equivalent within a process.
 //!
 //! iceoryx2 has the same ports over several media, each with or without a lock around every port. Here ports have no
 //! lock: a port stays on its thread (a [`Bus`](crate::Bus) may move). The lock would never be contended, but would
@@ -11,7 +11,7 @@ use std::fmt::Debug;
 use iceoryx2::prelude::{ZeroCopySend, ipc, local};
 use messages::layout::Sample;
 
-/// Connects the processes of one machine through shared memory.
+/// Connects the processes of a machine through shared memory.
 pub type SharedMemory = ipc::Service;
 
 /// Connects the threads of a process; nothing is visible outside.
@@ -21,7 +21,7 @@ pub type InProcess = local::Service;
 #[cfg(feature = "any-thread")]
 pub type SharedMemoryAnyThread = iceoryx2::prelude::ipc_threadsafe::Service;
 
-/// Sample that a topic can carry: one declared in the `messages` crate.
+/// Sample that a topic can carry: a type declared in the `messages` crate.
 pub trait Payload: Sample + ZeroCopySend + Debug + 'static {}
 
 impl<T: Sample + ZeroCopySend + Debug + 'static> Payload for T {}

@@ -2,9 +2,9 @@
 //!
 //! iceoryx2 creates a file of shared memory in two steps: an empty file, and then its size. After a kill between the
 //! steps, the file stays empty, and every process that opens the file waits for a size: for ever, unless permissions
-//! prevent opening, which they do not for root (iceoryx2 0.10 limits the time of every later step, but not of this
-//! step). A reader killed in this microsecond would thus stop the keeper that removes it, and every publisher about
-//! to connect.
+//! prevent opening, which is not so for root (iceoryx2 0.10 limits the time of every later step, but not of this step).
+//! A reader killed in this microsecond would thus stop the keeper that removes the file, and every publisher about to
+//! connect.
 //!
 //! A waiting process retries by the file's name, and continues as soon as the file is gone. Therefore a process that
 //! opens no such file must remove it: the process that runs the instance.
@@ -20,11 +20,11 @@ use crate::error::{BusError, io_error};
 use crate::root::{CREATION_TIMEOUT, Root};
 use crate::seal::SHARED_MEMORY_DIR;
 
-/// Empty files of an instance, as they were at the last look.
+/// Empty files of an instance, as at the last look.
 #[derive(Debug)]
 pub struct Unborn {
     root: Root,
-    /// With their inodes.
+    /// With inodes.
     seen: BTreeSet<(PathBuf, u64)>,
 }
 
@@ -40,8 +40,8 @@ impl Unborn {
         }
     }
 
-    /// Removes the files that are empty now and were so at the last look; returns how many. Call it once in
-    /// [`Self::PERIOD`].
+    /// Removes the files that are empty now and were empty at the last look; returns the number of removed files. To be
+    /// called once in [`Self::PERIOD`].
     ///
     /// # Errors
     /// If the instance or the folder of shared memory cannot be read.
@@ -53,7 +53,7 @@ impl Unborn {
         let entries = fs::read_dir(&folder).map_err(io_error("read", &folder))?.flatten();
         let named = entries.filter(|entry| entry.file_name().to_str().is_some_and(|name| name.starts_with(&prefix)));
         let empty = named.filter_map(|entry| {
-            // One that is gone is not empty.
+            // A vanished file is not empty.
             let found = entry.metadata().ok()?;
             (found.len() == 0 && base::is_own(&found)).then(|| (entry.path(), found.ino()))
         });

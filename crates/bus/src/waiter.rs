@@ -11,15 +11,15 @@
 //! sockets, and always asks for work *after* draining and *before* sleeping. Therefore the question finds a slice
 //! with a drained notification, and a later slice leaves the socket readable, which ends the sleep at once.
 //!
-//! iceoryx2 0.10 adds a difficulty. To save system calls, a publisher does not write to the socket while the
-//! listener's state indicates an earlier notification in it; draining resets this state *before* it empties the
-//! socket. A notification in between has its byte removed, but leaves the state set: from then on no publisher
-//! writes, and a listener that only waits for its socket sleeps for ever. Draining until the socket is empty resets
-//! the state again, except if a publisher is preempted within a few nanoseconds; two such drains in a row make this
-//! negligible, and [`BACKSTOP`] bounds the remaining risk: no sleep lasts longer before the waiter asks for work.
+//! iceoryx2 0.10 adds a difficulty. To save system calls, a publisher does not write to the socket while the listener's
+//! state indicates an earlier notification in the socket; draining resets this state *before* emptying the socket. The
+//! byte of a notification in between is removed, but leaves the state set: from then on no publisher writes, and a
+//! listener that only waits for the socket sleeps for ever. Draining until the socket is empty resets the state again,
+//! except if a publisher is preempted within a few nanoseconds; two such drains in a row make this negligible, and
+//! [`BACKSTOP`] bounds the remaining risk: no sleep lasts longer before the waiter asks for work.
 //!
 //! # Why not iceoryx2's `WaitSet`
-//! It borrows its listeners, so that a struct cannot own both, and it allocates at every wake-up. `poll` on the
+//! A wait set borrows the listeners, so that a struct cannot own both, and allocates at every wake-up. `poll` on the
 //! listeners' descriptors has neither disadvantage.
 
 use std::hint;
@@ -35,11 +35,11 @@ use rustix::io::Errno;
 use crate::error::BusError;
 use crate::ports::{DropGuard, Transport};
 
-/// Most topics that one waiter watches.
+/// Most topics that a single waiter watches.
 pub const WATCHED_MAX: usize = 256;
 
-/// Longest sleep of a blocked waiter before it asks for work without a notification. Each such question wakes an idle
-/// machine, and finds nothing but wake-ups that were lost within nanoseconds.
+/// Longest sleep of a blocked waiter before the waiter asks for work without a notification. Each such question wakes
+/// an idle machine, and finds nothing but wake-ups that were lost within nanoseconds.
 pub const BACKSTOP: Duration = Duration::from_millis(200);
 
 /// Time between two full looks of a waiter that spins.
@@ -82,17 +82,17 @@ pub enum Woken {
     Work,
     /// There was none for the time given.
     Timeout,
-    /// A signal came: look whether it asks to end.
+    /// A signal came: check for a request to end.
     Signal,
 }
 
-/// Waits for work on the topics it watches.
+/// Waits for work on the watched topics.
 #[derive(Debug)]
 pub struct Waiter<S: Transport> {
     mode: WaitMode,
-    /// Whether others are offered the core while this one spins.
+    /// Whether others are offered the core while this waiter spins.
     yields: bool,
-    /// One for each entry of `listeners`, in the same order. Declared first: dropped first.
+    /// A descriptor for each entry of `listeners`, in the same order. Declared first: dropped first.
     descriptors: Vec<PollFd<'static>>,
     listeners: Vec<DropGuard<Listener<S>>>,
     missed: u64,
@@ -117,8 +117,8 @@ impl<S: Transport> Waiter<S> {
         }
     }
 
-    /// Returns this waiter for a core of its own: while it spins, it makes no system call. On a shared core it would
-    /// delay other processes, and be delayed by them.
+    /// Returns this waiter for a core of its own: the spinning makes no system call. On a shared core, spinning would
+    /// delay other processes, and be delayed by these.
     #[must_use]
     pub fn without_yielding(mut self) -> Self {
         self.yields = false;
@@ -153,14 +153,14 @@ impl<S: Transport> Waiter<S> {
         self.missed
     }
 
-    /// Returns descriptors that become readable when a watched topic has work, for a program that also waits for
-    /// other events. They stay readable until [drained](Self::drain).
+    /// Returns descriptors that become readable when a watched topic has work, for a program that also waits for other
+    /// events. The descriptors stay readable until [drained](Self::drain).
     pub fn descriptors(&self) -> impl Iterator<Item = BorrowedFd<'_>> {
         self.descriptors.iter().map(AsFd::as_fd)
     }
 
-    /// Makes the descriptors unreadable again. Ask for work afterwards, and wait no longer than [`BACKSTOP`] before it
-    /// is asked for once more.
+    /// Makes the descriptors unreadable again. Ask for work afterwards, and wait no longer than [`BACKSTOP`] before the
+    /// next request for work.
     ///
     /// # Errors
     /// [`BusError::Wait`] if the system refuses to read.
@@ -235,7 +235,7 @@ impl<S: Transport> Waiter<S> {
         }
     }
 
-    /// Sleeps until a socket is readable, and drains those that are, or, after the full time, all.
+    /// Sleeps until a socket is readable, and drains the readable sockets, or, after the full time, all.
     fn sleep(&mut self, time: Duration) -> Result<Slept, BusError> {
         let watched = self.listeners.len();
         let failed = |source: io::Error| BusError::Wait { watched, source };
@@ -261,7 +261,7 @@ impl<S: Transport> Waiter<S> {
     }
 }
 
-/// Asks for work until it is there (`true`) or `time` has passed since `start`.
+/// Asks for work until work is there (`true`) or `time` has passed since `start`.
 fn spin_until(start: Instant, time: Duration, yields: bool, has_work: &mut impl FnMut(Look) -> bool) -> bool {
     let mut looked = Duration::ZERO;
     loop {
@@ -279,7 +279,7 @@ fn spin_until(start: Instant, time: Duration, yields: bool, has_work: &mut impl 
             if has_work(Look::Glance) {
                 return true;
             }
-            // On a core of its own a pause has no benefit, and delays the answer.
+            // On a dedicated core a pause has no benefit, and delays the answer.
             if yields {
                 hint::spin_loop();
             }

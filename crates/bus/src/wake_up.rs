@@ -1,15 +1,15 @@
 //! Waking of a topic's readers, and the knowledge that nobody listens.
 //!
-//! iceoryx2 counts the listeners of a topic by a walk over all places for them: some 180 instructions per slice, mostly
-//! for the result that nobody listens. Therefore each new listener of this crate increments a word of the topic, and a
-//! publisher that has found no listener counts again when the word has changed.
+//! iceoryx2 counts the listeners of a topic by a walk over all places for listeners: some 180 instructions per slice,
+//! mostly for the result that there is no listener. Therefore each new listener of this crate increments a word of the
+//! topic, and a publisher that has found no listener counts again when the word has changed.
 //!
 //! # No wake-up is lost
-//! The slice is in the queues before the publisher reads the word, and a listener has incremented the word before its
-//! owner looks into the queues, with a fence between the two steps on either side: one of the two sees the other.
+//! The slice is in the queues before the publisher reads the word, and a listener has incremented the word before the
+//! owner looks into the queues, with a fence between the two steps on either side: at least one side sees the other.
 //!
-//! A listener in another language never touches the word. Therefore the knowledge holds for a tenth of a second only.
-//! A publisher that used it counts again ([`WakeUp::settle`]) when there is nothing to send, and at its end.
+//! A listener in another language never touches the word. Therefore the result is valid for a tenth of a second only. A
+//! publisher that used the result counts again ([`WakeUp::settle`]) when there is nothing to send, and at the end.
 
 use std::sync::atomic::Ordering::{Acquire, SeqCst};
 use std::sync::atomic::fence;
@@ -41,7 +41,7 @@ impl<S: Transport> WakeUp<S> {
         }
     }
 
-    /// Wakes whoever listens, after a slice has entered the queues.
+    /// Wakes all listeners, after a slice has entered the queues.
     #[inline]
     pub(crate) fn wake(&mut self) {
         fence(SeqCst);

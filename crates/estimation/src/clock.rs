@@ -1,26 +1,26 @@
-//! A source's clock, judged by when its reports are received.
+//! A source's clock, judged by the times of receipt of reports.
 //!
 //! Each report carries a time of measurement and arrives a little later: after the time for measuring, processing
 //! and sending. A wrong clock appears as an additional offset. A small steady offset is harmless and can be
 //! corrected. A time is rejected if the clock jumps, or if the time is far from the caller's reference clock. This
 //! module does not judge the reference: a steady offset common to several sources belongs to the receiver.
 //!
-//! The offset is followed as a mean over the latest reports that agree with each other. Single reports far from it do
-//! not move it; several in a row that agree with each other do, since then the clock was set. A source that is wild too
-//! often is wild as a whole, until for a while it hardly was (hysteresis).
+//! The offset is followed as a mean over the latest reports that agree with each other. Single reports far from the
+//! offset do not move the offset; several in a row that agree with each other do, since then the clock was set. A
+//! source that is wild too often is wild as a whole, until for a while it hardly was wild (hysteresis).
 //!
-//! A report may be *late* while its clock is sound: ground stations and centres hold single reports back for seconds. A
+//! A report may be *late* while the clock is sound: ground stations and centres hold single reports back for seconds. A
 //! time behind the offset is therefore believed up to [`LATE_S`], unless several in a row agree: the clock was set
-//! back. Reports that arrive together are one statement, since what was held back is sent together.
+//! back. Reports that arrive together count as a single statement, since held-back reports are sent together.
 //!
-//! Reports *saved* during an interruption arrive after a silence, in a burst: their times go on where the silence
-//! began, and come nearer to the present faster than the present passes. A clock that was set back meanwhile stays
-//! behind. Saved reports are believed and do not move the offset; whoever uses them counts as late what is too old.
+//! Reports *saved* during an interruption arrive after a silence, in a burst: the times continue from the begin of the
+//! silence, and come nearer to the present faster than the present passes. A clock that was set back meanwhile stays
+//! behind. Saved reports are believed and do not move the offset; users of saved reports count too old reports as late.
 
 use messages::NS_PER_S;
 
-/// Successive reports that must agree with each other, against the estimate, before the estimate follows them; and
-/// reports after which the offset is known.
+/// Successive reports that must agree with each other, against the estimate, before the estimate follows; and reports
+/// after which the offset is known.
 const AGREEING: u32 = 8;
 /// Greatest delay of a late report behind the others, seconds: the window in which fusion uses late reports.
 const LATE_S: f64 = 10.0;
@@ -28,14 +28,14 @@ const LATE_S: f64 = 10.0;
 const LATE_AGREEING: u32 = 3;
 /// Reports received within this time arrive together, nanoseconds.
 const TOGETHER_NS: u64 = 50_000_000;
-/// Share of the present's passing by which saved reports come nearer to it at least.
+/// Share of the present's passing by which saved reports at least approach the present.
 const DRAINING: f64 = 0.5;
 /// Smallest weight of a new report in the offset.
 const GAIN_MIN: f64 = 1.0 / 64.0;
-/// How far a late report speaks against a clock: one of which most reports are late is not sound.
+/// Weight of a late report against a clock: a clock with mostly late reports is not sound.
 const LATE_ODDITY: f64 = 0.5;
-/// Weight of a new report in the share of wild ones, and the shares from which and below which the source as a whole is
-/// wild and no longer is.
+/// Weight of a new report in the share of wild reports, and the shares from which and below which the source as a whole
+/// is wild and no longer is.
 const SHARE_GAIN: f64 = 1.0 / 16.0;
 const WILD_FROM: f64 = 0.3;
 const WILD_UNTIL: f64 = 0.05;
@@ -43,20 +43,21 @@ const WILD_UNTIL: f64 = 0.05;
 /// Estimated state of a source's clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SourceClock {
-    /// Greatest distance from another clock that is believed; half of it is a jump.
+    /// Greatest distance from another clock that is believed; half of this distance is a jump.
     step_s: f64,
     offset_s: f64,
     variance_s2: f64,
     /// Reports that agreed with the offset.
     reports: u32,
-    /// Mean offset of the latest reports that agreed with each other and with nothing before, and their number.
+    /// Mean offset of the latest reports that agreed with each other and with nothing before, and the number of these
+    /// reports.
     apart: (f64, u32),
     /// Time of receipt of the latest of these that was counted, UTC, nanoseconds.
     apart_ns: i64,
     /// Newest believed time of measurement, and the time of receipt of the latest report, UTC, nanoseconds.
     newest_ns: i64,
     received_ns: i64,
-    /// End of the latest silence, UTC, nanoseconds, and its length, seconds.
+    /// End of the latest silence, UTC, nanoseconds, and the length of the silence, seconds.
     silence: (i64, f64),
     wild_share: f64,
     /// Time of receipt of the latest report that counted for the share, UTC, nanoseconds.
@@ -83,10 +84,10 @@ impl SourceClock {
         }
     }
 
-    /// Returns whether the time `time_ns` of a report received at `received_ns` is credible; both UTC in
-    /// nanoseconds, any value. `common_s` is the offset (seconds) of sound clocks against times of receipt; the time
-    /// may not be farther from it than the greatest distance. Without `common_s` only jumps count and, until the
-    /// offset is known, the distance from the time of receipt.
+    /// Returns whether the time `time_ns` of a report received at `received_ns` is credible; both UTC in nanoseconds,
+    /// any value. `common_s` is the offset (seconds) of sound clocks against times of receipt; the time may not be
+    /// farther from this offset than the greatest distance. Without `common_s` only jumps count and, until the offset
+    /// is known, the distance from the time of receipt.
     pub fn believes(&mut self, time_ns: i64, received_ns: i64, common_s: Option<f64>) -> bool {
         let offset_s = time_ns.saturating_sub(received_ns) as f64 / NS_PER_S;
         let is_known = self.reports >= AGREEING;
@@ -133,7 +134,7 @@ impl SourceClock {
         (0.0..=left_s + 0.5 * self.step_s).contains(&delay_s) && left_s > 0.0 && time_ns >= self.newest_ns
     }
 
-    /// Offset of the clock against times of receipt and its standard deviation from report to report, seconds; positive
+    /// Offset of the clock against times of receipt and the standard deviation from report to report, seconds; positive
     /// if the clock is ahead. `None` while too few reports are known.
     pub fn offset(&self) -> Option<(f64, f64)> {
         (self.reports >= AGREEING).then(|| (self.offset_s, self.variance_s2.sqrt()))
@@ -257,7 +258,7 @@ mod tests {
 
     #[test]
     fn a_clock_of_which_most_reports_are_late_is_not_sound() {
-        // Twenty reports at a time, as far off as the step says.
+        // Twenty reports at a time, as far off as the step.
         for offsets_s in [[4.5, -4.5, 0.0], [-4.5, 0.0, 4.5], [0.0, 4.5, -4.5]] {
             let mut clock = SourceClock::new(5.0);
             let report = |clock: &mut SourceClock, step: usize| {

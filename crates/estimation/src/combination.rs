@@ -1,6 +1,6 @@
-//! Combination of several estimates of one state, under three assumptions on the correlation of their errors.
+//! Combination of several estimates of the same state, under three assumptions on the correlation of the errors.
 //!
-//! Two sensors' tracks of one target share the target: both lag behind the same manoeuvre, so their errors are
+//! Two sensors' tracks of the same target share the target: both lag behind the same manoeuvre, so the errors are
 //! correlated even where the sensors' noises are not.
 //!
 //! - [`information_sum`]: no correlation. Inverse covariances add up. Simple, and too sure of itself by the ignored
@@ -14,8 +14,8 @@
 //!   *The effect of the common process noise on the two-sensor fused-track covariance*, 1986; for more than two the
 //!   same by least squares, K. C. Chang, R. K. Saha, Y. Bar-Shalom, *On optimal track-to-track fusion*, 1997).
 //!
-//! Each gives every input's share: the trace of its matrix weight over the dimension. Matrix weights add up to the
-//! identity, so shares sum to 1.
+//! Each gives every input's share: the trace of the input's matrix weight over the dimension. Matrix weights add up to
+//! the identity, so shares sum to 1.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -25,15 +25,14 @@ use crate::dense;
 pub const INPUTS_MAX: usize = 16;
 /// Most rows of a joint covariance: inputs times components.
 const JOINT_MAX: usize = 64;
-/// Strengths of the barrier that keeps intersection weights positive, one after the other: each start is good for the
-/// next.
+/// Strengths of the barrier that keeps intersection weights positive, in succession: each start is good for the next.
 const BARRIERS: [f64; 3] = [1e-2, 1e-5, 1e-8];
 /// Most Newton steps per strength; a handful is usual.
 const NEWTON_STEPS_MAX: usize = 16;
-/// Most halvings of one Newton step.
+/// Most halvings of a single Newton step.
 const HALVINGS_MAX: usize = 30;
 
-/// A mean and its covariance.
+/// A mean and the covariance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate<const D: usize> {
     /// Expected state.
@@ -56,7 +55,7 @@ impl<const D: usize> Default for Estimate<D> {
 pub enum Criterion {
     /// The trace over the first so many components.
     Trace {
-        /// How many; all of one unit, for a sum of metres and metres per second means nothing.
+        /// Number of components; all of the same unit, for a sum of metres and metres per second means nothing.
         components: usize,
     },
     /// The determinant: the volume of the error ellipsoid, in any units.
@@ -78,7 +77,7 @@ pub fn weighted_information<const D: usize>(
 ) -> Option<Estimate<D>> {
     let information = inverses(inputs)?;
     let (mut sum, mut pull) = (SMatrix::zeros(), SVector::zeros());
-    // Relative to one of the inputs: large coordinates cost no digits.
+    // Relative to a single input: large coordinates cost no digits.
     let origin = inputs.first()?.mean;
     for ((input, y), weight) in inputs.iter().zip(&information).zip(weights) {
         sum += y * *weight;
@@ -94,11 +93,11 @@ pub fn weighted_information<const D: usize>(
     })
 }
 
-/// The weights of covariance intersection: at least 0, of sum 1, one per input, such that the combined covariance is
-/// smallest by `criterion`. Where several are as good, equal inputs get equal weights.
+/// The weights of covariance intersection: at least 0, of sum 1, a weight per input, such that the combined covariance
+/// is smallest by `criterion`. Where several are as good, equal inputs get equal weights.
 ///
 /// Both criteria are convex in the weights. Newton's method on the simplex with a logarithmic barrier finds the minimum
-/// in a bounded number of steps; a barrier of 1e-8 moves it by no more than that. An input that is best all by itself,
+/// in a bounded number of steps; a barrier of 1e-8 moves the minimum by no more than that. An input that is best alone,
 /// which is common, is recognised without any search. `None` as in [`weighted_information`].
 pub fn intersection_weights<const D: usize>(
     inputs: &[Estimate<D>],
@@ -195,7 +194,7 @@ impl<const D: usize> IntersectionCost<'_, D> {
         Some(self.scale * criterion - barrier * logarithms)
     }
 
-    /// One damped Newton step along the simplex; `false` once there is nothing more to gain.
+    /// A single damped Newton step along the simplex; `false` once there is nothing more to gain.
     fn step(&self, weights: &mut [f64; INPUTS_MAX], barrier: f64) -> Option<bool> {
         let n = self.information.len();
         let (gradient, mut hessian) = self.derivatives(weights, barrier)?;
@@ -229,8 +228,8 @@ impl<const D: usize> IntersectionCost<'_, D> {
         Some(false)
     }
 
-    /// Gradient and Hessian of criterion plus barrier. With P = (Σ w·Y)⁻¹, those of −ln det P⁻¹ are −tr(P·Yᵢ) and
-    /// tr(P·Yᵢ·P·Yⱼ); those of tr(S·P) are −tr(P·S·P·Yᵢ) and 2·tr(P·S·P·Yᵢ·P·Yⱼ).
+    /// Gradient and Hessian of criterion plus barrier. With P = (Σ w·Y)⁻¹, for −ln det P⁻¹, gradient and Hessian are
+    /// −tr(P·Yᵢ) and tr(P·Yᵢ·P·Yⱼ); for tr(S·P), −tr(P·S·P·Yᵢ) and 2·tr(P·S·P·Yᵢ·P·Yⱼ).
     fn derivatives(&self, weights: &[f64; INPUTS_MAX], barrier: f64) -> Option<([f64; INPUTS_MAX], Square)> {
         let covariance = inverse(&self.sum(weights))?;
         let outer = self.outer(&covariance);
@@ -243,7 +242,7 @@ impl<const D: usize> IntersectionCost<'_, D> {
         for (i, y) in self.information.iter().enumerate() {
             let left = outer * y;
             gradient[i] = -self.scale * left.trace() - barrier / weights[i];
-            // P·Yᵢ·A, so that its elementwise product with Yⱼ sums to the trace.
+            // P·Yᵢ·A, so that the elementwise product with Yⱼ sums to the trace.
             let both = covariance * left.transpose();
             for (j, other) in self.information[..=i].iter().enumerate() {
                 hessian[i][j] = self.scale * twice * both.component_mul(other).sum();
@@ -261,7 +260,7 @@ type Square = [[f64; INPUTS_MAX]; INPUTS_MAX];
 ///
 /// With H the stacked identities and Π the joint covariance, P = (Hᵀ·Π⁻¹·H)⁻¹ and x = P·Hᵀ·Π⁻¹·(stacked means). `None`
 /// if there are too many inputs or the joint covariance is not positive definite. Shares may lie outside [0, 1]: where
-/// one input is much the better and correlated with the other, the other counts against itself.
+/// an input is much the better and correlated with the other, the other counts negatively.
 pub fn correlated_combination<const D: usize>(
     inputs: &[Estimate<D>],
     cross: impl Fn(usize, usize) -> SMatrix<f64, D, D>,
@@ -285,7 +284,7 @@ pub fn correlated_combination<const D: usize>(
     if !dense::factorise(&mut joint, rows) {
         return None;
     }
-    // Π⁻¹·H, one column at a time.
+    // Π⁻¹·H, a single column at a time.
     let mut weighing = [SMatrix::<f64, D, D>::zeros(); INPUTS_MAX];
     for column in 0..D {
         let mut solved = [0.0; JOINT_MAX];

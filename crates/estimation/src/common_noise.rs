@@ -1,27 +1,26 @@
-//! Cross-covariance of two trackers of one target, caused by the target's manoeuvres.
+//! Cross-covariance of two trackers of the same target, caused by the target's manoeuvres.
 //!
 //! Each tracker lags behind the same manoeuvre, so the errors of all trackers contain the same process noise. For
-//! filters in steady state the cross-covariance X solves X = B₁·(F·X·Fᵀ + Q)·B₂ᵀ with Bⱼ = I − Kⱼ·H (Y. Bar-Shalom,
-//! L. Campo, 1986): a linear equation in four unknowns per axis. A source reports its covariance but not its gain.
-//! For a steady filter of nearly constant velocity the covariance determines the gain. With p the variance of its
-//! position, q the density of the noise and T its period, u = √(1 − α) is the only root of 4·(1 − u)³ =
-//! (q·T³/p)·u²·(1 + u) in (0, 1), and β = 2·(1 − u)² (from Kalata's relations; piecewise-constant acceleration of
-//! variance q/T).
+//! filters in steady state the cross-covariance X solves X = B₁·(F·X·Fᵀ + Q)·B₂ᵀ with Bⱼ = I − Kⱼ·H (Y. Bar-Shalom, L.
+//! Campo, 1986): a linear equation in four unknowns per axis. A source reports the covariance but not the gain. For a
+//! steady filter of nearly constant velocity the covariance determines the gain. With p the variance of the position, q
+//! the density of the noise and T the period, u = √(1 − α) is the only root of 4·(1 − u)³ = (q·T³/p)·u²·(1 + u) in (0,
+//! 1), and β = 2·(1 − u)² (from Kalata's relations; piecewise-constant acceleration of variance q/T).
 //!
-//! Limits: steady state, one period for all trackers, the same q in all of them, measurement noises independent. At
-//! short periods (q·T³ ≪ p) the correlations of equal trackers tend to 1/4 in position and 3/4 in velocity; at
-//! manoeuvring index 1 they are 1/9 and 2/3.
+//! Limits: steady state, the same period for all trackers, the same q in all trackers, measurement noises independent.
+//! At short periods (q·T³ ≪ p) the correlations of equal trackers tend to 1/4 in position and 3/4 in velocity; at
+//! manoeuvring index 1 the correlations are 1/9 and 2/3.
 
 use nalgebra::{Matrix2, Matrix4, Vector2, Vector4};
 
 use crate::motion::AxisNoise;
 
-/// Distinguished range of q·T³/p; beyond it the filter practically ignores, or copies, its measurements.
+/// Distinguished range of q·T³/p; beyond, the filter practically ignores, or copies, the measurements.
 const INDEX_SQUARED_RANGE: (f64, f64) = (1e-12, 1e12);
 /// Halvings that find u to the last bit.
 const BISECTIONS: usize = 60;
 
-/// A steady filter of one axis (position, velocity).
+/// A steady filter of a single axis (position, velocity).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SteadyFilter {
     /// √(1 − α).

@@ -1,12 +1,12 @@
 //! Positive definiteness of covariances, and the nearest usable covariance otherwise.
 //!
 //! Covariances from outside can be rounded to a few digits, filled in by hand, or wrong; a filter with a negative
-//! eigenvalue in its covariance divides by it sooner or later. [`repaired`] keeps the variances (the most reliable
-//! part of a source's covariance) and reduces the correlations as far as needed. It scales to a correlation matrix,
-//! which also makes metres and metres per second comparable, raises eigenvalues that are too small, and scales back.
-//! Clipping eigenvalues gives the nearest positive matrix in the Frobenius norm (N. J. Higham, *Computing a nearest
-//! symmetric positive semidefinite matrix*, 1988); restoring the unit diagonal afterwards is a scaling, so the
-//! matrix stays positive.
+//! eigenvalue in the covariance divides by that eigenvalue sooner or later. [`repaired`] keeps the variances (the most
+//! reliable part of a source's covariance) and reduces the correlations as far as needed. The function scales to a
+//! correlation matrix, which also makes metres and metres per second comparable, raises eigenvalues that are too small,
+//! and scales back. Clipping eigenvalues gives the nearest positive matrix in the Frobenius norm (N. J. Higham,
+//! *Computing a nearest symmetric positive semidefinite matrix*, 1988); restoring the unit diagonal afterwards is a
+//! scaling, so the matrix stays positive.
 
 use messages::{Covariance, STATE_LEN};
 
@@ -22,7 +22,7 @@ const ASYMMETRY_MAX: f64 = 1e-9;
 /// Returns whether a message's covariance is positive definite. Components of variance 0 are unknown, and are left
 /// out.
 pub fn is_usable(covariance: &Covariance) -> bool {
-    // L·D·Lᵀ: D is the remaining variance of each component, given the components before. Needs no roots, and one
+    // L·D·Lᵀ: D is the remaining variance of each component, given the components before. Needs no roots, and a single
     // division per component.
     let mut rest = covariance.upper;
     for known in 0..STATE_LEN {
@@ -58,7 +58,7 @@ fn is_symmetric(covariance: &Matrix6) -> bool {
     })
 }
 
-/// `covariance` itself if it is positive definite, otherwise the repaired one: same variances, symmetric, and
+/// `covariance` itself if it is positive definite, otherwise the repaired matrix: same variances, symmetric, and
 /// correlations reduced as far as needed. `None` if there is nothing to keep: a value that is not finite, or a variance
 /// that is not positive.
 pub fn repaired(covariance: &Matrix6) -> Option<Matrix6> {

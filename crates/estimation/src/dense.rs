@@ -1,7 +1,7 @@
 //! Symmetric positive definite systems with a size known only at run time, in arrays on the stack.
 
-/// Replaces the lower triangle of the first `n` rows of `matrix` by its Cholesky factor L, matrix = L·Lᵀ. `false` if it
-/// is not positive definite; then the contents are of no use.
+/// Replaces the lower triangle of the first `n` rows of `matrix` by the Cholesky factor L, matrix = L·Lᵀ. `false` if
+/// the matrix is not positive definite; then the contents are of no use.
 pub(crate) fn factorise<const N: usize>(matrix: &mut [[f64; N]; N], n: usize) -> bool {
     for row in 0..n {
         for column in 0..=row {

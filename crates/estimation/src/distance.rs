@@ -1,13 +1,13 @@
 //! Statistical (Mahalanobis) distance of two states.
 //!
-//! 100 m apart is much for two accurate sensors and nothing for two coarse ones. d² = Δᵀ·S⁻¹·Δ measures the
-//! difference Δ in units of its own covariance S; for two estimates of one target with independent errors,
-//! S = P₁ + P₂, and d² follows a chi-square distribution with as many degrees of freedom as components compared:
-//! 99 % lie below 9.210, 13.277 and 16.812 for 2, 4 and 6 of them.
+//! 100 m apart is much for two accurate sensors and nothing for two coarse sensors. d² = Δᵀ·S⁻¹·Δ measures the
+//! difference Δ in units of the difference's covariance S; for two estimates of the same target with independent
+//! errors, S = P₁ + P₂, and d² follows a chi-square distribution with as many degrees of freedom as components
+//! compared: 99 % lie below 9.210, 13.277 and 16.812 for 2, 4 and 6 components.
 //!
-//! Limit: the errors of two tracks of one target are *not* independent, since both lag behind the same manoeuvre.
-//! The true S is P₁ + P₂ − P₁₂ − P₂₁, so d² is too small (on average 1.1 instead of 2 for one axis at manoeuvring
-//! index 0.3): a gate set from the table admits slightly more than its probability.
+//! Limit: the errors of two tracks of the same target are *not* independent, since both lag behind the same manoeuvre.
+//! The true S is P₁ + P₂ − P₁₂ − P₂₁, so d² is too small (on average 1.1 instead of 2 for a single axis at manoeuvring
+//! index 0.3): a gate set from the table admits slightly more than the table's probability.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -38,8 +38,8 @@ impl ComparedComponents {
     }
 }
 
-/// Squared statistical distance d² of two states of the same time, their errors taken as independent; infinite if
-/// the sum of their covariances is not positive definite or a value not finite.
+/// Squared statistical distance d² of two states of the same time, the errors taken as independent; infinite if the sum
+/// of the covariances is not positive definite or a value not finite.
 pub fn statistical_distance(a: &Gaussian, b: &Gaussian, components: ComparedComponents) -> f64 {
     match components {
         ComparedComponents::HorizontalPosition => over(a, b, [0, 1]),

@@ -1,8 +1,8 @@
 //! Mean and covariance of a target's state.
 //!
-//! A filter that runs for every target at every report spends its time on moving numbers. Half of a covariance matrix
-//! repeats the other half; without it, in the form of messages, a state fits in four lines of the cache, and
-//! predicting, mixing and updating are a third of the work.
+//! A filter that runs for every target at every report spends most time on moving numbers. Half of a covariance matrix
+//! repeats the other half; without the repetition, in the form of messages, a state fits in four lines of the cache,
+//! and predicting, mixing and updating are a third of the work.
 
 use messages::{AXES, Covariance, STATE_LEN};
 use nalgebra::{SMatrix, SVector};
@@ -17,7 +17,7 @@ pub type Matrix3 = SMatrix<f64, AXES, AXES>;
 /// Symmetric 3×3 matrix: (xx, xy, xz, yy, yz, zz).
 pub type Symmetric3 = [f64; 6];
 
-/// A target's position and velocity at one time, as far as they are known.
+/// A target's position and velocity at a single time, as far as known.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Gaussian {
     /// Expected state: (x, y, z, vx, vy, vz) in metres and metres per second.
@@ -89,7 +89,7 @@ pub fn unpacked(covariance: &Covariance) -> Matrix6 {
     Matrix6::from_fn(|row, column| covariance.get(row, column))
 }
 
-/// The covariance of a full matrix; of one that is not quite symmetric, the mean of mirrored elements.
+/// The covariance of a full matrix; of a not quite symmetric matrix, the mean of mirrored elements.
 pub fn packed(matrix: &Matrix6) -> Covariance {
     let mut covariance = Covariance::default();
     for row in 0..STATE_LEN {

@@ -1,4 +1,4 @@
-//! Initiation: the state after one measured position.
+//! Initiation: the state after a single measured position.
 //!
 //! A single position does not determine the velocity. The difference of two positions makes the first estimate late,
 //! and rough if the two are close in time. Single-point initiation instead starts with prior knowledge: velocity
@@ -10,7 +10,7 @@ use messages::{AXES, Covariance, STATE_LEN};
 
 use crate::gaussian::{Gaussian, Symmetric3};
 
-/// A velocity before it was observed: zero, with these standard deviations.
+/// A velocity before observation: zero, with these standard deviations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirstVelocity {
     /// Standard deviation east and north, m/s.
@@ -19,7 +19,7 @@ pub struct FirstVelocity {
     pub vertical_sigma_mps: f64,
 }
 
-/// Variance of a height that was not observed, m²: any height of an aircraft is within a few of its roots.
+/// Variance of a height that was not observed, m²: any height of an aircraft is within a few standard deviations.
 const UNOBSERVED_HEIGHT_M2: f64 = 1e4 * 1e4;
 
 impl Gaussian {
@@ -48,7 +48,7 @@ impl Gaussian {
     }
 
     /// Resets height and vertical speed to the unobserved state: 0, uncorrelated, with uninformative variances. For
-    /// tracks of sensors without height measurements, whose prediction would let these variances grow for ever.
+    /// tracks of sensors without height measurements, where prediction would let these variances grow for ever.
     pub fn forget_height(&mut self, velocity: FirstVelocity) {
         let vertical = velocity.vertical_sigma_mps * velocity.vertical_sigma_mps;
         self.replace_vertical([0.0, 0.0], [UNOBSERVED_HEIGHT_M2, vertical]);

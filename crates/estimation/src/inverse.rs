@@ -2,8 +2,8 @@
 
 use crate::gaussian::Symmetric3;
 
-/// Returns the columns of the inverse; `None` if the matrix is not positive definite. The elements are those of
-/// `nalgebra`'s inverse by Cholesky's decomposition, to the bit.
+/// Returns the columns of the inverse; `None` if the matrix is not positive definite. The elements are equal to the
+/// elements of `nalgebra`'s inverse by Cholesky's decomposition, to the bit.
 #[inline]
 pub fn inverse3([xx, xy, xz, yy, yz, zz]: Symmetric3) -> Option<[[f64; 3]; 3]> {
     // L of L·Lᵀ, column by column. Written so that NaN is refused.

@@ -1,22 +1,21 @@
-//! Gaussian state of a target, and the filter operations on it.
+//! Gaussian state of a target, and the filter operations on the state.
 //!
-//! A target's state is position and velocity, (x, y, z, vx, vy, vz), in the system's East-North-Up frame; its
-//! estimate is a [`Gaussian`]: a mean and a 6×6 covariance. All tracking and comparison of tracks consists of a few
-//! operations:
+//! A target's state is position and velocity, (x, y, z, vx, vy, vz), in the system's East-North-Up frame; the estimate
+//! is a [`Gaussian`]: a mean and a 6×6 covariance. All tracking and comparison of tracks consists of a few operations:
 //!
-//! - [`prediction`](NearlyConstantVelocity): bring it to another time,
-//! - [`update`](Gaussian::update_position): improve it by a measured position,
-//! - [`initiation`](Gaussian::from_first_position): begin it from one measured position,
-//! - [`mixture`](Gaussian::mixture): make one state of two that hold with some probability,
+//! - [`prediction`](NearlyConstantVelocity): to another time,
+//! - [`update`](Gaussian::update_position): improvement by a measured position,
+//! - [`initiation`](Gaussian::from_first_position): begin from a single measured position,
+//! - [`mixture`](Gaussian::mixture): a single state from two states that hold with some probability,
 //! - [`plane`](Plane) and [`vertical`](Vertical): the same for parts of a state, and coordinated turns,
 //! - [`smoother`](Smoother): improve the states of an interval by later measurements,
 //! - [`distance`](statistical_distance): test whether two states belong to the same target,
 //! - [`recovery`](recovered): which measurement is behind a sensor track's latest report?
-//! - [`definite`](repaired): is a covariance that came from outside usable, and can it be made so?
-//! - [`combination`](correlated_combination): make one of several estimates of the same target.
+//! - [`definite`](repaired): is an external covariance usable, or can a usable covariance be made?
+//! - [`combination`](correlated_combination): a single estimate from several estimates of the same target.
 //!
-//! All values live on the stack (nalgebra's statically sized matrices): nothing here allocates but the smoother, so it
-//! can run in fusion's steady state. Nothing reads a clock: time is an argument.
+//! All values live on the stack (nalgebra's statically sized matrices): nothing here allocates but the smoother, so
+//! that all operations can run in fusion's steady state. Nothing reads a clock: time is an argument.
 //!
 //! Sources: Y. Bar-Shalom, X. R. Li, T. Kirubarajan, *Estimation with Applications to Tracking and Navigation*
 //! (Wiley, 2001), for all but [`repaired`]; the modules name the chapter.

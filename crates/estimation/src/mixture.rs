@@ -15,8 +15,7 @@ impl Gaussian {
         mixture
     }
 
-    /// Sets the first `N` components, with their covariances, to the mixture of `a` and `b`; the others are
-    /// unchanged.
+    /// Sets the first `N` components, with covariances, to the mixture of `a` and `b`; the others are unchanged.
     #[allow(clippy::needless_range_loop)] // Iterators keep these loops from being unrolled.
     pub fn mix<const N: usize>(&mut self, a: &Self, b: &Self, weight_of_b: f64) {
         let difference = a.difference(b);

@@ -1,18 +1,19 @@
 //! Prediction: nearly constant velocity.
 //!
-//! A target flies straight until it does not. The model lets its velocity drift by a white-noise acceleration of
+//! A target flies straight until a manoeuvre. The model lets the velocity drift by a white-noise acceleration of
 //! spectral density q (m²/s³): over T seconds the velocity's variance grows by q·T. Large q follows turns, small q
 //! smooths; a common choice is √(q·T) between half and all of the change of speed that one period T can bring.
 //!
-//! Two discretisations are in use, and published figures are only reproduced with the one they were made with:
+//! Two discretisations are in use, and published figures are only reproduced with the original discretisation:
 //!
-//! - *white* ([`AxisNoise::white`]): acceleration is white in continuous time. Its covariance composes: two steps of
-//!   a and b seconds equal one of a + b, so the result does not depend on how often reports happen to come. This is
-//!   the one to use where reports of several sensors arrive at any time (Bar-Shalom et al. 2001, section 6.2.2).
+//! - *white* ([`AxisNoise::white`]): acceleration is white in continuous time. The covariance composes: two steps of a
+//!   and b seconds equal a single step of a + b, so the result does not depend on how often reports happen to come. Use
+//!   this discretisation where reports of several sensors arrive at any time (Bar-Shalom et al. 2001, section 6.2.2).
 //! - *piecewise constant* ([`AxisNoise::piecewise_constant`]): acceleration is constant within each period and
-//!   independent of the next. Steady-state tables over the manoeuvring index are made with it (section 6.3.2).
+//!   independent of the next. Steady-state tables over the manoeuvring index are made with this discretisation (section
+//!   6.3.2).
 //!
-//! Limit: one density for all times. A target that alternates between long legs and hard turns is served better by
+//! Limit: a single density for all times. A target that alternates between long legs and hard turns is served better by
 //! several models in parallel (IMM).
 
 use messages::AXES;
@@ -63,7 +64,7 @@ pub struct NearlyConstantVelocity {
 }
 
 impl NearlyConstantVelocity {
-    /// One density for east and north, another for up.
+    /// A density for east and north, another for up.
     pub fn new(horizontal_density_m2ps3: f64, vertical_density_m2ps3: f64) -> Self {
         Self {
             density_m2ps3: [
@@ -83,7 +84,7 @@ impl NearlyConstantVelocity {
 }
 
 impl Gaussian {
-    /// Moved along its velocity for `duration_s` seconds: F·x and F·P·Fᵀ + Q, Q being `noise` per axis.
+    /// Moved along the velocity for `duration_s` seconds: F·x and F·P·Fᵀ + Q, Q being `noise` per axis.
     #[must_use]
     pub fn moved(&self, duration_s: f64, noise: [AxisNoise; AXES]) -> Self {
         let mut moved = *self;
@@ -98,7 +99,7 @@ impl Gaussian {
         for row in 0..AXES {
             self.mean[row] += t * self.mean[row + AXES];
             for column in row..AXES {
-                // Each element is read before it is written: a pair of axes touches no other pair's.
+                // Each element is read before being written: a pair of axes touches no other pair's.
                 let velocity = p[at(row + AXES, column + AXES)];
                 let (cross, mirrored) = (p[at(row, column + AXES)], p[at(column, row + AXES)]);
                 p[at(row, column)] = p[at(row, column)] + t * (cross + mirrored) + t * t * velocity;

@@ -1,12 +1,12 @@
 //! A state of the plane alone: position and velocity east and north.
 //!
-//! A filter with several models of motion spends its time on the covariances of these models. Without the vertical a
+//! A filter with several models of motion spends most time on the covariances of these models. Without the vertical a
 //! covariance has 10 elements instead of 21. A climb then also has no effect on the plane.
 //!
-//! Motion is a rotation of the velocity by ω·t, with ω = 0 for straight flight (Bar-Shalom et al. 2001, section
-//! 11.7). The rotation is computed by half of its tangent, a rational function, because a library's sine differs from
-//! machine to machine. Its series ends early: the angle is 0.03 % too small at 0.9 rad, 3 % at 2 rad, and does not
-//! rise beyond. The matrix is a rotation in any case.
+//! Motion is a rotation of the velocity by ω·t, with ω = 0 for straight flight (Bar-Shalom et al. 2001, section 11.7).
+//! The rotation is computed by half of the tangent, a rational function, because a library's sine differs from machine
+//! to machine. The series ends early: the angle is 0.03 % too small at 0.9 rad, 3 % at 2 rad, and does not rise beyond.
+//! The matrix is a rotation in any case.
 
 /// Number of components: (x, y, vx, vy).
 pub(crate) const COMPONENTS: usize = 4;
@@ -15,7 +15,7 @@ pub(crate) const ELEMENTS: usize = COMPONENTS * (COMPONENTS + 1) / 2;
 /// Largest half angle of a rotation, rad.
 const HALF_ANGLE_MAX: f64 = 1.0;
 
-/// Position and velocity east and north at one time, as far as they are known.
+/// Position and velocity east and north at a single time, as far as known.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Plane {
     /// Expected state: (x, y, vx, vy) in metres and metres per second.
@@ -24,7 +24,7 @@ pub struct Plane {
     pub covariance: [f64; ELEMENTS],
 }
 
-/// Residual of a measured position, relative to its covariance.
+/// Residual of a measured position, relative to the residual's covariance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Residual {
     /// Squared statistical length.
@@ -215,8 +215,8 @@ impl Plane {
 }
 
 impl Plane {
-    /// Replaces the state by a mixture: of itself with weight `1 − weight`, and of another. One copy of it serves all
-    /// models, since five would fill a twentieth of an instruction cache.
+    /// Replaces the state by a mixture: of itself with weight `1 − weight`, and of another. A single copy of this
+    /// function serves all models, since five would fill a twentieth of an instruction cache.
     #[inline(never)]
     #[allow(clippy::needless_range_loop)] // As above.
     pub fn blend(&mut self, other: &Self, weight: f64) {
@@ -234,7 +234,7 @@ impl Plane {
         }
     }
 
-    /// The rest of a mixture without one of its states, which has the weight `1 − rest` in it; `rest` is not 0.
+    /// The rest of a mixture without a single state, which has the weight `1 − rest` in the mixture; `rest` is not 0.
     #[inline]
     #[allow(clippy::needless_range_loop)] // As above.
     #[must_use]
@@ -259,7 +259,7 @@ impl Plane {
     }
 }
 
-/// [`crate::Moments`] of one state after the other, for comparison.
+/// [`crate::Moments`] of successive states, for comparison.
 #[cfg(test)]
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Moments {
@@ -270,7 +270,7 @@ pub(crate) struct Moments {
 
 #[cfg(test)]
 impl Moments {
-    /// Those of one state with a weight.
+    /// Moments of a single state with a weight.
     #[allow(clippy::needless_range_loop)] // As above.
     pub(crate) fn of(state: &Plane, weight: f64, about: &[f64; COMPONENTS]) -> Self {
         let d: [f64; COMPONENTS] = std::array::from_fn(|row| state.mean[row] - about[row]);
@@ -424,7 +424,7 @@ mod tests {
             let difference = (full(&turned) - covariance).amax();
             prop_assert!(difference <= 1e-9 * covariance.amax());
             prop_assert!((Vector4::from(turned.mean) - mean).amax() <= 1e-9 * (1.0 + mean.amax()));
-            // The rotation is nearly the one asked for, and is undone by the opposite one.
+            // The rotation is nearly the requested rotation, and is undone by the opposite rotation.
             let angle = (rate * t).clamp(-2.0, 2.0);
             prop_assert!((s.atan2(c) - angle).abs() < 0.03 * angle.abs() + 1e-12);
             prop_assert!((c * c + s * s - 1.0).abs() < 1e-12);
@@ -486,7 +486,7 @@ mod tests {
         fn a_mixture_without_one_of_its_states_is_the_other(
             a in any_gaussian(), b in any_gaussian(), weight in 0.01..1.0f64,
         ) {
-            // Near each other, as models of one target are: digits are lost otherwise.
+            // Near each other, as are models of the same target: digits are lost otherwise.
             let (a, mut b) = (plane_of(&a), plane_of(&b));
             b.mean = std::array::from_fn(|row| a.mean[row] + b.mean[row] * if row < 2 { 1e-3 } else { 0.1 });
             let mut mixture = a;

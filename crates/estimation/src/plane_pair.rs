@@ -97,7 +97,7 @@ pub struct PlanePair {
     covariance: [Two; ELEMENTS],
 }
 
-/// Residuals of a measured position, relative to their covariances: see [`crate::Residual`].
+/// Residuals of a measured position, relative to the covariances: see [`crate::Residual`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Residuals {
     /// Squared statistical lengths.
@@ -131,7 +131,7 @@ impl PlanePair {
         }
     }
 
-    /// Position of the first state (0) or of the second (1), and its covariance (xx, xy, yy).
+    /// Position of the first state (0) or of the second (1), and the covariance (xx, xy, yy).
     #[inline]
     pub fn position(&self, which: usize) -> ([f64; 2], [f64; 3]) {
         let ([x, y, ..], [xx, xy, _, _, yy, ..]) = (&self.mean, &self.covariance);
@@ -207,7 +207,7 @@ impl PlanePair {
         ];
     }
 
-    /// [`Plane::disturb`] of one of the two.
+    /// [`Plane::disturb`] of a single state of the pair.
     #[inline]
     pub fn disturb_one(&mut self, which: usize, density_m2ps3: [f64; 3], duration_s: f64) {
         let t = duration_s;
@@ -231,7 +231,7 @@ impl PlanePair {
         }
     }
 
-    /// [`Plane::disturb_evenly`] of one of the two.
+    /// [`Plane::disturb_evenly`] of a single state of the pair.
     #[inline]
     pub fn disturb_one_evenly(&mut self, which: usize, density_m2ps3: f64, duration_s: f64) {
         let [third, second, first] = even_noise(density_m2ps3, duration_s);
@@ -265,7 +265,7 @@ impl PlanePair {
         }
     }
 
-    /// [`Plane::update`] of both. `None`, and no change, if one of them cannot be updated.
+    /// [`Plane::update`] of both. `None`, and no change, if either cannot be updated.
     #[allow(clippy::needless_range_loop)] // Iterators keep these loops from being unrolled.
     pub fn update(&mut self, measured_m: [f64; 2], r: [f64; 3]) -> Option<Residuals> {
         let [xx, xy, xu, xv, yy, yu, yv, ..] = self.covariance;
@@ -299,7 +299,7 @@ impl PlanePair {
         Some(Residuals { squared, determinant })
     }
 
-    /// [`Plane::blend`] of both, each with its own other state and weight.
+    /// [`Plane::blend`] of both, each with a separate other state and weight.
     #[allow(clippy::needless_range_loop)] // As above.
     pub fn blend(&mut self, other: &Self, weight: Two) {
         let d: [Two; COMPONENTS] = from_fn(|row| other.mean[row] - self.mean[row]);
@@ -318,7 +318,7 @@ impl PlanePair {
     }
 }
 
-/// Additions to the variance of a position, its covariance with the velocity, and the variance of the velocity.
+/// Additions to the variance of a position, the covariance with the velocity, and the variance of the velocity.
 #[inline]
 fn even_noise(density_m2ps3: f64, duration_s: f64) -> [f64; 3] {
     let first = duration_s.abs() * density_m2ps3;
@@ -326,7 +326,7 @@ fn even_noise(density_m2ps3: f64, duration_s: f64) -> [f64; 3] {
     [second * duration_s * (2.0 / 3.0), second, first]
 }
 
-/// Sum of weighted states, for mixtures of many: each state's mean and second moment about a common point, times its
+/// Sum of weighted states, for mixtures of many: each state's mean and second moment about a common point, times the
 /// weight (Bar-Shalom et al. 2001, section 1.4.16). The common point should be near all, so that no figure is lost.
 #[derive(Clone, Copy, Debug)]
 pub struct Moments {
@@ -336,7 +336,7 @@ pub struct Moments {
 }
 
 impl Moments {
-    /// Returns the moments of two states with their weights.
+    /// Returns the moments of two states with weights.
     #[inline]
     pub fn of(pair: &PlanePair, weight: Two, about: &[f64; COMPONENTS]) -> Self {
         let (first, second) = weighted(pair, weight, about);
@@ -347,7 +347,7 @@ impl Moments {
         }
     }
 
-    /// Adds two states with their weights, one after the other.
+    /// Adds two states with weights, in succession.
     #[inline]
     pub fn include(&mut self, pair: &PlanePair, weight: Two, about: &[f64; COMPONENTS]) {
         let (first, second) = weighted(pair, weight, about);
@@ -381,7 +381,7 @@ impl Moments {
     }
 }
 
-/// Weighted deviations of two states from a point, and their weighted second moments.
+/// Weighted deviations of two states from a point, and the weighted second moments.
 #[inline]
 #[allow(clippy::needless_range_loop)] // As above.
 fn weighted(pair: &PlanePair, weight: Two, about: &[f64; COMPONENTS]) -> ([Two; COMPONENTS], [Two; ELEMENTS]) {

@@ -1,17 +1,16 @@
 //! Recovery: the measurement behind a sensor track's latest report.
 //!
 //! A sensor track is a filter's output: each report contains all earlier reports again, so fusing reports as
-//! measurements counts the same information many times. But the filter can be inverted. Between two reports of one
-//! track, a filter that measures position and assumes nearly constant velocity predicts, P⁻ = F·P·Fᵀ + Q, and
-//! updates, P⁺ = P⁻ − A·S⁻¹·Aᵀ and x⁺ = x⁻ + A·S⁻¹·ν, with the position columns A of P⁻. The change in the position
-//! block, D = P⁻ₚₚ − P⁺ₚₚ, gives S = P⁻ₚₚ·D⁻¹·P⁻ₚₚ, hence the measurement's covariance R = S − P⁻ₚₚ and the
-//! measurement z = x⁻ₚ + P⁻ₚₚ·D⁻¹·(x⁺ₚ − x⁻ₚ). Measurements have independent errors and may be fused with
-//! measurements of other sensors.
+//! measurements counts the same information many times. But the filter can be inverted. Between two reports of the same
+//! track, a filter that measures position and assumes nearly constant velocity predicts, P⁻ = F·P·Fᵀ + Q, and updates,
+//! P⁺ = P⁻ − A·S⁻¹·Aᵀ and x⁺ = x⁻ + A·S⁻¹·ν, with the position columns A of P⁻. The change in the position block, D =
+//! P⁻ₚₚ − P⁺ₚₚ, gives S = P⁻ₚₚ·D⁻¹·P⁻ₚₚ, hence the measurement's covariance R = S − P⁻ₚₚ and the measurement z = x⁻ₚ +
+//! P⁻ₚₚ·D⁻¹·(x⁺ₚ − x⁻ₚ). Measurements have independent errors and may be fused with measurements of other sensors.
 //!
 //! The inversion needs the filter's own process noise, which sources do not report. Two facts reveal it
-//! ([`implied_noise`]): measuring a position changes neither the variance of the velocity for a given position, nor
-//! the regression of the velocity on the position. Each yields the noise from two successive covariances alone;
-//! agreement of both confirms that the source works like this.
+//! ([`implied_noise`]): measuring a position changes neither the variance of the velocity for a given position, nor the
+//! regression of the velocity on the position. Each yields the noise from two successive covariances alone; agreement
+//! of both confirms that the source works as assumed.
 //!
 //! Limits: a report that went missing hides a measurement, and the two then no longer agree; sources that smooth
 //! differently, or fill in a covariance by hand, cannot be undone.
@@ -62,11 +61,11 @@ pub fn recovered<const D: usize>(predicted: &Gaussian, updated: &Gaussian) -> Op
 }
 
 /// Spectral density of the white acceleration noise, m²/s³, that a position filter must have assumed on each of the `D`
-/// axes from `first` on, between two successive covariances `duration_s` apart; `None` if they do not come from such a
-/// filter.
+/// axes from `first` on, between two successive covariances `duration_s` apart; `None` if the covariances do not come
+/// from such a filter.
 ///
-/// Axes with correlated measurement errors, as those of a radar, must be treated together: the matrix of regression
-/// is invariant, not its single elements.
+/// Axes with correlated measurement errors, as of a radar, must be treated together: the matrix of regression is
+/// invariant, not the single elements.
 pub fn implied_noise<const D: usize>(
     before: &Covariance,
     after: &Covariance,
@@ -144,8 +143,8 @@ mod tests {
         }
     }
 
-    /// Errors of a radar that is far away: six times as wide across the line of sight as along it, and neither east nor
-    /// north.
+    /// Errors of a radar that is far away: six times as wide across the line of sight as along the line of sight, and
+    /// neither east nor north.
     #[test]
     fn elongated_errors_hide_no_process_noise() {
         let model = NearlyConstantVelocity::new(20.0, 2.0);
@@ -200,7 +199,7 @@ mod tests {
         fn the_process_noise_is_found(
             start in any_gaussian(), density in 0.01..100.0f64, seconds in 0.5..12.0f64, sigma in 5.0..200.0f64,
         ) {
-            // Along one axis, as the axes are independent where the sensor's errors are.
+            // Along a single axis, as the axes are independent where the sensor's errors are.
             let mut covariance = Covariance::default();
             for index in 0..STATE_LEN {
                 covariance.set(index, index, start.covariance.get(index, index));

@@ -1,38 +1,40 @@
 //! Smoothing over an interval: the states of a target that switches among several models of motion, from all
 //! measurements, later ones included.
 //!
-//! A filter knows what came before. Afterwards the measurements of both sides are known, and most of what a filter
-//! must assume of manoeuvres becomes visible. With one model the Rauch-Tung-Striebel recursion is exact: it goes back
-//! from the last state and corrects each filtered state by what the following smoothed state adds to its prediction.
-//! With several models the path through the models is unknown as well. An exact solution would follow every path.
+//! A filter uses only earlier measurements. Afterwards the measurements of both sides are known, and most assumptions
+//! of a filter about manoeuvres become observable. With a single model the Rauch-Tung-Striebel recursion is exact: the
+//! recursion goes back from the last state, and corrects each filtered state by the difference of the following
+//! smoothed state from the prediction. With several models the path through the models is unknown as well. An exact
+//! solution would follow every path.
 //!
-//! Forwards, one filter per model runs, mixed before each step (interacting multiple models). Backwards, each pair of a
-//! model before a step and a model after the step has a recursion of its own:
+//! Forwards, a single filter per model runs, mixed before each step (interacting multiple models). Backwards, each pair
+//! of a model before a step and a model after the step has a separate recursion:
 //!
-//! - The smoothed state after the step contains the past, as the mixed filter remembers it. This part is taken out; a
-//!   likelihood of the future remains. The obvious recursion goes back from the smoothed state itself. It loses what
-//!   the mixing has lost, again in each step: errors of position would grow towards the middle of an interval.
-//! - The pair meets this likelihood with its own prediction, and goes back from there.
-//! - Its weight is the smoothed probability of the model after the step, divided among the models before the step by
-//!   their filtered probabilities, the probabilities of the switches, and the mean likelihoods. The division by model
-//!   keeps a model with an absurd state at its own small weight.
-//! - The pairs that begin with the same model are merged into one state, with their moments.
+//! - The smoothed state after the step contains the past, as remembered by the mixed filter. This part is taken out; a
+//!   likelihood of the future remains. The obvious recursion goes back from the smoothed state itself. That recursion
+//!   loses the information lost by the mixing, again in each step: errors of position would grow towards the middle of
+//!   an interval.
+//! - The pair meets this likelihood with the pair's prediction, and goes back from there.
+//! - The pair's weight is the smoothed probability of the model after the step, divided among the models before the
+//!   step by filtered probabilities, the probabilities of the switches, and the mean likelihoods. The division by model
+//!   keeps a model with an absurd state at a small weight.
+//! - The pairs that begin with the same model are merged into a single state, by moments.
 //!
-//! With one model, both parts reduce to the exact filter and smoother. Memory is bounded by [`Smoother::smooth`], which
-//! gives up the first steps: states that lie a few minutes before the last measurement do not change any more.
+//! With a single model, both parts reduce to the exact filter and smoother. Memory is bounded by [`Smoother::smooth`],
+//! which gives up the first steps: states that lie a few minutes before the last measurement do not change any more.
 //!
 //! Source: H. E. Rauch, F. Tung, C. T. Striebel, *Maximum likelihood estimates of linear dynamic systems*, AIAA Journal
-//! 3 (1965); C.-J. Kim, *Dynamic linear models with Markov-switching*, Journal of Econometrics 60 (1994), for pairs;
-//! D. Barber, *Expectation correction for smoothed inference in switching linear dynamical systems*, Journal of Machine
-//! Learning Research 7 (2006), for the weights; N. Nadarajah, R. Tharmarasa, M. McDonald, T.
-//! Kirubarajan, *IMM forward filtering and backward smoothing for maneuvering target tracking*, IEEE Transactions on
-//! Aerospace and Electronic Systems 48 (2012), for its use in tracking.
+//! 3 (1965); C.-J. Kim, *Dynamic linear models with Markov-switching*, Journal of Econometrics 60 (1994), for pairs; D.
+//! Barber, *Expectation correction for smoothed inference in switching linear dynamical systems*, Journal of Machine
+//! Learning Research 7 (2006), for the weights; N. Nadarajah, R. Tharmarasa, M. McDonald, T. Kirubarajan, *IMM forward
+//! filtering and backward smoothing for maneuvering target tracking*, IEEE Transactions on Aerospace and Electronic
+//! Systems 48 (2012), for the use in tracking.
 
 use std::collections::VecDeque;
 
 use nalgebra::{Cholesky, Const, SMatrix, SVector};
 
-/// Weight of a pair of models, relative to all, below which it is left out.
+/// Weight of a pair of models, relative to all, below which the pair is left out.
 const WEIGHT_MIN: f64 = 1e-9;
 /// Information relative to that of the filter below which there is none.
 const INFORMATION_MIN: f64 = 1e-9;
@@ -89,7 +91,7 @@ pub struct LinearModel<const N: usize> {
     pub noise: SMatrix<f64, N, N>,
 }
 
-/// How a target moves between two times, under each of `M` models, and how it switches among them.
+/// How a target moves between two times, under each of `M` models, and switches among the models.
 #[derive(Clone, Copy, Debug)]
 pub struct Switching<const N: usize, const M: usize> {
     /// The models.
@@ -98,7 +100,7 @@ pub struct Switching<const N: usize, const M: usize> {
     pub switches: SMatrix<f64, M, M>,
 }
 
-/// State at one step from all measurements.
+/// State at a single step from all measurements.
 #[derive(Clone, Copy, Debug)]
 pub struct Smoothed<const N: usize, const M: usize> {
     /// All models together.
@@ -119,7 +121,7 @@ pub struct Smoother<const N: usize, const M: usize, const K: usize> {
 struct FilteredStep<const N: usize, const M: usize> {
     /// Motion since the step before.
     motion: Switching<N, M>,
-    /// States and probabilities of the models before the measurements of this step, and after them.
+    /// States and probabilities of the models before the measurements of this step, and after these measurements.
     predicted: [Moment<N>; M],
     predicted_probability: [f64; M],
     models: [Moment<N>; M],
@@ -149,7 +151,7 @@ impl<const N: usize, const M: usize, const K: usize> Smoother<N, M, K> {
         }
     }
 
-    /// The last step alone: what it predicts does not depend on those before it.
+    /// The last step alone: the prediction does not depend on earlier steps.
     pub fn last_alone(&self) -> Self {
         Self {
             steps: VecDeque::from([*self.last()]),
@@ -157,8 +159,8 @@ impl<const N: usize, const M: usize, const K: usize> Smoother<N, M, K> {
         }
     }
 
-    /// Logarithm of the likelihood of all measurements so far, but for a constant: what the models and their noise
-    /// explain of them. Of several assumptions the likeliest has the greatest.
+    /// Logarithm of the likelihood of all measurements so far, but for a constant: the share explained by the models
+    /// and the noise. Of several assumptions, the likeliest has the greatest.
     pub fn evidence(&self) -> f64 {
         self.evidence
     }
@@ -175,7 +177,7 @@ impl<const N: usize, const M: usize, const K: usize> Smoother<N, M, K> {
         Moment::mixture(step.probability.iter().copied().zip(&step.models))
     }
 
-    /// The expected measurement at the last step and its covariance, without that of the measurement.
+    /// The expected measurement at the last step and the covariance, without the measurement's covariance.
     pub fn expected(&self) -> (SVector<f64, K>, SMatrix<f64, K, K>) {
         let state = self.filtered();
         (
@@ -215,7 +217,8 @@ impl<const N: usize, const M: usize, const K: usize> Smoother<N, M, K> {
         });
     }
 
-    /// Updates the last step with a measurement of covariance `r`. `None`, and no change, if it cannot be used.
+    /// Updates the last step with a measurement of covariance `r`. `None`, and no change, if the measurement is
+    /// unusable.
     pub fn update(&mut self, measured: &SVector<f64, K>, r: &SMatrix<f64, K, K>) -> Option<()> {
         let mut updated = *self.last();
         let mut logarithms = [0.0; M];
@@ -241,7 +244,7 @@ impl<const N: usize, const M: usize, const K: usize> Smoother<N, M, K> {
     }
 
     /// Smooths all steps in memory with all measurements so far, and gives up all but the last `keep`. Returns the
-    /// states of those given up, in order.
+    /// states of the steps given up, in order.
     pub fn smooth(&mut self, keep: usize) -> Vec<Smoothed<N, M>> {
         let given_up = self.steps.len().saturating_sub(keep);
         let mut smoothed = Vec::with_capacity(given_up);
@@ -265,7 +268,7 @@ impl<const N: usize, const M: usize, const K: usize> Smoother<N, M, K> {
     }
 }
 
-/// The smoothed states of the models at a step, from those at the step after it.
+/// The smoothed states of the models at a step, from the smoothed states at the following step.
 fn corrected<const N: usize, const M: usize>(
     step: &FilteredStep<N, M>,
     after: &FilteredStep<N, M>,
@@ -313,7 +316,7 @@ fn corrected<const N: usize, const M: usize>(
     (models, probability.map(|value| value / all))
 }
 
-/// What the measurements of a step and of those after it tell of the state at this step, if a model holds there: a
+/// Information of the measurements of a step and of later steps on the state at this step, if a model holds there: a
 /// likelihood in the form of a Gaussian. Coordinates are relative to the state that the filter predicted.
 struct Future<const N: usize> {
     origin: SVector<f64, N>,
@@ -327,7 +330,7 @@ impl<const N: usize> Future<N> {
         let root = Cholesky::<f64, Const<N>>::new(predicted.covariance)?.l();
         let unroot = root.solve_lower_triangular(&SMatrix::identity())?;
         let inverse = Cholesky::<f64, Const<N>>::new(smoothed.covariance)?.inverse();
-        // In coordinates in which the prediction has a covariance of one.
+        // In coordinates in which the prediction has a covariance of 1.
         let gained = root.transpose() * inverse * root - SMatrix::identity();
         let vector = root.transpose() * (inverse * (smoothed.mean - predicted.mean));
         let (gained, vector) = positive_part(symmetric(&gained), vector);
@@ -338,8 +341,8 @@ impl<const N: usize> Future<N> {
         })
     }
 
-    /// One model before a step and this one after it: the smoothed state before the step, and the logarithm of the mean
-    /// likelihood under the prediction of the pair. `None` if a covariance has no inverse.
+    /// A model before a step and this model after the step: the smoothed state before the step, and the logarithm of
+    /// the mean likelihood under the prediction of the pair. `None` if a covariance has no inverse.
     fn pair(&self, before: &Moment<N>, motion: &LinearModel<N>) -> Option<(Moment<N>, f64)> {
         let predicted = before.moved(motion);
         let factored = Cholesky::<f64, Const<N>>::new(predicted.covariance)?;
@@ -361,7 +364,7 @@ impl<const N: usize> Future<N> {
 }
 
 /// The part of an information matrix and vector that is positive. Merged states may contradict each other a little:
-/// where the future would take information away, it has none.
+/// where the future would take information away, the future has none.
 fn positive_part<const N: usize>(
     mut matrix: SMatrix<f64, N, N>,
     mut vector: SVector<f64, N>,

@@ -1,8 +1,8 @@
 //! Update: a measured position improves a state.
 //!
-//! The Kalman filter's gain weighs prediction against measurement by their covariances. The textbook form of the
-//! new covariance, (I − K·H)·P, is a difference of nearly equal matrices when the measurement is accurate, and loses
-//! symmetry to rounding. With S = L·Lᵀ and W = L⁻¹·H·P, the same is P − Wᵀ·W: symmetric by construction, one
+//! The Kalman filter's gain weighs prediction against measurement by the covariances. The textbook form of the new
+//! covariance, (I − K·H)·P, is a difference of nearly equal matrices when the measurement is accurate, and loses
+//! symmetry to rounding. With S = L·Lᵀ and W = L⁻¹·H·P, the same is P − Wᵀ·W: symmetric by construction, a single
 //! factorisation for gain, covariance, distance and likelihood, and a third of the work of the Joseph form (Bar-Shalom
 //! et al. 2001, chapters 5 and 7).
 
@@ -10,12 +10,12 @@ use messages::{AXES, STATE_LEN};
 
 use crate::gaussian::{Gaussian, Symmetric3, at};
 
-/// Innovation of a measured position, and its covariance.
+/// Innovation of a measured position, and the covariance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Innovation {
     /// Squared statistical length: chi-square with as many degrees of freedom as axes were measured.
     pub squared_distance: f64,
-    /// Logarithm of the determinant of its covariance.
+    /// Logarithm of the determinant of the innovation's covariance.
     pub log_determinant: f64,
 }
 
@@ -30,7 +30,7 @@ impl Gaussian {
         if !squared_distance.is_finite() {
             return None;
         }
-        // One whitened column of the position's rows per component, all of them axis by axis.
+        // A single whitened column of the position's rows per component, all components axis by axis.
         let p = &mut self.covariance.upper;
         let mut whitened_rows = [
             [p[0], p[1], p[2], p[3], p[4], p[5]],
@@ -55,7 +55,7 @@ impl Gaussian {
     }
 
     /// Squared statistical length of the difference to a measured position of covariance `r` in the first `D` axes;
-    /// `None` if its covariance is not positive definite or a value not finite.
+    /// `None` if the covariance is not positive definite or a value not finite.
     pub fn squared_distance<const D: usize>(&self, measured_m: [f64; AXES], r: &Symmetric3) -> Option<f64> {
         let root = CholeskyFactor::<D>::of(&self.position_covariance(), r)?;
         let whitened = root.whitened(self.residual(measured_m));
@@ -72,8 +72,8 @@ impl Gaussian {
     }
 }
 
-/// L of S = L·Lᵀ, S being the covariance of a residual in two or three axes; with its diagonal inverted, since it is
-/// divided by again and again.
+/// L of S = L·Lᵀ, S being the covariance of a residual in two or three axes; with the diagonal inverted, because of
+/// frequent divisions.
 struct CholeskyFactor<const D: usize> {
     diagonal: [f64; AXES],
     inverse: [f64; AXES],
@@ -162,7 +162,7 @@ mod tests {
         for _ in 0..200 {
             gaussian = gaussian.moved(1.0, [AxisNoise::piecewise_constant(1.0, 1.0); 3]);
             let before = gaussian.mean;
-            // A measurement one metre east of the prediction shows the gain in the change of the mean.
+            // A measurement 1 m east of the prediction shows the gain in the change of the mean.
             gaussian
                 .update_position::<2>([before[0] + 1.0, before[1], 0.0], &UNIT)
                 .expect("positive definite");
@@ -191,8 +191,8 @@ mod tests {
                 .expect("positive definite");
         }
         assert!((unpacked(&gaussian.covariance) - unpacked(&before)).amax() < 1e-12);
-        // Alpha and beta of a steady filter are tied; for this noise by the Riccati equation of one axis: β² / (1 −
-        // α) = q·T³/R, for any position term of the discretisation.
+        // Alpha and beta of a steady filter are tied; for this noise by the Riccati equation of a single axis: β² / (1
+        // − α) = q·T³/R, for any position term of the discretisation.
         let (alpha, beta) = (gaussian.covariance.get(0, 0), gaussian.covariance.get(0, 3));
         assert!((beta * beta / (1.0 - alpha) - 1.0).abs() < 1e-9);
     }
@@ -223,7 +223,7 @@ mod tests {
         }
     }
 
-    /// The textbook's update, x + K·ν and (I − K·H)·P, with its squared distance and log determinant.
+    /// The textbook's update, x + K·ν and (I − K·H)·P, with the squared distance and log determinant.
     fn textbook<const D: usize>(state: &Gaussian, z: [f64; AXES], r: &Symmetric3) -> (Gaussian, f64, f64) {
         let r = SMatrix::<f64, 3, 3>::new(r[0], r[1], r[2], r[1], r[3], r[4], r[2], r[4], r[5]);
         let (mean, p) = (Vector6::from(state.mean), unpacked(&state.covariance));

@@ -1,11 +1,11 @@
 //! A state of the vertical alone: height and rate of climb.
 
-/// Height and rate of climb at one time, as far as they are known.
+/// Height and rate of climb at a single time, as far as known.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Vertical {
     /// Expected height and rate of climb, m and m/s.
     pub mean: [f64; 2],
-    /// Their covariance: variance of the height, m², covariance, m²/s, variance of the rate, m²/s².
+    /// Covariance of both: variance of the height, m², covariance, m²/s, variance of the rate, m²/s².
     pub covariance: [f64; 3],
 }
 

@@ -1,9 +1,9 @@
-//! Several models of one emitter's motion side by side, mixed by evidence (EL-2).
+//! Several models of an emitter's motion side by side, mixed by evidence (EL-2).
 //!
 //! The motion of an emitter is unknown beforehand. A filter for fixed points is wrong for a moving emitter, and a
-//! filter for straight motion is less accurate: from a platform that flies straight it cannot determine the range at
-//! all. A choice between them is certain and wrong until the evidence is overwhelming. So the models run side by side,
-//! and the fix is their mixture: mean and covariance of all models together, each with its probability.
+//! filter for straight motion is less accurate: from a platform that flies straight, that filter cannot determine the
+//! range at all. A choice between the models is certain and wrong until the evidence is overwhelming. So the models run
+//! side by side, and the fix is the mixture: mean and covariance of all models together, each with a probability.
 //!
 //! | filter | models; the last has process noise |
 //! | --- | --- |
@@ -15,13 +15,13 @@
 //!
 //! *Fixed against straight.* A fixed point is a straight motion with velocity zero, so the straight motion alone has
 //! the evidence: by how much the bearings have raised the density of rest ([`crate::mixture::slowed`]). "Fixed"
-//! includes a slow drift: one part of it is the fixed point, another the straight motion with a prior of a drifting
+//! includes a slow drift: a first part is the fixed point, a second part the straight motion with a prior of a drifting
 //! emitter's velocity. The latter keeps the covariance true for emitters that only seem to rest.
 //!
-//! *The model with process noise against its base*, the model before it without. A base whose bearings disagree for
+//! *The model with process noise against its base*, the preceding model without. A base whose bearings disagree for
 //! long while the platform does not turn has failed: it restarts (straight motion at the state of the model with
-//! process noise, a fixed point with its last lines), and has the least probability. From then on both predict each
-//! bearing, and the likelihoods' ratio is summed, until the base has its full probability again.
+//! process noise, a fixed point with the last lines), and has the least probability. From then on both predict each
+//! bearing, and the likelihoods' ratio is summed, until the base has the full probability again.
 //!
 //! # Not yet observable
 //!
@@ -38,11 +38,11 @@ use crate::motion::MotionModel;
 use crate::settings::{ConsistencySettings, EmitterMotionSettings};
 use crate::smoother::{BearingTreatment, Bounds, Model, Smoother, StartPoint};
 
-/// Most models of one emitter.
+/// Most models of an emitter.
 pub(crate) const MODELS_MAX: usize = 3;
-/// Bounds of the logarithm of the likelihood ratio between the model with process noise and its base.
+/// Bounds of the logarithm of the likelihood ratio between the model with process noise and the base.
 const LEAD_MAX: f64 = 10.0;
-/// A squared normalised innovation counts at most so much in it.
+/// A squared normalised innovation counts at most so much in the ratio.
 const SQUARED_MAX: f64 = 16.0;
 /// Parts of less probability are left out of the mixture.
 const PROBABILITY_MIN: f64 = 1e-7;
@@ -87,7 +87,7 @@ macro_rules! either {
     };
 }
 
-/// A model with its filter.
+/// A model with a filter.
 #[derive(Clone, Debug)]
 struct BankMember {
     motion: MotionModel,
@@ -97,7 +97,7 @@ struct BankMember {
     disagreed: u32,
 }
 
-/// The filters of one emitter.
+/// The filters of an emitter.
 #[derive(Clone, Debug)]
 pub(crate) struct Bank {
     members: [Option<BankMember>; MODELS_MAX],
@@ -106,7 +106,7 @@ pub(crate) struct Bank {
     drifting: f64,
     /// The most probable model; `None` while the range is not observable.
     leading: Option<usize>,
-    /// Logarithm of the likelihood ratio between the model with process noise and its base.
+    /// Logarithm of the likelihood ratio between the model with process noise and the base.
     lead: f64,
     /// Logarithm of the odds of the fixed point, and of a drift, against straight motion.
     log_odds_fixed: [f64; 2],
@@ -114,7 +114,7 @@ pub(crate) struct Bank {
     way: Way,
 }
 
-/// Way of a platform, and its duration.
+/// Way of a platform, and the duration.
 #[derive(Clone, Copy, Debug, Default)]
 struct Way {
     length_m: f64,
@@ -137,7 +137,7 @@ impl Way {
     }
 }
 
-/// Decisions of a bank on a bearing; room for two per model and one more.
+/// Decisions of a bank on a bearing; room for two per model and a single further decision.
 pub(crate) type BankNotes = crate::explanation::Notes<{ 2 * MODELS_MAX + 1 }>;
 
 impl Bank {
@@ -175,7 +175,7 @@ impl Bank {
         }
         let straight = self.straight().filter(|straight| straight.filter.is_located());
         if let Some(drift) = straight.and_then(|straight| straight.slowed(time_ns, settings.still_sigma_mps)) {
-            // A fixed point is not known better than a drifting one.
+            // A fixed point is not located better than a drifting emitter.
             if let Some(fixed) = &mut parts[0] {
                 let apart = fixed.mean - drift.mean;
                 fixed.covariance = drift.covariance + apart * apart.transpose();
@@ -192,7 +192,8 @@ impl Bank {
         })
     }
 
-    /// Comparison of a line of bearing with the fix: squared normalised innovation, logarithm of its variance.
+    /// Comparison of a line of bearing with the fix: squared normalised innovation, logarithm of the innovation's
+    /// variance.
     pub(crate) fn compare(&self, line: &LineOfBearing) -> Option<(f64, f64)> {
         self.members[self.leading?].as_ref()?.filter.compare(line)
     }
@@ -206,7 +207,7 @@ impl Bank {
                 .is_some_and(|base| base.filter.is_range_open())
     }
 
-    /// Takes the next line, `after_s` seconds after the last one.
+    /// Takes the next line, `after_s` seconds after the last line.
     pub(crate) fn add(
         &mut self,
         line: &LineOfBearing,
@@ -225,7 +226,7 @@ impl Bank {
         };
         self.way.go_on(line, after_s);
         self.compare_predictions(line);
-        // The leading model first: while the platform turns, its outliers are wrong for all models.
+        // The leading model first: while the platform turns, the outliers of this model are wrong for all models.
         let believed = self.leading;
         let verdict = believed.map(|place| self.add_to(place, line, bounds, notes));
         let is_wrong = is_turning && verdict.is_some_and(|taken| !taken.is_used());
@@ -292,7 +293,7 @@ impl Bank {
         taken
     }
 
-    /// Places of the model with process noise and its base.
+    /// Places of the model with process noise and the base.
     fn pair(&self) -> (usize, usize) {
         let last = self.members.iter().flatten().count() - 1;
         (last - 1, last)
@@ -304,7 +305,7 @@ impl Bank {
         self.members[base].as_ref().filter(|_| base > 0)
     }
 
-    /// Compares how well the model with process noise and its base predict a line.
+    /// Compares how well the model with process noise and the base predict a line.
     fn compare_predictions(&mut self, line: &LineOfBearing) {
         let (base, stand_in) = self.pair();
         let [base, stand_in] = [base, stand_in].map(|place| self.members[place].as_ref().map(|member| &member.filter));
@@ -337,7 +338,7 @@ impl Bank {
         }
     }
 
-    /// Shows the straight motion where the fixed point is, if there is one.
+    /// Shows the straight motion the place of the fixed point, if any.
     fn reconsider(&mut self, latest: &LineOfBearing) {
         let fixed = self
             .members
@@ -467,7 +468,7 @@ impl BankMember {
         }
     }
 
-    /// The belief of straight motion at a time with another prior of its velocity.
+    /// The belief of straight motion at a time with another prior of the velocity.
     fn slowed(&self, time_ns: i64, speed_mps: f64) -> Option<Slowed> {
         let EmitterFilter::Motion(filter) = &self.filter else {
             return None;
@@ -551,7 +552,7 @@ kept!(BankMember {
     disagreed: u32,
 });
 
-/// The kind in one word, then the filter; the record has room for the larger kind.
+/// The kind in a single word, then the filter; the record has room for the larger kind.
 impl Kept for EmitterFilter {
     const WORDS: usize = 1 + Smoother::<4>::WORDS;
 

@@ -1,10 +1,10 @@
 //! The turn of the platform that would show an emitter's range.
 //!
-//! On a straight course all positions and velocities of an emitter that are scaled together give the same bearings.
-//! What tells them apart is a change of the platform's velocity across the line of sight: from its present velocity
-//! across to the opposite one, the greatest change is that to a course at right angles to the bearing, on the other
-//! side of the line (S. C. Nardone, V. J. Aidala, *Observability criteria for bearings-only target motion analysis*,
-//! IEEE Transactions on Aerospace and Electronic Systems 17, 1981).
+//! On a straight course all positions and velocities of an emitter that are scaled together give the same bearings. The
+//! distinction requires a change of the platform's velocity across the line of sight: from the present velocity across
+//! to the opposite velocity, the greatest change leads to a course at right angles to the bearing, on the other side of
+//! the line (S. C. Nardone, V. J. Aidala, *Observability criteria for bearings-only target motion analysis*, IEEE
+//! Transactions on Aerospace and Electronic Systems 17, 1981).
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -23,7 +23,7 @@ pub enum TurnSide {
 }
 
 impl TurnSide {
-    /// The word for it.
+    /// The word for the side.
     pub fn word(self) -> &'static str {
         match self {
             Self::Port => "port",
@@ -49,7 +49,7 @@ pub(crate) fn turn_for_range(before: &Ray, now: &Ray) -> Option<TurnCue> {
     }
     let present_rad = east.atan2(north);
     let bearing_rad = now.sine.atan2(now.cosine);
-    // Clockwise of the line of sight now: counterclockwise of it then.
+    // Clockwise of the line of sight now: counterclockwise of this line then.
     let is_clockwise = (present_rad - bearing_rad).sin() > 0.0;
     let course_rad = bearing_rad + if is_clockwise { -FRAC_PI_2 } else { FRAC_PI_2 };
     let side = match (course_rad - present_rad).sin() < 0.0 {

@@ -26,7 +26,7 @@ pub enum LocatorDecisionKind {
     EmitterStarted,
     /// The place of an emitter that had been silent (value, seconds) was given to another.
     EmitterDropped,
-    /// Another model is the most probable one. Value: its probability.
+    /// Another model is the most probable model. Value: the probability.
     ModelLeads(MotionModel),
     /// The range is not observable, and would be after a turn of the platform to this side. Value: course after the
     /// turn; limit: present course; degrees from north.
@@ -35,15 +35,15 @@ pub enum LocatorDecisionKind {
     BearingsSetAside(MotionModel),
     /// A model's bearings agree again, after so many without a turn.
     BearingsAgree(MotionModel),
-    /// A model restarts: its bearings disagreed for this many seconds without a turn.
+    /// A model restarts: the bearings disagreed for this many seconds without a turn.
     ModelRestarted(MotionModel),
-    /// The selection went to another stage, used a fix, or did not. Value: the fix's variance, m²; limit: its
+    /// The selection went to another stage, used a fix, or did not. Value: the fix's variance, m²; limit: the
     /// threshold; or the times that were compared, seconds.
     Selection(SelectionStage, SelectionReason),
 }
 
 impl LocatorDecisionKind {
-    /// The word for it.
+    /// The word for the reason.
     pub fn word(self) -> &'static str {
         match self {
             Self::EmitterStarted => "emitter_started",

@@ -10,11 +10,11 @@ use crate::linear::Factor;
 
 /// Steps of less than this squared statistical length are not worth another round.
 const STEP_SQUARED_MIN: f64 = 1e-4;
-/// A first fix is believed if its cost is at most so many standard deviations more than expected.
+/// A first fix is believed if the cost is at most so many standard deviations more than expected.
 const COST_SIGMAS: f64 = 4.0;
-/// … and if at most one in so many lines is far off.
+/// … and if at most a single line in so many lines is far off.
 const LINES_PER_OUTLIER: usize = 10;
-/// Lines that fit beside a wrong arrival time: two fit anywhere, and two more confirm them.
+/// Lines that fit beside a wrong arrival time: two fit anywhere, and two more confirm the fit.
 const ARRIVALS_MIN: usize = 4;
 
 /// Prior knowledge of a state.
@@ -46,7 +46,7 @@ pub(crate) struct System<const D: usize> {
     pub(crate) information: SMatrix<f64, D, D>,
     pub(crate) gradient: SVector<f64, D>,
     pub(crate) cost: f64,
-    /// Number of lines, and how many of them are far off: bearings and fixes, and arrival times.
+    /// Number of lines, and number of these far off: bearings and fixes, and arrival times.
     lines: [usize; 2],
     outliers: [usize; 2],
     /// Cost of the lines that are not far off.
@@ -194,7 +194,7 @@ impl<const D: usize> LeastSquaresProblem<'_, D> {
 }
 
 /// Cost and weight of a squared normalised innovation: least squares up to the knee; beyond it the weight of Cauchy's
-/// estimator, so that the influence of a line falls with its error.
+/// estimator, so that the influence of a line falls with the error.
 fn robust(squared: f64, knee: f64) -> (f64, f64) {
     if squared <= knee {
         (squared, 1.0)

@@ -1,19 +1,19 @@
 //! Location of transmitters from bearings, arrival times and fixes of others (EL).
 //!
-//! A platform that passes a transmitter and measures only its direction can still locate it, because the direction
-//! changes as the platform moves. The accuracy depends on the platform's path, and the fixes of filters wander in
-//! arcs and jump. This crate makes a trustworthy, smooth position of these fixes, for many emitters at once.
+//! A platform that passes a transmitter and measures only the transmitter's direction can still locate it, because the
+//! direction changes as the platform moves. The accuracy depends on the platform's path, and the fixes of filters
+//! wander in arcs and jump. This crate makes a trustworthy, smooth position of these fixes, for many emitters at once.
 //!
 //! Arrival times at several receivers ([`Locator::arrival`]) and ready-made fixes ([`Locator::fix`]) are other lines of
 //! position in the same filters, alone or beside bearings.
 //!
 //! # A bearing's way
 //!
-//! 1. [`Locator::bearing`] checks the bearing and finds its emitter: by the id in the bearing, or by frequency and
+//! 1. [`Locator::bearing`] checks the bearing and finds the emitter: by the id in the bearing, or by frequency and
 //!    direction.
 //! 2. Each model of the emitter's motion processes the bearing: fixed point, straight motion, or manoeuvres.
 //!    (`smoother` describes the method and the treatment of wrong bearings.) `bank` mixes the models.
-//! 3. If the geometry allows a fix, its position, velocity and variance go through the [`selection`], a state
+//! 3. If the geometry allows a fix, the fix's position, velocity and variance go through the [`selection`], a state
 //!    machine independent of bearings, and becomes the output.
 //!
 //! ```
@@ -43,8 +43,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Bearings are measured from the phases between antennas by [`music`], where no direction finder delivers them
-//! ready-made.
+//! Bearings are measured from the phases between antennas by [`music`], where no direction finder delivers ready-made
+//! bearings.
 //!
 //! # Frame and limits
 //!

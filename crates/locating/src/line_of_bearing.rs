@@ -1,9 +1,9 @@
-//! A measurement in the filters' form, and its dependence on the emitter's position: a line of position.
+//! A measurement in the filters' form, and the dependence on the emitter's position: a line of position.
 //!
-//! A filter takes scalars. Each scalar says that the emitter lies on a line in the plane, about which it has an error:
-//! a ray from the platform (a bearing), a hyperbola about two receivers (a difference of arrival times), or a straight
-//! line (one coordinate of a ready-made fix). Filters need the difference between the measured and the expected value,
-//! and its change with the position; the rest is common to all kinds.
+//! A filter takes scalars. Each scalar places the emitter on a line in the plane, with an error: a ray from the
+//! platform (a bearing), a hyperbola about two receivers (a difference of arrival times), or a straight line (a
+//! coordinate of a ready-made fix). Filters need the difference between the measured and the expected value, and the
+//! change of this difference with the position; the rest is common to all kinds.
 
 use kept::{Get, Kept, Put, kept};
 use observations::{Bearing, ReadyFix};
@@ -14,11 +14,11 @@ pub(crate) const DEVIATION_MAX: f64 = 4.0;
 pub(crate) const KNEE: f64 = DEVIATION_MAX * DEVIATION_MAX;
 /// Nearer to the platform or a receiver than this an emitter has no direction, metres.
 const OVERHEAD_M: f64 = 1.0;
-/// Largest bias that merging two lines may cause, in standard deviations of their mean.
+/// Largest bias that merging two lines may cause, in standard deviations of the mean.
 const LOSS_MAX: f64 = 0.05;
 
 kept! {
-    /// A checked measurement; a few that were taken one after the other may have become one.
+    /// A checked measurement; a few successive measurements may have been merged.
     #[derive(Clone, Copy, Debug, PartialEq)]
     pub(crate) struct LineOfBearing {
         pub(crate) time_ns: i64,
@@ -30,7 +30,8 @@ kept! {
     }
 }
 
-/// Where the emitter is, by one measurement without error. Positions are east and north in the system frame, metres.
+/// Place of the emitter, by a single measurement without error. Positions are east and north in the system frame,
+/// metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Shape {
     Ray(Ray),
@@ -57,7 +58,7 @@ pub(crate) struct Hyperbola {
     pub(crate) clocks: PairOfClocks,
 }
 
-/// What a difference of arrival times owes to the receivers' clocks.
+/// Share of the receivers' clocks in a difference of arrival times.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PairOfClocks {
     /// Numbers of the receivers' clocks.
@@ -70,7 +71,7 @@ pub(crate) struct PairOfClocks {
     pub(crate) share: f64,
 }
 
-/// Straight line: one coordinate of a ready-made fix.
+/// Straight line: a coordinate of a ready-made fix.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Straight {
     pub(crate) fix_m: [f64; 2],
@@ -114,7 +115,7 @@ impl LineOfBearing {
         }
     }
 
-    /// Makes the two lines of a ready-made fix: one along each axis of its error ellipse, so that their errors are
+    /// Makes the two lines of a ready-made fix: a line along each axis of the error ellipse, so that both errors are
     /// independent. `None` if the covariance is not positive definite.
     pub(crate) fn of_fix(fix: &ReadyFix) -> Option<[Self; 2]> {
         let [xx, xy, yy] = fix.covariance_m2;
@@ -134,7 +135,7 @@ impl LineOfBearing {
         is_ellipse.then(|| [line([cosine, sine], greatest_m2), line([-sine, cosine], least_m2)])
     }
 
-    /// The ray, if it is the line of a bearing.
+    /// The ray, if this is the line of a bearing.
     pub(crate) fn ray(&self) -> Option<&Ray> {
         match &self.shape {
             Shape::Ray(ray) => Some(ray),
@@ -142,7 +143,7 @@ impl LineOfBearing {
         }
     }
 
-    /// Whether wrong measurements of its kind come one by one, and may be many: arrival times after a reflection. Wrong
+    /// Whether wrong measurements of this kind come singly, and may be many: arrival times after a reflection. Wrong
     /// bearings come together.
     pub(crate) fn has_outliers(&self) -> bool {
         matches!(self.shape, Shape::Hyperbola(_))
@@ -169,7 +170,7 @@ impl LineOfBearing {
         }
     }
 
-    /// With the emitter at `position_m`; `None` where it is at the platform or a receiver itself.
+    /// With the emitter at `position_m`; `None` where the position is at the platform or a receiver itself.
     #[inline]
     pub(crate) fn residual(&self, position_m: [f64; 2]) -> Option<Residual> {
         match &self.shape {
@@ -184,7 +185,7 @@ impl LineOfBearing {
         (self.time_ns - reference_ns) as f64 * 1e-9
     }
 
-    /// A place from which it was measured, metres.
+    /// A place of measurement, metres.
     pub(crate) fn origin_m(&self) -> [f64; 2] {
         match &self.shape {
             Shape::Ray(ray) => ray.platform_m,
@@ -193,7 +194,7 @@ impl LineOfBearing {
         }
     }
 
-    /// All places from which it was measured, metres.
+    /// All places of measurement, metres.
     pub(crate) fn origins_m(&self) -> impl Iterator<Item = [f64; 2]> {
         let second = match &self.shape {
             Shape::Hyperbola(hyperbola) => Some(hyperbola.receivers_m[1]),
@@ -215,8 +216,8 @@ impl LineOfBearing {
         }
     }
 
-    /// Whether two lines taken one after the other may become one, with the emitter at `position_m` (`None`: unknown):
-    /// the error of their mean is small beside its standard deviation.
+    /// Whether two lines taken in succession may be merged, with the emitter at `position_m` (`None`: unknown): the
+    /// error of the mean is small beside the mean's standard deviation.
     pub(crate) fn may_merge(&self, later: &Self, position_m: Option<[f64; 2]>) -> bool {
         if self.is_used != later.is_used {
             return false;
@@ -247,8 +248,8 @@ impl LineOfBearing {
         }
     }
 
-    /// Whether two such lines may become one with the emitter at these positions: none is far off, and the emitter's
-    /// way between them, as that of a platform between two bearings, is short beside its distance.
+    /// Whether two such lines may be merged with the emitter at these positions: none is far off, and the emitter's way
+    /// between them, as that of a platform between two bearings, is short beside the distance.
     pub(crate) fn may_merge_moving(&self, later: &Self, position_at: impl Fn(i64) -> [f64; 2]) -> bool {
         let places = [self, later].map(|line| position_at(line.time_ns));
         let fits = |line: &Self, place| {
@@ -262,7 +263,7 @@ impl LineOfBearing {
             && way_m2 * information.sqrt() < 8.0 * LOSS_MAX * self.distance_m(places[0])
     }
 
-    /// Merges two lines of one kind: mean time, place and value, weighted by information.
+    /// Merges two lines of the same kind: mean time, place and value, weighted by information.
     pub(crate) fn merged(&self, later: &Self) -> Self {
         let information = self.information + later.information;
         let share = later.information / information;
@@ -305,7 +306,7 @@ impl Ray {
     fn merged(&self, later: &Self, mean: impl Fn(f64, f64) -> f64) -> Self {
         let (sine, cosine) = (mean(self.sine, later.sine), mean(self.cosine, later.cosine));
         let length = sine.hypot(cosine);
-        // Opposite directions have no mean; the caller does not merge them, and any one is as good as the other.
+        // Opposite directions have no mean; the caller does not merge them, and either is as good as the other.
         let (sine, cosine) = match length > 0.0 {
             true => (sine / length, cosine / length),
             false => (self.sine, self.cosine),
@@ -319,7 +320,7 @@ impl Ray {
 }
 
 impl Hyperbola {
-    /// Whether it is of the same receivers.
+    /// Whether the line is of the same receivers.
     pub(crate) fn is_like(&self, other: &Self) -> bool {
         self.receivers_m == other.receivers_m
             && self.heights_m == other.heights_m

@@ -1,4 +1,4 @@
-//! Small symmetric positive definite systems, factored once for everything that is asked of them.
+//! Small symmetric positive definite systems, factored once for all solutions.
 
 use nalgebra::{SMatrix, SVector};
 

@@ -20,12 +20,11 @@ use crate::smoother::StartPoint;
 
 /// First number of emitters that the locator distinguishes itself.
 pub const OWN_NUMBERS: u32 = 1_000_001;
-/// Decisions on one bearing at most.
+/// Decisions on a single bearing at most.
 const DECISIONS_MAX: usize = 16;
 /// Heights are not observed: standard deviation, metres.
 const HEIGHT_SIGMA_M: f64 = 1e4;
-/// An emitter without a range for this long is a reason to turn, seconds; another course is one that differs by so
-/// much, radians.
+/// An emitter without a range for this long is a reason to turn, seconds; another course differs by so much, radians.
 const CUED_AFTER_S: f64 = 120.0;
 const COURSE_CHANGE_RAD: f64 = 0.5;
 /// Seconds of a day.
@@ -33,7 +32,7 @@ const DAY_S: i64 = 86_400;
 /// Frequencies that were not measured fit all.
 const ANY_FREQUENCY_HZ: f64 = 0.0;
 
-/// Report of an emitter after a bearing of it.
+/// Report of an emitter after a bearing of the emitter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EmitterReport {
     /// The emitter: the bearings' id, or from [`OWN_NUMBERS`] on.
@@ -49,13 +48,13 @@ pub struct EmitterReport {
 impl EmitterReport {
     /// The report as a sample of the source numbered `source`, with the numbers of the source's own at 0 (EL-11).
     ///
-    /// The covariance is the raw fix's, and as much more as the output is apart from it. Height is not observed.
+    /// The covariance is the raw fix's, increased by the distance of the output from the fix. Height is not observed.
     pub fn sensor_track(&self, source: u16) -> SensorTrack {
         let apart: [f64; 2] = std::array::from_fn(|axis| self.output.position_m[axis] - self.raw.position_m[axis]);
         let faster: [f64; 2] = std::array::from_fn(|axis| self.output.velocity_mps[axis] - self.raw.velocity_mps[axis]);
         let off = [apart[0], apart[1], faster[0], faster[1]];
         let mut covariance = Covariance::default();
-        // East and north, then their velocities, among the six components of a message.
+        // East and north, then the velocities, among the six components of a message.
         const PLACES: [usize; 4] = [0, 1, 3, 4];
         for (row, to_row) in PLACES.into_iter().enumerate() {
             for (column, to_column) in PLACES.into_iter().enumerate().skip(row) {
@@ -89,7 +88,7 @@ struct Emitter {
     /// Set if the bearings carry the emitter's number.
     is_labelled: bool,
     frequency_hz: f64,
-    /// Time of its first bearing: times in seconds count from here, so that precision does not depend on the date.
+    /// Time of the first bearing: times in seconds count from here, so that precision does not depend on the date.
     first_ns: i64,
     /// Last bearing, or last line of an emitter without bearings, and time of the last line of any kind.
     last: LineOfBearing,
@@ -100,12 +99,12 @@ struct Emitter {
     cued_rad: Option<f64>,
     bank: Bank,
     selector: Selector,
-    /// Whether it has changed since it was kept.
+    /// Whether the emitter has changed since the last keeping.
     is_changed: bool,
 }
 
 kept! {
-    /// An emitter, but for its filters.
+    /// An emitter, without the filters.
     #[derive(Clone, Copy, Debug, PartialEq)]
     pub(crate) struct EmitterRecord {
         pub(crate) number: u32,
@@ -128,9 +127,9 @@ pub struct Locator {
     index: Vec<(bool, u32, u32)>,
     emitters: Vec<Emitter>,
     next_number: u32,
-    /// Emitters whose first place is known.
+    /// Emitters with a known first place.
     dropped: Vec<DroppedEmitter>,
-    /// Places in `emitters` of those that have changed since they were kept.
+    /// Places in `emitters` of the emitters that have changed since the last keeping.
     changed: Vec<u32>,
     decisions: Vec<Decision>,
     counts: LocatorCounts,
@@ -157,8 +156,7 @@ impl Locator {
         })
     }
 
-    /// Sets the emitters whose first place is known; it applies to emitters that begin later. The last one of a number
-    /// counts.
+    /// Sets the emitters with a known first place, for emitters that begin later. The last entry of a number counts.
     pub fn set_dropped(&mut self, dropped: &[DroppedEmitter]) {
         self.dropped = dropped.to_vec();
     }
@@ -192,10 +190,10 @@ impl Locator {
     }
 
     /// Takes an arrival time or a difference of two. Arrival times at single receivers are collected; the report is of
-    /// the emitter whose transmission this one completes.
+    /// the emitter with the transmission that this arrival completes.
     ///
     /// # Errors
-    /// If the arrival, or the completed transmission, is unusable; it is counted and changes nothing.
+    /// If the arrival, or the completed transmission, is unusable; such an arrival is counted and changes nothing.
     pub fn arrival(&mut self, arrival: &Arrival) -> Result<Option<EmitterReport>, BearingRejection> {
         self.decisions.clear();
         if let Some(fault) = arrival_fault(arrival) {
@@ -227,18 +225,18 @@ impl Locator {
         }
     }
 
-    /// Processes one of the transmissions that are complete at `now_ns` (UTC, nanoseconds; `None`: any, at the end of
-    /// the data): no further arrival can belong to it. `None` if there is none.
+    /// Processes a single transmission that is complete at `now_ns` (UTC, nanoseconds; `None`: any, at the end of the
+    /// data): no further arrival can belong to it. `None` if there is none.
     pub fn complete(&mut self, now_ns: Option<i64>) -> Option<Result<Option<EmitterReport>, BearingRejection>> {
         self.decisions.clear();
         let transmission = self.arrivals.complete(now_ns)?;
         Some(self.transmission(&transmission))
     }
 
-    /// Takes a ready-made fix (EL-12): as a measurement of the emitter, or with the filter `none` as it is.
+    /// Takes a ready-made fix (EL-12): as a measurement of the emitter, or with the filter `none` unchanged.
     ///
     /// # Errors
-    /// If the fix is unusable; it is counted and changes nothing.
+    /// If the fix is unusable; such a fix is counted and changes nothing.
     pub fn fix(&mut self, fix: &ReadyFix) -> Result<Option<EmitterReport>, BearingRejection> {
         self.decisions.clear();
         let has_place = is_place(&fix.position_m);
@@ -258,7 +256,7 @@ impl Locator {
         Ok(report)
     }
 
-    /// Selects a ready-made fix as it is.
+    /// Selects a ready-made fix unchanged.
     fn given(&mut self, fix: &ReadyFix, line: &LineOfBearing) -> Result<Option<EmitterReport>, BearingRejection> {
         let slot = self.slot(fix.emitter_id, line)?;
         self.check_order(slot, line)?;
@@ -283,7 +281,7 @@ impl Locator {
         self.conclude(transmission.emitter_id, outcome)
     }
 
-    /// Gives the filters of an emitter the lines of its transmission.
+    /// Gives the filters of an emitter the lines of a transmission.
     fn conclude(
         &mut self,
         emitter_id: u32,
@@ -309,7 +307,7 @@ impl Locator {
         Err(refusal)
     }
 
-    /// Takes lines of one time of an emitter that has a number.
+    /// Takes lines of the same time of an emitter that has a number.
     fn labelled(&mut self, id: u32, lines: &[LineOfBearing]) -> Result<Option<EmitterReport>, BearingRejection> {
         let slot = self.slot(id, &lines[0])?;
         self.check_order(slot, &lines[0])?;
@@ -347,7 +345,7 @@ impl Locator {
         self.emitters.len()
     }
 
-    /// Settings it was built from.
+    /// Settings of this locator.
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
@@ -360,7 +358,7 @@ impl Locator {
         self.next_number = self.next_number.max(next);
     }
 
-    /// Passes the emitters that have changed since the last call, or all of them, with their places, to `each`.
+    /// Passes the emitters that have changed since the last call, or all of them, with the places, to `each`.
     pub(crate) fn each_changed(&mut self, all: bool, mut each: impl FnMut(usize, &EmitterRecord, &Bank, &Selector)) {
         if all {
             self.changed.clear();
@@ -405,7 +403,7 @@ impl Locator {
         }
     }
 
-    /// Gives the filters lines of one time.
+    /// Gives the filters lines of the same time.
     fn take(&mut self, slot: usize, lines: &[LineOfBearing]) -> Option<EmitterReport> {
         let (settings, emitter) = (&self.settings, &mut self.emitters[slot]);
         let mut notes = BankNotes::EMPTY;
@@ -478,7 +476,7 @@ impl Locator {
         })
     }
 
-    /// The place of an emitter in the index, or where it belongs.
+    /// The place of an emitter in the index, or the place of insertion.
     fn place(&self, is_labelled: bool, number: u32) -> Result<usize, usize> {
         self.index
             .binary_search_by_key(&(is_labelled, number), |&(is_labelled, number, _)| {
@@ -571,7 +569,7 @@ impl Locator {
         Ok(slot)
     }
 
-    /// Place and time of the drop of an emitter, on the day nearest to its first line.
+    /// Place and time of the drop of an emitter, on the day nearest to the first line.
     fn start_of(&self, emitter_id: Option<u32>, first: &LineOfBearing) -> Option<StartPoint> {
         let id = emitter_id?;
         let dropped = self.dropped.iter().rfind(|dropped| dropped.emitter_id == id)?;
@@ -617,7 +615,7 @@ impl Locator {
 }
 
 impl Emitter {
-    /// The emitter, but for its filters.
+    /// The emitter, without the filters.
     fn record(&self) -> EmitterRecord {
         EmitterRecord {
             number: self.number,
@@ -637,7 +635,7 @@ impl Emitter {
         if let Some(compared) = self.bank.compare(line) {
             return compared;
         }
-        // Without a fix, the emitter is expected in the direction of its last bearing, within the largest possible
+        // Without a fix, the emitter is expected in the direction of the last bearing, within the largest possible
         // change.
         let (Some(ray), Some(last)) = (line.ray(), self.last.ray()) else {
             return (f64::INFINITY, f64::INFINITY);
@@ -651,7 +649,7 @@ impl Emitter {
         (difference * difference / variance, variance.ln())
     }
 
-    /// The turn that would show the range, if it is open: once on each course. `line` is not the last one yet.
+    /// The turn that would show the range, if the range is open: once on each course. `line` is not the last line yet.
     fn cue(&mut self, line: &LineOfBearing) -> Option<TurnCue> {
         if !self.bank.is_range_open() {
             self.cued_rad = None;

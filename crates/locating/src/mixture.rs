@@ -1,10 +1,10 @@
-//! Gaussian beliefs that compete: their mixture, and the belief that a tighter prior of the velocity would give.
+//! Gaussian beliefs that compete: the mixture, and the belief that a tighter prior of the velocity would give.
 
 use nalgebra::{Matrix2, Matrix4, SMatrix, SVector, Vector2, Vector4};
 
 use crate::linear::Factor;
 
-/// A Gaussian belief with the logarithm of its weight.
+/// A Gaussian belief with the logarithm of the weight.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Weighted<const D: usize> {
     pub(crate) log_weight: f64,
@@ -51,10 +51,10 @@ pub(crate) struct Slowed {
 /// Returns the belief with the prior σ `tighter_mps` of the velocity along each axis in place of `own_mps`, which is
 /// greater; `None` if the covariance is none.
 ///
-/// The product of both priors' ratio with the belief is that of a measurement: velocity zero, with variance
-/// 1 / (1/σ² − 1/σ_own²). For σ = 0 the Bayes factor is that of Savage and Dickey: by how much the bearings have raised
-/// the density of rest (J. M. Dickey, *The weighted likelihood ratio, linear hypotheses on normal location parameters*,
-/// Annals of Mathematical Statistics 42, 1971). `cost_of_rest_max` bounds the squared distance from rest, where its
+/// Both priors' ratio times the belief equals a measurement times the belief: velocity zero, with variance 1 /
+/// (1/σ² − 1/σ_own²). For σ = 0 the Bayes factor is that of Savage and Dickey: by how much the bearings have raised the
+/// density of rest (J. M. Dickey, *The weighted likelihood ratio, linear hypotheses on normal location parameters*,
+/// Annals of Mathematical Statistics 42, 1971). `cost_of_rest_max` bounds the squared distance from rest, where the
 /// true value is known.
 pub(crate) fn slowed(
     (mean, covariance): (&Vector4<f64>, &Matrix4<f64>),
@@ -99,7 +99,8 @@ mod tests {
 
     #[test]
     fn a_tighter_prior_gives_what_it_would_have_given_from_the_start() {
-        // Velocity east measured as 1.5 m/s with variance 0.5, and independently position east plus 10 s of it as 40 m.
+        // Velocity east measured as 1.5 m/s with variance 0.5, and independently position east plus 10 s of this
+        // velocity as 40 m.
         let measured = |own: f64| {
             let mut information =
                 Matrix4::from_diagonal(&Vector4::new(1e-6, 1.0, 1.0 / (own * own), 1.0 / (own * own)));
@@ -113,7 +114,7 @@ mod tests {
             }
             let covariance = Factor::of(&information).unwrap().inverse();
             let mean = covariance * vector;
-            // ln of the evidence but for what does not depend on the prior.
+            // ln of the evidence except terms that do not depend on the prior.
             let log_evidence =
                 0.5 * mean.dot(&vector) - 2.0 * own.ln() + 0.5 * Factor::of(&covariance).unwrap().log_determinant();
             (mean, covariance, log_evidence)

@@ -16,12 +16,12 @@ pub enum MotionModel {
     Straight,
     /// Straight, with small accelerations.
     Manoeuvring,
-    /// None: a ready-made fix, passed on as it is.
+    /// None: a ready-made fix, passed on unchanged.
     Given,
 }
 
 impl MotionModel {
-    /// The word for it.
+    /// The word for the model.
     pub fn word(self) -> &'static str {
         match self {
             Self::Fixed => "fixed",

@@ -1,12 +1,12 @@
-//! A start that believes no range before the bearings show one: a hypothesis for each range.
+//! A start that believes no range before the bearings show the range: a hypothesis for each range.
 //!
-//! Bearings from a platform that flies straight on do not contain the range of a moving emitter: its position and
-//! velocity may be scaled together. A search from one start ends somewhere on this line of states, and a Gaussian about
-//! its end is too certain. Here the prior is a sum of Gaussians, one for each of several ranges of the first bearing,
-//! each √2 times as far as its predecessor (N. Peach, *Bearings-only tracking using a set of range-parameterised
+//! Bearings from a platform that flies straight on do not contain the range of a moving emitter: position and velocity
+//! may be scaled together. A search from a single start ends somewhere on this line of states, and a Gaussian about the
+//! end is too certain. Here the prior is a sum of Gaussians, a Gaussian for each of several ranges of the first
+//! bearing, each √2 times as far as the preceding (N. Peach, *Bearings-only tracking using a set of range-parameterised
 //! extended Kalman filters*, IEE Proceedings Control Theory and Applications 142, 1995). Within a hypothesis the range
-//! is known to a share, so that a linearisation at its best state is good. Their weights are their evidence, by
-//! Laplace's approximation; mean and covariance are those of the mixture.
+//! is known to a share, so that a linearisation at the best state is good. The weights are the evidence, by Laplace's
+//! approximation; mean and covariance are those of the mixture.
 //!
 //! A hypothesis without weight is dropped, so that few remain when the bearings are many.
 
@@ -20,11 +20,12 @@ use crate::mixture::{Weighted, matched};
 
 /// Hypotheses; the farthest is at half the standard deviation of an unknown emitter's range.
 const RANGES: usize = 24;
-/// Standard deviation of the range within a hypothesis, as a share of the range: the sum is flat in its logarithm.
+/// Standard deviation of the range within a hypothesis, as a share of the range: the sum is flat in the logarithm of
+/// the range.
 const SPREAD: f64 = 0.2;
-/// A hypothesis is dropped when the logarithm of its weight is this far below the greatest.
+/// A hypothesis is dropped when the logarithm of the weight is this far below the greatest.
 const LOG_WEIGHT_DROPPED: f64 = 9.0;
-/// Rounds of the first search, and of its improvement by later lines.
+/// Rounds of the first search, and of the improvement by later lines.
 const ROUNDS_FIRST: usize = 20;
 const ROUNDS: usize = 2;
 
@@ -32,7 +33,7 @@ const ROUNDS: usize = 2;
 #[derive(Clone, Debug)]
 pub(crate) struct RangeHypotheses<const D: usize> {
     first: Ray,
-    /// Best state of each; `None` if it is dropped.
+    /// Best state of each hypothesis; `None` if dropped.
     states: [Option<SVector<f64, D>>; RANGES],
     is_new: bool,
 }

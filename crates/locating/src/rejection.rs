@@ -6,7 +6,7 @@ use crate::arrivals::CLOCKS_MAX;
 
 /// A direction with a greater standard deviation is none, radians.
 const SIGMA_MAX_RAD: f64 = 1.0;
-/// Greatest coordinate of a platform, metres; beyond, differences lose their millimetres.
+/// Greatest coordinate of a platform, metres; beyond, millimetres are lost in differences.
 const COORDINATE_MAX_M: f64 = 1e9;
 
 /// Reason why a bearing was rejected.
@@ -14,15 +14,15 @@ const COORDINATE_MAX_M: f64 = 1e9;
 pub enum BearingRejection {
     /// A value is no number or cannot be.
     Unusable(&'static str),
-    /// The bearing is older than the emitter's last one.
+    /// The bearing is older than the emitter's last bearing.
     OutOfOrder,
-    /// The bearing is of a new emitter, and there is no place for it.
+    /// The bearing is of a new emitter, and there is no place.
     TableFull,
-    /// Another receiver, and there is no place for its clock.
+    /// Another receiver, and there is no place for the receiver's clock.
     ReceiversFull,
-    /// A transmission that one receiver took alone.
+    /// A transmission at a single receiver.
     Alone,
-    /// A transmission at receivers whose clocks are not known yet.
+    /// A transmission at receivers with clocks not known yet.
     ClockUnknown,
     /// A difference of distances greater than the distance between the receivers.
     Impossible,
@@ -30,7 +30,7 @@ pub enum BearingRejection {
 
 impl BearingRejection {
     /// Whether a rejected arrival is itself of no use. Otherwise the transmission that ends with the arrival, or before
-    /// it, was rejected: the arrival may have its place in a transmission.
+    /// it, was rejected: the arrival may belong to a transmission.
     pub fn is_of_arrival(&self) -> bool {
         matches!(self, Self::Unusable(_) | Self::ReceiversFull)
     }

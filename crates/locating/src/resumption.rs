@@ -1,11 +1,12 @@
-//! Resumption of the emitters of a locator whose process was killed.
+//! Resumption of the emitters of a locator after a kill of the process.
 //!
-//! Each emitter is a record of its own: number, frequency and last bearing, by which the next bearing finds it, and the
-//! state of its filters and of its selection to the last bit. A successor thus continues as if nothing had happened:
-//! the same bearings give the same fixes. Only emitters with new bearings are written, so the cost does not depend on
-//! their number. A kill between two stores costs a record its last change ([`kept::RecordArea`]).
+//! Each emitter is a separate record: number, frequency and last bearing, by which the next bearing finds the emitter,
+//! and the state of the filters and of the selection to the last bit. A successor thus continues as if nothing had
+//! happened: the same bearings give the same fixes. Only emitters with new bearings are written, so the cost does not
+//! depend on the number of emitters. A kill between two stores costs a record the last change ([`kept::RecordArea`]).
 //!
-//! The state of a filter has a meaning for its settings only: the memory of a locator with other settings is refused.
+//! The state of a filter has a meaning only for the settings used: the memory of a locator with other settings is
+//! refused.
 
 use std::sync::atomic::AtomicU64;
 
@@ -100,7 +101,7 @@ impl LeftEmitters {
     /// Reads the emitters saved by a locator with the same settings; `None` if none are saved yet.
     ///
     /// # Errors
-    /// If the memory is incomplete, or belongs to another locator or one with other settings.
+    /// If the memory is incomplete, or belongs to another locator or a locator with other settings.
     pub fn read(memory: &[AtomicU64], owner: &str, settings: &Settings) -> Result<Option<Self>, MemoryRefusal> {
         let areas = EmitterAreas::of(owner, settings);
         if !is_marked(memory, areas.words(), areas.fingerprint) {
@@ -135,7 +136,7 @@ impl LeftEmitters {
         self.head.kept_ns
     }
 
-    /// Forgets the emitters; their numbers stay taken.
+    /// Forgets the emitters; the numbers stay taken.
     pub fn end(&mut self) {
         self.emitters.clear();
     }
@@ -152,7 +153,7 @@ fn emitter(words: &[u64], settings: &Settings) -> Option<(EmitterRecord, Bank, S
 }
 
 impl Locator {
-    /// Keeps the emitters that have changed, in new memory all of them; it is `now_ns` (UTC, nanoseconds).
+    /// Keeps the emitters that have changed, in new memory all emitters; the time is `now_ns` (UTC, nanoseconds).
     pub fn keep(&mut self, memory: &mut EmitterMemory, now_ns: i64) {
         let EmitterMemory {
             memory,
@@ -237,7 +238,8 @@ mod tests {
         }
     }
 
-    /// Bearings of two emitters, of which one sails at this speed, by their frequencies, from a platform that circles.
+    /// Bearings of two emitters, of which a single emitter sails at this speed, by frequencies, from a platform that
+    /// circles.
     fn bearings(seconds: i64, speed_mps: f64) -> Vec<Bearing> {
         let mut random = ChaCha8Rng::seed_from_u64(3);
         let mut all = Vec::new();
@@ -271,8 +273,7 @@ mod tests {
             .collect()
     }
 
-    /// A locator with these settings gives the same reports of `all` if it is killed after each of these numbers of
-    /// them.
+    /// A locator with these settings gives the same reports of `all` if killed after each of these numbers of bearings.
     fn check_successors<M>(
         settings: Settings,
         all: &[M],
@@ -339,7 +340,7 @@ mod tests {
         }
     }
 
-    /// A successor keeps all emitters in its own memory at once, and not only those that it receives again.
+    /// A successor keeps all emitters in new memory at once, and not only the emitters that have bearings again.
     #[test]
     fn a_second_kill_loses_no_emitter_that_was_silent_between() {
         let settings = few(FilterChoice::Auto, Select::Auto);
@@ -396,7 +397,7 @@ mod tests {
             refusal(LeftEmitters::read(&memory[..memory.len() - 1], "finder", &settings)),
             foreign
         );
-        // A kill during a write leaves the emitter as it was before.
+        // A kill during a write leaves the emitter in the previous state.
         let areas = EmitterAreas::of("finder", &settings);
         let copy = areas.emitters.len() / areas.emitters.places / 2;
         let word_of = |copy_number: usize| &memory[areas.emitters.first + copy_number * copy + 5];
@@ -421,7 +422,7 @@ mod tests {
         let mut second = Locator::new(settings).unwrap();
         second.resume(&left);
         assert_eq!(numbers(&mut second, &heard[240..]), before);
-        // Emitters that are too old leave their numbers only.
+        // Emitters that are too old leave only numbers.
         left.end();
         let mut third = Locator::new(settings).unwrap();
         third.resume(&left);

@@ -1,9 +1,9 @@
 //! Where a search begins.
 //!
-//! Bearings alone cross at one place ([`crate::triangulation`]). Hyperbolas may cross twice, and the search from a bad
-//! start ends at the wrong crossing, or at a place where a wrong measurement and a right one meet. So the search
-//! begins at many places around the receivers, on the rays and at the fixes. The best of them are improved with
-//! weights that forgive large errors first, and ever smaller ones later (graduated non-convexity: A. Blake, A.
+//! Bearings alone cross at a single place ([`crate::triangulation`]). Hyperbolas may cross twice, and the search from a
+//! bad start ends at the wrong crossing, or at a place where a wrong measurement and a right measurement meet. So the
+//! search begins at many places around the receivers, on the rays and at the fixes. The best places are improved with
+//! weights that forgive large errors first, and ever smaller errors later (graduated non-convexity: A. Blake, A.
 //! Zisserman, *Visual Reconstruction*, MIT Press, 1987). The place that explains the lines best is the start. If
 //! another place explains the lines nearly as well, the data do not show which is right, and there is no start yet.
 
@@ -26,15 +26,15 @@ const ALONG_RAY: [f64; 5] = [0.1, 0.4, 1.0, 2.5, 6.0];
 const RAYS_MAX: usize = 2;
 const RECEIVERS_MAX: usize = 8;
 const IMPROVED: usize = 12;
-/// Squared normalised innovations from which on a line counts less, one round after the other.
+/// Squared normalised innovations from which on a line counts less, round by round.
 const KNEES: [f64; 4] = [1e6, 1e4, 400.0, KNEE];
 const ROUNDS: usize = 6;
-/// Places nearer to a better one than this share of their distance are not improved.
+/// Places nearer to a better place than this share of the distance are not improved.
 const NEIGHBOUR: f64 = 0.15;
 /// An unknown position about the receivers, in the same units.
 const SPREADS_MAX: f64 = 100.0;
-/// A second place is another one if it is so many standard deviations away, and a candidate if its cost is at most so
-/// much greater: the limit that chi-square with two degrees of freedom exceeds once in a hundred times.
+/// A second place is distinct if so many standard deviations away, and a candidate if the cost is at most so much
+/// greater: the limit that chi-square with two degrees of freedom exceeds once in a hundred times.
 const APART_SIGMAS: f64 = 8.0;
 const COST_APART: f64 = 9.2;
 
@@ -56,8 +56,8 @@ impl Places {
     }
 }
 
-/// Start of a search for the position that explains the lines, metres east and north; `None` if they are too few, or
-/// do not determine one.
+/// Start of a search for the position that explains the lines, metres east and north; `None` if the lines are too few,
+/// or determine none.
 pub(crate) fn start_position(lines: &[LineOfBearing]) -> Option<[f64; 2]> {
     let used = || lines.iter().filter(|line| line.is_used);
     if used().all(|line| line.ray().is_some()) {
@@ -80,7 +80,7 @@ pub(crate) fn start_position(lines: &[LineOfBearing]) -> Option<[f64; 2]> {
     best_of(&problem, &places(lines, centre, spread_m))
 }
 
-/// Centre of the places that measured, and the distance over which they spread.
+/// Centre of the places that measured, and the distance over which these places spread.
 fn surroundings(lines: &[LineOfBearing]) -> ([f64; 2], f64) {
     let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     for line in lines.iter().filter(|line| line.is_used) {
@@ -125,7 +125,7 @@ fn places(lines: &[LineOfBearing], centre: [f64; 2], spread_m: f64) -> Places {
             break;
         };
         *free = Some(receiver);
-        // Beside it, towards the others: at the receiver itself a distance has no direction.
+        // Beside the receiver, towards the others: at the receiver itself a distance has no direction.
         places.push([0, 1].map(|axis| receiver[axis] + 0.05 * (centre[axis] - receiver[axis])));
     }
     for (ring, share) in RINGS.into_iter().enumerate() {
@@ -141,7 +141,7 @@ fn places(lines: &[LineOfBearing], centre: [f64; 2], spread_m: f64) -> Places {
     places
 }
 
-/// The place that explains the lines best after improvement, unless another one does nearly as well.
+/// The place that explains the lines best after improvement, unless another place does nearly as well.
 fn best_of(problem: &LeastSquaresProblem<'_, 2>, places: &Places) -> Option<[f64; 2]> {
     let mut candidates = [(f64::INFINITY, [0.0; 2]); PLACES_MAX];
     let candidates = &mut candidates[..places.len];
@@ -177,7 +177,7 @@ fn distance_m(place: [f64; 2], problem: &LeastSquaresProblem<'_, 2>) -> f64 {
     (place[0] - east).hypot(place[1] - north)
 }
 
-/// A place and how well it explains the lines.
+/// A place and how well the place explains the lines.
 #[derive(Clone, Copy)]
 struct Improved {
     place: Vector2<f64>,

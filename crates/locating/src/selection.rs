@@ -1,7 +1,7 @@
 //! Selection of fixes, and the smooth path through the selected fixes (EL-4 … EL-10).
 //!
 //! The fixes of a bearings-only filter wander in arcs, because range comes slowly, and jump when bearings are wrong.
-//! This module selects the trustworthy fixes and joins them by straight, continuous motion. Its inputs are time,
+//! This module selects the trustworthy fixes and joins these fixes by straight, continuous motion. Its inputs are time,
 //! position and variance, not bearings, so fixes of any other origin will do (ultrasound, radar; EL-12).
 //!
 //! # One rule
@@ -13,9 +13,9 @@
 //! ```
 //!
 //! The formula combines EL-6, P(n+1) = P(n) + S(n) − P(n−1), for selections a fixed interval apart, and EL-9, for
-//! selections at minima of the variance. They differ in the time of selection and in the replacement of S(n) and
-//! P(n−1) when the variance is too large. Option a has none: V stays. Option b uses the motion up to the rise of the
-//! variance above its threshold, and from its fall below (EL-7 and EL-8).
+//! selections at minima of the variance. Both differ in the time of selection and in the replacement of S(n) and P(n−1)
+//! when the variance is too large. Option a has none: V stays. Option b uses the motion up to the rise of the variance
+//! above the threshold, and from the fall below (EL-7 and EL-8).
 //!
 //! # States
 //!
@@ -32,16 +32,16 @@
 //! ```
 //!
 //! In `passing` and `first` fixes are output unchanged. In all other states the output is continuous: each step is
-//! exactly its own velocity times the time. A filter with a monotonically falling variance has no minimum; then
-//! minimum selection outputs its fixes, and staged selection stays with intervals.
+//! exactly the output's velocity times the time. A filter with a monotonically falling variance has no minimum; then
+//! minimum selection outputs the fixes, and staged selection stays with intervals.
 //!
 //! # What it costs
 //!
-//! With equal intervals and S(n) = truth + e(n), the error of the output obeys p(n+1) − p(n) + p(n−1) = e(n). Its
-//! free oscillation, of period six intervals, is not damped: an interval of a sixth of the period of the filter's
-//! errors (often the period of the platform's circles) causes resonance. Longer intervals, or minima, do not.
-//! `Steered` is our own addition for filters that are already good: at every fix the output heads to the position
-//! that the filter predicts a little later. The output then neither oscillates nor jumps.
+//! With equal intervals and S(n) = truth + e(n), the error of the output obeys p(n+1) − p(n) + p(n−1) = e(n). The free
+//! oscillation, of period six intervals, is not damped: an interval of a sixth of the period of the filter's errors
+//! (often the period of the platform's circles) causes resonance. Longer intervals, or minima, do not. `Steered` is our
+//! own addition for filters that are already good: at every fix the output heads to the position that the filter
+//! predicts a little later. The output then neither oscillates nor jumps.
 //!
 //! Source: patent JP7553304B2.
 
@@ -139,8 +139,8 @@ pub struct Fix {
     pub velocity_mps: [f64; 3],
     /// Variance of the position (EL-3), m².
     pub variance_m2: f64,
-    /// Direction of the position from the platform, radians clockwise from north; `None` if it is unknown: intervals
-    /// are then of time.
+    /// Direction of the position from the platform, radians clockwise from north; `None` if unknown: intervals are then
+    /// of time.
     pub direction_rad: Option<f64>,
 }
 
@@ -164,7 +164,7 @@ pub struct Output {
 pub enum SelectionStage {
     /// No fix is selected yet; fixes are passed on.
     Passing,
-    /// One is, and fixes are passed on until the second.
+    /// A single selection exists, and fixes are passed on until the second.
     First,
     /// A straight line until the next interval is over.
     Interval,
@@ -175,7 +175,7 @@ pub enum SelectionStage {
 }
 
 impl SelectionStage {
-    /// The word for it.
+    /// The word for the state.
     pub fn word(self) -> &'static str {
         match self {
             Self::Passing => "passing",
@@ -190,7 +190,7 @@ impl SelectionStage {
 /// Reason of a decision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SelectionReason {
-    /// The variance is below its threshold for the first time.
+    /// The variance is below the threshold for the first time.
     FirstBelow,
     /// The first minimum below the threshold.
     FirstMinimum,
@@ -251,22 +251,22 @@ pub struct Selector {
     /// Beginning and velocity of the present line.
     line: Point,
     velocity_mps: [f64; 3],
-    /// t(n−1), and P(n−1); while there is one selection only, S1.
+    /// t(n−1), and P(n−1); while there is a single selection, S1.
     previous: Point,
-    /// End of the next interval, seconds; and the direction at its beginning.
+    /// End of the next interval, seconds; and the direction at the beginning.
     due_s: f64,
     begun_rad: Option<f64>,
-    /// The fix before, and whether it was below the threshold.
+    /// The fix before, and whether this fix was below the threshold.
     last: Option<(Point, bool)>,
-    /// Steered: variance of the fix before, and for how many fixes the output has been far from them.
+    /// Steered: variance of the fix before, and the number of fixes during which the output has been far off.
     last_variance_m2: f64,
     departed: u32,
     was_above_at_selection: bool,
-    /// Last fix before the variance rose above its threshold, first fix after it fell below.
+    /// Last fix before the variance rose above the threshold, first fix after the fall below.
     up: Option<Point>,
     down: Option<Point>,
     valley: Valley,
-    /// Staged: the last minimum below the threshold, and how many have come one soon after the other.
+    /// Staged: the last minimum below the threshold, and how many have come in close succession.
     last_minimum_s: f64,
     minima: u32,
 }
@@ -298,8 +298,7 @@ impl Selector {
         }
     }
 
-    /// Takes the next fix. `None`, and no change, for one that is older than the last, or has a value that is no
-    /// number.
+    /// Takes the next fix. `None`, and no change, for a fix older than the last, or with a value that is no number.
     pub fn fix(&mut self, fix: &Fix) -> Option<Output> {
         let values = fix.position_m.iter().chain(&fix.velocity_mps);
         let is_finite = values.chain([&fix.time_s]).all(|value| value.is_finite());
@@ -373,7 +372,7 @@ impl Selector {
                 DEPARTED_SIGMAS * fix.variance_m2.sqrt(),
             ));
         }
-        // The next fix must not come after the output has passed its aim.
+        // The next fix must not come after the output has passed the aim.
         let last_step_s = self.last.map_or(0.0, |(last, _)| fix.time_s - last.time_s);
         let steering_s = self.settings.steering_s.max(last_step_s);
         self.stage = SelectionStage::Steered;
@@ -465,7 +464,7 @@ impl Selector {
         }
     }
 
-    /// EL-9. A minimum is known once the variance has risen: the output turns then, based on its position at the
+    /// EL-9. A minimum is known once the variance has risen: the output turns then, based on the position at the
     /// minimum.
     fn at_minimum(&mut self, fix: &Fix, minimum: Option<Minimum>, now: Point) -> Option<(SelectionReason, f64, f64)> {
         let minimum = minimum?;
@@ -482,7 +481,7 @@ impl Selector {
             _ if minimum.seen.time_s - self.previous.time_s <= self.settings.minimum_gap_s => None,
             SelectionStage::First if !is_below => found(SelectionReason::SecondWaits),
             SelectionStage::First => {
-                // Fixes are passed on up to now, so the line begins at the present one.
+                // Fixes are passed on up to now, so the line begins at the present fix.
                 let begin = Point {
                     time_s: fix.time_s,
                     position_m: fix.position_m,
@@ -599,7 +598,7 @@ struct Minimum {
 struct Valley {
     /// The minimum since the last fall; `None` while the variance rises.
     least: Option<Minimum>,
-    /// The greatest while it rises.
+    /// The greatest during a rise.
     greatest: Option<f64>,
 }
 
@@ -622,7 +621,7 @@ impl Valley {
             }
             return None;
         }
-        // The first fix of all is no minimum: nothing has fallen to it.
+        // The first fix of all is no minimum: nothing has fallen before.
         let greatest = self.greatest.map_or(variance_m2, |greatest| greatest.max(variance_m2));
         self.greatest = Some(greatest);
         if variance_m2 * (1.0 + rise) < greatest {

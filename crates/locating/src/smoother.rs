@@ -6,24 +6,24 @@
 //! range. The resulting range information is wrong, and is never corrected: with an emitter 50 km away the filter
 //! ends seven times worse than the bearings allow, with a far too small variance.
 //!
-//! Here no linearisation is final while it matters. The last lines are stored ([`crate::window`]) and solved
-//! together by Gauss–Newton iteration: all lines are linearised anew at the *current* estimate (the
-//! maximum-likelihood estimate). Only lines for which the position is known to a fiftieth of their range are folded
-//! into a Gaussian prior for good, and for them the linearisation is exact enough.
+//! Here no linearisation is final while relevant. The last lines are stored ([`crate::window`]) and solved together by
+//! Gauss–Newton iteration: all lines are linearised anew at the *current* estimate (the maximum-likelihood estimate).
+//! Only lines for which the position is known to a fiftieth of their range are folded into a Gaussian prior for good,
+//! and there the linearisation is exact enough.
 //!
-//! An emitter is a fixed point (two components: position) or moves straight on (four: velocity, too). Without
-//! process noise the state at a reference time holds all information, and no bearing is ever forgotten. With process
-//! noise, for emitters that wander or manoeuvre, the filter is the extended Kalman filter. It works well with a
-//! known range, so it starts at the settled state of the model without noise.
+//! An emitter is a fixed point (two components: position) or moves straight on (four: velocity, too). Without process
+//! noise the state at a reference time holds all information, and no bearing is ever forgotten. With process noise, for
+//! emitters that wander or manoeuvre, the filter is the extended Kalman filter. That filter works well with a known
+//! range, so it starts at the settled state of the model without noise.
 //!
 //! # Bearings that are wrong
 //!
 //! A bearing with an error above four standard deviations gets a weight that decreases with the error (as in Huber's
-//! estimator). But a turning platform gives bearings that are wrong *together*: each by little, all to the same side,
+//! estimator). But a turning platform gives bearings that are wrong *together*: each slightly, all to the same side,
 //! and a filter averages these errors in. A running sum of the normalised innovations, over about the last ten
-//! bearings, detects such errors: while bearings and state are right, the sum is Gaussian with known variance. When
-//! the sum leaves its bounds, the last lines are removed and new lines are set aside until they agree again. Without
-//! an agreement the state is wrong; [`crate::bank`] makes this decision.
+//! bearings, detects such errors: while bearings and state are right, the sum is Gaussian with known variance. When the
+//! sum leaves the bounds, the last lines are removed and new lines are set aside until they agree again. Without an
+//! agreement the state is wrong; [`crate::bank`] makes this decision.
 //!
 //! Sources: Y. Bar-Shalom, X. R. Li, T. Kirubarajan, *Estimation with Applications to Tracking and Navigation* (Wiley,
 //! 2001), chapters 3 and 10; B. M. Bell, F. W. Cathey, *The iterated Kalman filter update as a Gauss–Newton method*,
@@ -40,14 +40,14 @@ use crate::ranges::RangeHypotheses;
 use crate::search_start::{BEARINGS_MIN, start_position};
 use crate::window::Window;
 
-/// The geometry allows a fix when the longest half-axis of its error ellipse is below this share of the range.
+/// The geometry allows a fix when the longest half-axis of the error ellipse is below this share of the range.
 const LOCATED_SHARE: f64 = 0.3;
-/// While hypotheses about the range compete, this is a share of the present range; or it is below this share of the
-/// longer of the first and the present one.
+/// While hypotheses about the range compete, this is a share of the present range; or the half-axis is below this share
+/// of the longer of the first and the present range.
 const LOCATED_SHARE_LONGEST: f64 = 0.08;
-/// … and no longer above this one.
+/// … and no longer above this share.
 const LOST_SHARE: f64 = 0.5;
-/// From this share on the linearisation is good enough to judge bearings one by one.
+/// From this share on the linearisation is good enough to judge bearings singly.
 const SETTLED_SHARE: f64 = 0.05;
 /// From this share on a line may be linearised for good.
 const LINEAR_SHARE: f64 = 0.02;
@@ -57,20 +57,20 @@ const FOLDED_AT_ONCE: usize = 16;
 const RELINEARISED_EVERY: u64 = 8;
 /// Before that, after this share of all bearings.
 const SEARCHED_EVERY: u64 = 16;
-/// Rounds of the search for a first fix, and of its improvement.
+/// Rounds of the search for a first fix, and of the improvement.
 const ROUNDS_FIRST: usize = 20;
 const ROUNDS: usize = 3;
-/// The prior of the velocity is widened when the velocity is found beyond so many of its standard deviations.
+/// The prior of the velocity is widened when the velocity is found beyond so many standard deviations.
 const SPEED_SIGMAS: f64 = 3.0;
 
 /// Share of the running sum of innovations that is kept at each bearing, and the sum's standard deviation.
 const SUM_KEPT: f64 = 0.85;
 const SUM_SIGMA: f64 = 1.898_315_991;
-/// Lines removed when the sum leaves its bounds.
+/// Lines removed when the sum leaves the bounds.
 const TAKEN_BACK: usize = 8;
 /// A fix by which fewer bearings than this were judged is no match for bearings that disagree.
 const YOUNG: u64 = 32;
-/// A sum within this many standard deviations, and an innovation within its own, let bearings in again.
+/// A sum within this many standard deviations, and an innovation within its own bound, let bearings in again.
 const AGREE_SUM: f64 = 2.0;
 const AGREE_ONE: f64 = 2.5;
 /// Share of the running share of wrong arrival times that is kept at each, for a young fix and later; shares at which a
@@ -86,15 +86,15 @@ pub(crate) struct Model {
     pub(crate) process_noise: f64,
     /// Standard deviation of an unknown emitter's position about the platform, metres.
     pub(crate) range_sigma_m: f64,
-    /// … of its velocity along each axis, m/s; of no meaning for fixed points.
+    /// … of the velocity along each axis, m/s; of no meaning for fixed points.
     pub(crate) speed_sigma_mps: f64,
     /// … as long as the bearings do not show a greater velocity.
     pub(crate) slow_sigma_mps: f64,
-    /// Known first place, in place of the unknown one about the platform.
+    /// Known first place, in place of the unknown place about the platform.
     pub(crate) start: Option<StartPoint>,
 }
 
-/// Known place of an emitter at a time, before its first bearing.
+/// Known place of an emitter at a time, before the first bearing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct StartPoint {
     pub(crate) time_ns: i64,
@@ -118,7 +118,7 @@ pub(crate) struct Bounds {
 pub(crate) enum BearingTreatment {
     /// Used.
     Used,
-    /// Not used: the bearing or its predecessors disagree.
+    /// Not used: the bearing or the preceding bearings disagree.
     SetAside,
     /// The first that was set aside; the sum of innovations in standard deviations.
     Distrusted(f64),
@@ -133,7 +133,7 @@ impl BearingTreatment {
     }
 }
 
-/// Filter of one emitter for one model, of D components: position and, if D is 4, velocity.
+/// Filter of an emitter for a single model, of D components: position and, if D is 4, velocity.
 #[derive(Clone, Debug)]
 pub(crate) struct Smoother<const D: usize> {
     model: Model,
@@ -142,7 +142,7 @@ pub(crate) struct Smoother<const D: usize> {
     prior: StatePrior<D>,
     /// Standard deviation of the velocity in the prior, m/s.
     speed_sigma_mps: f64,
-    /// Hypotheses about the range, until the geometry has shown one.
+    /// Hypotheses about the range, until the geometry has shown the range.
     ranges: Option<RangeHypotheses<D>>,
     window: Window,
     estimate: SVector<f64, D>,
@@ -150,7 +150,7 @@ pub(crate) struct Smoother<const D: usize> {
     /// Bearings so far, and since the window was linearised.
     bearings: u64,
     since_linearised: u64,
-    /// For how many bearings it has been settled.
+    /// Number of bearings since the filter settled.
     settled_for: u64,
     stage: FilterStage,
     /// Whether the lines of a search have no place in common.
@@ -217,7 +217,7 @@ impl<const D: usize> Smoother<D> {
         self.is_distrusting
     }
 
-    /// Position and velocity at a time, and their covariance; without a velocity it is exactly zero.
+    /// Position and velocity at a time, and their covariance; without a velocity, the velocity is exactly zero.
     pub(crate) fn state_at(&self, time_ns: i64) -> (Vector4<f64>, Matrix4<f64>) {
         let (state, covariance) = self.moved(seconds(time_ns - self.reference_ns));
         let (mut full, mut spread) = (Vector4::zeros(), Matrix4::zeros());
@@ -243,7 +243,7 @@ impl<const D: usize> Smoother<D> {
         self.stage == FilterStage::Vague
     }
 
-    /// Compares a line of bearing with its prediction: squared normalised innovation, and the logarithm of the
+    /// Compares a line of bearing with the prediction: squared normalised innovation, and the logarithm of the
     /// innovation's variance; `None` without a prediction.
     pub(crate) fn compare(&self, line: &LineOfBearing) -> Option<(f64, f64)> {
         if !self.is_located() {
@@ -261,7 +261,7 @@ impl<const D: usize> Smoother<D> {
         ))
     }
 
-    /// Processes the next line. A model with process noise takes no line before its start state is set.
+    /// Processes the next line. A model with process noise takes no line before the start state is set.
     pub(crate) fn add(&mut self, line: &LineOfBearing, bounds: Bounds) -> BearingTreatment {
         if self.is_recursive() {
             return self.add_recursively(line);
@@ -301,7 +301,7 @@ impl<const D: usize> Smoother<D> {
         taken
     }
 
-    /// Sets the next line aside, because a more accurate model rejects it. `since_ns`: with all lines since then,
+    /// Sets the next line aside, because a more accurate model rejects the line. `since_ns`: with all lines since then,
     /// because that model has detected the error only now.
     pub(crate) fn set_aside(&mut self, line: &LineOfBearing, since_ns: Option<i64>) {
         if self.is_recursive() {
@@ -329,7 +329,7 @@ impl<const D: usize> Smoother<D> {
         if self.stage != FilterStage::Settled {
             return BearingTreatment::Used;
         }
-        // With process noise the state is always at fault, and the bearings correct it.
+        // With process noise the state is always at fault, and the bearings correct the state.
         self.advance(line.time_ns);
         if let Some((squared, _)) = self.compare(line).filter(|_| line.has_outliers()) {
             self.counted(line, squared.sqrt());
@@ -345,7 +345,7 @@ impl<const D: usize> Smoother<D> {
     /// Whether the window is to be linearised anew: at every bearing at first, then less often.
     fn is_due(&self) -> bool {
         let wait = match self.stage {
-            // A velocity is found late: while the filter is young, its linearisation ages fast.
+            // A velocity is found late: while the filter is young, the linearisation ages fast.
             FilterStage::Settled if D == 4 => (self.settled_for / 16).min(RELINEARISED_EVERY),
             FilterStage::Settled => RELINEARISED_EVERY,
             _ => (self.bearings / SEARCHED_EVERY).min(RELINEARISED_EVERY),
@@ -370,7 +370,7 @@ impl<const D: usize> Smoother<D> {
         self.window.set_clocks(ahead);
     }
 
-    /// Restarts at the state of another filter of the same kind; returns whether that filter has one.
+    /// Restarts at the state of another filter of the same kind; returns whether that filter has a state.
     pub(crate) fn restart_like(&mut self, other: &Self) -> bool {
         let Some(factor) = Factor::of(&other.covariance).filter(|_| other.is_settled() && !other.is_distrusting) else {
             return false;
@@ -388,7 +388,7 @@ impl<const D: usize> Smoother<D> {
         true
     }
 
-    /// Tests rest at a fixed point, and continues from there if it explains prior and window better: a search that
+    /// Tests rest at a fixed point, and continues from there if rest explains prior and window better: a search that
     /// began with few bearings may have ended at a false position.
     pub(crate) fn reconsider(&mut self, position_m: Option<[f64; 2]>, latest: &LineOfBearing) {
         if self.is_recursive() || self.since_linearised > 0 || self.ranges.is_some() || self.stage < FilterStage::Vague
@@ -473,8 +473,8 @@ impl<const D: usize> Smoother<D> {
         }
     }
 
-    /// Part of a deviation that counts in the running sum. Arrival times that are far off come one by one, and do not
-    /// count in the sum; if most are, the fix is wrong.
+    /// Part of a deviation that counts in the running sum. Arrival times that are far off come singly, and do not count
+    /// in the sum; if most are, the fix is wrong.
     fn counted(&mut self, line: &LineOfBearing, deviation: f64) -> f64 {
         if !line.has_outliers() {
             return deviation.clamp(-DEVIATION_MAX, DEVIATION_MAX);
@@ -498,7 +498,7 @@ impl<const D: usize> Smoother<D> {
         let spread = self.covariance * h;
         let expected = h.dot(&spread);
         let mut variance = 1.0 / line.information;
-        // An outlier enters with a standard deviation as large as its innovation.
+        // An outlier enters with a standard deviation as large as the innovation.
         let squared = residual.innovation_rad * residual.innovation_rad / (expected + variance);
         variance *= (squared / (DEVIATION_MAX * DEVIATION_MAX)).max(1.0);
         let gain = spread / (expected + variance);
@@ -515,7 +515,7 @@ impl<const D: usize> Smoother<D> {
             let at = |time_ns| position(&estimate, seconds(time_ns - reference_ns));
             let merged = place.map_or(0, |_| self.window.merge_pairs(at));
             if merged > 0 {
-                // Differences of arrival times stay as they are, so that the clocks can be corrected later.
+                // Differences of arrival times stay unchanged, so that the clocks can be corrected later.
             } else if self.is_settled() && self.may_fold(FOLDED_AT_ONCE) {
                 self.fold(FOLDED_AT_ONCE);
             } else if self.stage == FilterStage::Searching && self.is_misfit {
@@ -537,7 +537,7 @@ impl<const D: usize> Smoother<D> {
         self.window.push(line);
     }
 
-    /// Returns whether the first `count` lines are so far from the emitter that they may be linearised for good.
+    /// Returns whether the first `count` lines are far enough from the emitter to be linearised for good.
     fn may_fold(&self, count: usize) -> bool {
         let error_m = self.error_m(self.reference_ns);
         self.window.all()[..count].iter().all(|line| {
@@ -546,7 +546,7 @@ impl<const D: usize> Smoother<D> {
         })
     }
 
-    /// Makes the first `count` lines part of the prior, which moves to the time of the last of them.
+    /// Makes the first `count` lines part of the prior, which moves to the time of the last of these lines.
     fn fold(&mut self, count: usize) {
         let folded = &self.window.all()[..count];
         let system = self.problem(folded).linearised(&self.estimate);
@@ -695,7 +695,7 @@ impl<const D: usize> Smoother<D> {
         }
     }
 
-    /// Continues from the mixture of ranges with one state.
+    /// Continues from the mixture of ranges with a single state.
     fn end_ranges(&mut self) {
         if self.ranges.take().is_some() {
             self.linearise();
@@ -703,7 +703,7 @@ impl<const D: usize> Smoother<D> {
     }
 
     /// Longest half-axis of the error ellipse over the present range, and over the longer of the first and the present
-    /// one.
+    /// range.
     fn shares(&self, latest: &LineOfBearing) -> [f64; 2] {
         let range = |line: &LineOfBearing| line.distance_m(self.position_at(line.time_ns));
         let (present_m, error_m) = (range(latest), self.error_m(latest.time_ns));

@@ -1,22 +1,22 @@
 //! A first guess of where bearings cross: total least squares.
 //!
-//! A bearing β from p means n·(x − p) = 0 with n = (cos β, −sin β). Ordinary least squares takes the n as exact.
-//! They are not, and the error is always to one side: for a distant emitter the solution lies at a fraction of its
-//! range, and a filter that starts there keeps this error. Total least squares admits errors in all coefficients:
-//! with (x, 1) in homogeneous coordinates, the solution is the direction that minimises the equations together, the
-//! last eigenvector of a 3×3 matrix (S. C. Nardone, A. G. Lindgren, K. F. Gong, *Fundamental properties and
-//! performance of conventional bearings-only target motion analysis*, IEEE Transactions on Automatic Control 29,
-//! 1984, for the bias). It only starts a search; the search's result gives the accuracy.
+//! A bearing β from p means n·(x − p) = 0 with n = (cos β, −sin β). Ordinary least squares takes the n as exact. The n
+//! are not exact, and the error is always to one side: for a distant emitter the solution lies at a fraction of the
+//! emitter's range, and a filter that starts there keeps this error. Total least squares admits errors in all
+//! coefficients: with (x, 1) in homogeneous coordinates, the solution is the direction that minimises the equations
+//! together, the last eigenvector of a 3×3 matrix (S. C. Nardone, A. G. Lindgren, K. F. Gong, *Fundamental properties
+//! and performance of conventional bearings-only target motion analysis*, IEEE Transactions on Automatic Control 29,
+//! 1984, for the bias). The solution only starts a search; the search's result gives the accuracy.
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 use crate::line_of_bearing::{LineOfBearing, Ray};
 
-/// A platform that has moved less than this has seen the emitter from one place, metres.
+/// A platform that has moved less than this has seen the emitter from a single place, metres.
 const BASELINE_MIN_M: f64 = 1.0;
 
-/// Crossing of the bearings that count, metres east and north; `None` if the platform did not move, or they cross
-/// behind it or nowhere.
+/// Crossing of the bearings that count, metres east and north; `None` if the platform did not move, or the bearings
+/// cross behind the platform or nowhere.
 pub(crate) fn crossing(lines: &[LineOfBearing]) -> Option<[f64; 2]> {
     let used = || {
         let used = lines.iter().filter(|line| line.is_used);

@@ -1,9 +1,9 @@
 //! The last lines of bearing, in bounded memory.
 //!
-//! Stored lines can be processed again if the emitter turns out to be at another place. But a direction finder may
-//! give ten lines a second, and the platform may need minutes for a sufficient baseline. Therefore neighbouring lines
-//! are merged if no information is lost: two bearings taken a distance s apart, of an emitter at range r, are as good
-//! as their mean taken half-way, except for s²/8r² radians.
+//! Stored lines can be processed again if the emitter turns out to be at another place. But a direction finder may give
+//! ten lines a second, and the platform may need minutes for a sufficient baseline. Therefore neighbouring lines are
+//! merged if no information is lost: two bearings taken a distance s apart, of an emitter at range r, are as good as
+//! the mean taken half-way, except for s²/8r² radians.
 
 use kept::{Get, Kept, Put};
 
@@ -50,7 +50,7 @@ impl Window {
         self.len -= count;
     }
 
-    /// Removes the first unused line; returns whether there was one.
+    /// Removes the first unused line; returns whether such a line existed.
     pub(crate) fn forget_unused(&mut self) -> bool {
         let Some(place) = self.all().iter().position(|line| !line.is_used) else {
             return false;
@@ -92,8 +92,9 @@ impl Window {
         before - kept
     }
 
-    /// Merges each difference of arrival times with the next one of the same receivers, wherever both fit the emitter's
-    /// positions and its way in between is too short to lose information. Returns the number of freed places.
+    /// Merges each difference of arrival times with the next difference of the same receivers, wherever both fit the
+    /// emitter's positions and the emitter's way in between is too short to lose information. Returns the number of
+    /// freed places.
     pub(crate) fn merge_pairs(&mut self, position_at: impl Fn(i64) -> [f64; 2]) -> usize {
         let mut is_merged = [false; WINDOW_MAX];
         for place in 0..self.len {
@@ -112,7 +113,7 @@ impl Window {
             if *is_merged {
                 continue;
             }
-            // A merged line is later than the line whose place it took.
+            // A merged line is later than the line formerly in this place.
             let line = self.lines[place];
             let first = self.lines[..kept].partition_point(|other| other.time_ns <= line.time_ns);
             self.lines.copy_within(first..kept, first + 1);
@@ -123,8 +124,8 @@ impl Window {
         before - kept
     }
 
-    /// Corrects the differences of arrival times by what is known of the clocks now: how far one is ahead of another at
-    /// a time, and the variance, metres and m².
+    /// Corrects the differences of arrival times by the present estimate of the clocks: the lead of a clock over
+    /// another at a time, and the variance, metres and m².
     pub(crate) fn set_clocks(&mut self, ahead: &impl Fn([u16; 2], i64) -> Option<(f64, f64)>) {
         for place in 0..self.len {
             let Some(numbers) = self.lines[place].clocks().map(|clocks| clocks.numbers) else {

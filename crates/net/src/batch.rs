@@ -1,11 +1,11 @@
-//! Many datagrams with one system call.
+//! Many datagrams with a single system call.
 //!
 //! `recvmmsg(2)` fills a row of buffers at once. For every datagram the call also returns the sender's address, the
 //! number of bytes, and *control messages*: here the kernel's time stamp and the count of drops. The buffers are in a
 //! single allocation with the lifetime of the socket. The headers that point to the buffers are written again before
-//! each call, because the kernel overwrites their lengths. A reused header would offer the second datagram only as
-//! much room for control messages as the first datagram filled; the count of drops, absent while zero, would then
-//! never arrive. (The wrapper of the crate `nix` 0.31 reuses headers; therefore this module makes the call itself.)
+//! each call, because the kernel overwrites the lengths. A reused header would offer the second datagram only as much
+//! room for control messages as the first datagram filled; the count of drops, absent while zero, would then never
+//! arrive. (The wrapper of the crate `nix` 0.31 reuses headers; therefore this module makes the call itself.)
 //!
 //! Addresses and control messages are plain bytes in a documented layout (ip(7), ipv6(7), cmsg(3)), and are read as
 //! such.
@@ -20,7 +20,7 @@ use std::ptr;
 
 use nix::libc;
 
-/// Most datagrams that one call takes.
+/// Most datagrams that a single call takes.
 pub const BATCH_MAX: usize = 32;
 
 /// Room for an address: that of `sockaddr_in6`, the longer of the two.
@@ -30,7 +30,7 @@ const CONTROL_OCTETS: usize = 32 + 24;
 /// Length and kind of a control message.
 const CONTROL_HEADER_OCTETS: usize = 16;
 
-/// Buffers for the datagrams of one call.
+/// Buffers for the datagrams of a single call.
 #[derive(Debug)]
 pub(crate) struct Batch {
     octets: Box<[u8]>,
@@ -40,7 +40,7 @@ pub(crate) struct Batch {
     taken: [BufferUse; BATCH_MAX],
 }
 
-/// How much of its buffers a datagram fills.
+/// Share of the buffers that a datagram fills.
 #[derive(Clone, Copy, Debug, Default)]
 struct BufferUse {
     octets: usize,
@@ -49,11 +49,11 @@ struct BufferUse {
     cut: bool,
 }
 
-/// A datagram as it was taken.
+/// A datagram as taken from the socket.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RawDatagram<'a> {
     pub(crate) bytes: &'a [u8],
-    /// Whether the datagram was longer than its buffer.
+    /// Whether the datagram was longer than the buffer.
     pub(crate) cut: bool,
     pub(crate) sender: Option<SocketAddr>,
     pub(crate) control: Control,
@@ -62,9 +62,10 @@ pub(crate) struct RawDatagram<'a> {
 /// The kernel's control messages of a datagram.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Control {
-    /// When it came in, UTC, nanoseconds.
+    /// Time of arrival, UTC, nanoseconds.
     pub(crate) received_utc_ns: Option<i64>,
-    /// Datagrams dropped between the opening of the socket and the arrival of this one; absent while there are none.
+    /// Datagrams dropped between the opening of the socket and the arrival of this datagram; absent while there are no
+    /// drops.
     pub(crate) dropped: Option<u32>,
 }
 
@@ -79,15 +80,15 @@ impl Batch {
         }
     }
 
-    /// Takes up to [`BATCH_MAX`] waiting datagrams from `socket` without waiting; returns their number.
+    /// Takes up to [`BATCH_MAX`] waiting datagrams from `socket` without waiting; returns the number taken.
     pub(crate) fn take(&mut self, socket: BorrowedFd<'_>) -> io::Result<usize> {
         const NO_SLOT: libc::iovec = libc::iovec {
             iov_base: ptr::null_mut(),
             iov_len: 0,
         };
         let mut slots = [NO_SLOT; BATCH_MAX];
-        // SAFETY: a C structure of numbers and pointers, for which zeros and null pointers are values. It cannot be
-        // written out field by field, because some C libraries have private padding in it.
+        // SAFETY: a C structure of numbers and pointers, for which zeros and null pointers are values. The structure
+        // cannot be written out field by field, because some C libraries have private padding.
         let mut headers: [libc::mmsghdr; BATCH_MAX] = unsafe { mem::zeroed() };
         let octets = self.octets.chunks_exact_mut(self.octets_each);
         let buffers = octets.zip(self.names.iter_mut()).zip(self.controls.iter_mut());
@@ -101,9 +102,9 @@ impl Batch {
             header.msg_hdr.msg_control = control.as_mut_ptr().cast();
             header.msg_hdr.msg_controllen = CONTROL_OCTETS as _;
         }
-        // SAFETY: `headers` has BATCH_MAX initialised headers, and each points to buffers of the stated lengths.
-        // `self` and this function own the buffers, nothing else borrows them, and they outlive the call; the kernel
-        // keeps no pointer. A null timeout is allowed.
+        // SAFETY: `headers` has BATCH_MAX initialised headers, and each points to buffers of the stated lengths. `self`
+        // and this function own the buffers, nothing else borrows the buffers, and the buffers outlive the call; the
+        // kernel keeps no pointer. A null timeout is allowed.
         let taken = unsafe {
             libc::recvmmsg(
                 socket.as_raw_fd(),
@@ -190,7 +191,7 @@ fn address(octets: &[u8]) -> Option<SocketAddr> {
     }
 }
 
-/// Returns `N` bytes from `start`; the caller guarantees their presence.
+/// Returns `N` bytes from `start`; the caller guarantees the presence.
 fn part<const N: usize>(octets: &[u8], start: usize) -> [u8; N] {
     let mut found = [0; N];
     found.copy_from_slice(&octets[start..start + N]);

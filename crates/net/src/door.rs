@@ -1,22 +1,22 @@
-//! Who may be connected to a listening socket, and for how long.
+//! Permitted connections to a listening socket, and the permitted duration.
 //!
-//! A connection costs its server memory, a descriptor and mostly a thread, and costs a stranger nothing. A mere limit
-//! is therefore a switch: whoever opens that many connections closes the door for all others. A door has four rules
+//! A connection costs the server memory, a descriptor and mostly a thread, and costs a stranger nothing. A mere limit
+//! is therefore a switch: a peer that opens that many connections closes the door for all others. A door has four rules
 //! instead, the same for each listening socket:
 //!
-//! 1. At most [`DoorLimits::connections_max`] connections in all, and [`DoorLimits::address_max`] of one address. An
-//!    IPv6 network of 64 bits counts as one address: a host has all of it.
-//! 2. A connection that has sent nothing whole gives way to a new one as soon as places are short, the oldest first;
-//!    it ends after [`DoorLimits::first`] in any case. Silent connections thus keep nobody out.
+//! 1. At most [`DoorLimits::connections_max`] connections in all, and [`DoorLimits::address_max`] of the same address.
+//!    An IPv6 network of 64 bits counts as a single address: a host has all of the network.
+//! 2. A connection that has sent no whole message gives way to a new connection as soon as places are short, the oldest
+//!    first; such a connection ends after [`DoorLimits::first`] in any case. Silent connections thus keep nobody out.
 //! 3. A connection that has sent something gives way after a silence of [`DoorLimits::yields`], and ends after
 //!    [`DoorLimits::idle`].
 //! 4. Only if nobody gives way, the new connection is refused.
 //!
-//! Readers send nothing. For them rules 2 and 3 do not apply ([`DoorLimits::OF_READERS`]): a server of readers lets go
-//! those that do not take what it sends.
+//! Readers send nothing. For readers, rules 2 and 3 do not apply ([`DoorLimits::OF_READERS`]): a server of readers
+//! disconnects readers that do not take the data sent.
 //!
-//! Each refusal is counted by reason, and the last one is kept with the address of its peer. A door is bookkeeping: it
-//! has no socket and reads no clock.
+//! Each refusal is counted by reason, and the last refusal is kept with the address of the peer. A door is bookkeeping:
+//! a door has no socket and reads no clock.
 
 use std::fmt;
 use std::net::{IpAddr, Ipv6Addr, SocketAddr};
@@ -29,9 +29,9 @@ pub struct DoorLimits {
     pub connections_max: usize,
     /// Most connections of an address at a time.
     pub address_max: usize,
-    /// Longest time until a connection has sent something whole; `None`: it need not send.
+    /// Longest time until a connection has sent a whole message; `None`: the peer need not send.
     pub first: Option<Duration>,
-    /// Silence after which a connection gives way to a new one.
+    /// Silence after which a connection gives way to a new connection.
     pub yields: Duration,
     /// Longest silence of a connection that has sent something.
     pub idle: Duration,
@@ -64,13 +64,13 @@ pub enum DoorRefusal {
     Full,
     /// There are too many connections of the address.
     Address,
-    /// It sent nothing whole in time.
+    /// No whole message was sent in time.
     Silent,
-    /// It had sent nothing whole when a new one needed the place.
+    /// No whole message had been sent when a new connection needed the place.
     GaveWay,
-    /// It had sent nothing for long.
+    /// Nothing had been sent for long.
     Idle,
-    /// It did not take what it was sent.
+    /// The peer did not take the data sent.
     Slow,
 }
 
@@ -105,7 +105,7 @@ impl DoorRefusal {
 pub struct Peer(pub Option<SocketAddr>);
 
 impl Peer {
-    /// What counts as one address.
+    /// The part that counts as a single address.
     fn origin(self) -> Option<IpAddr> {
         self.0.map(|address| match address.ip().to_canonical() {
             IpAddr::V6(address) => {
@@ -131,7 +131,7 @@ impl fmt::Display for Peer {
     }
 }
 
-/// Counts of a door since it was opened.
+/// Counts of a door since the opening.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DoorCounters {
     /// Connections that were admitted.
@@ -152,7 +152,7 @@ impl DoorCounters {
         self.refused.iter().sum()
     }
 
-    /// The reasons that have occurred, with their counts.
+    /// The reasons that have occurred, with the counts.
     pub fn reasons(&self) -> impl Iterator<Item = (DoorRefusal, u64)> {
         let all = DoorRefusal::ALL.into_iter().zip(self.refused);
         all.filter(|(_, count)| *count > 0)
@@ -181,7 +181,7 @@ impl fmt::Display for DoorCounters {
 /// Shortest time between two reports of refusals, nanoseconds.
 const NEWS_PERIOD_NS: i64 = 10_000_000_000;
 
-/// Refusals to be reported: the first at once, further ones together.
+/// Refusals to be reported: the first at once, further refusals together.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct DoorNews {
     reported: u64,
@@ -203,7 +203,7 @@ impl DoorNews {
     }
 }
 
-/// Number of a connection at its door.
+/// Number of a connection at a door.
 pub type Ticket = u64;
 
 #[derive(Debug)]
@@ -216,7 +216,7 @@ struct Visitor<C> {
     connection: C,
 }
 
-/// The connections at a listening socket; `C` is what ends a connection.
+/// The connections at a listening socket; `C` is the means to end a connection.
 #[derive(Debug)]
 pub struct Door<C> {
     limits: DoorLimits,
@@ -228,9 +228,9 @@ pub struct Door<C> {
 /// A connection that was admitted.
 #[derive(Debug)]
 pub struct Admitted<C> {
-    /// Its number.
+    /// Number of the connection.
     pub ticket: Ticket,
-    /// The connection that gave way to it, to be ended, and why.
+    /// The connection that gave way, to be ended, and the reason.
     pub instead_of: Option<(DoorRefusal, C)>,
 }
 
@@ -257,7 +257,7 @@ impl<C> Door<C> {
     /// Admits a connection at the monotonic time `now_ns`.
     ///
     /// # Errors
-    /// The reason, which is counted, and the connection, if there is no place for it.
+    /// The reason, which is counted, and the connection, if there is no place.
     pub fn admit(&mut self, peer: Peer, now_ns: i64, connection: C) -> Result<Admitted<C>, (DoorRefusal, C)> {
         let of_address = |visitor: &&Visitor<C>| visitor.peer.origin() == peer.origin();
         let instead_of = if self.visitors.iter().filter(of_address).count() >= self.limits.address_max {
@@ -291,7 +291,7 @@ impl<C> Door<C> {
         Admitted { ticket, instead_of }
     }
 
-    /// Takes out the connection that gives way first: one that has sent nothing, else one that has been silent.
+    /// Takes out the connection that gives way first: a connection that has sent nothing, else a silent connection.
     fn make_way(&mut self, now_ns: i64, may: impl Fn(&Visitor<C>) -> bool) -> Option<(DoorRefusal, C)> {
         self.limits.first?;
         let yields = self.limits.yields;
@@ -324,7 +324,8 @@ impl<C> Door<C> {
         self.visitors.retain(|visitor| visitor.ticket != ticket);
     }
 
-    /// Takes out the connections that have been silent for too long, each with the reason: they are to be ended.
+    /// Takes out the connections that have been silent for too long, each with the reason: these connections are to be
+    /// ended.
     pub fn expired(&mut self, now_ns: i64) -> Vec<(DoorRefusal, C)> {
         let Some(first) = self.limits.first else {
             return Vec::new();
@@ -347,12 +348,12 @@ impl<C> Door<C> {
         ended.collect()
     }
 
-    /// Counts a connection that is turned away before its admission.
+    /// Counts a connection that is turned away before the admission.
     pub fn refuse(&mut self, peer: Peer, reason: DoorRefusal) {
         self.counters.add(peer, reason);
     }
 
-    /// Ends the connections for which `take` returns a reason, or `Err` if they have ended by themselves.
+    /// Ends the connections for which `take` returns a reason, or `Err` if already ended.
     pub fn retain(&mut self, mut take: impl FnMut(&mut C) -> Result<Option<DoorRefusal>, Ended>) {
         let counters = &mut self.counters;
         self.visitors.retain_mut(|visitor| match take(&mut visitor.connection) {

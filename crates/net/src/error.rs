@@ -4,7 +4,7 @@ use std::io;
 
 use thiserror::Error;
 
-/// A setting cannot be used, or the machine refused it.
+/// A setting cannot be used, or the machine refused the setting.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum NetError {
@@ -13,7 +13,7 @@ pub enum NetError {
     Setting {
         /// Which setting.
         setting: &'static str,
-        /// Its value.
+        /// Value of the setting.
         value: String,
         /// Reason of the error, and the permitted values.
         reason: String,
@@ -28,7 +28,7 @@ pub enum NetError {
     NoInterface {
         /// The interface as configured.
         interface: String,
-        /// The interfaces that there are, with their addresses.
+        /// The existing interfaces, with addresses.
         present: String,
     },
 
@@ -37,7 +37,7 @@ pub enum NetError {
     Refused {
         /// The attempted action.
         action: String,
-        /// Why it was refused.
+        /// Reason of the refusal.
         reason: io::Error,
     },
 }

@@ -1,7 +1,7 @@
 //! Network interfaces by name or by address.
 //!
-//! A machine may have several interfaces, for example one to the sensors and one to the offices. A group must be
-//! joined, and multicast be sent, on the right interface; the kernel's own choice follows its routes and may be
+//! A machine may have several interfaces, for example a first to the sensors and a second to the offices. A group must
+//! be joined, and multicast be sent, on the right interface; the kernel's own choice follows the routes and may be
 //! wrong. Therefore the interface is always named explicitly, by name (the same on machines of the same kind) or by
 //! address (unchanged after a renaming). The kernel uses a number, which is looked up when a socket is opened.
 
@@ -21,16 +21,16 @@ use crate::NetError;
 /// A network interface of this machine.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Interface {
-    /// By its name, for example `eth0`.
+    /// By name, for example `eth0`.
     Name(String),
-    /// One of the interface's addresses.
+    /// Any address of the interface.
     Address(IpAddr),
 }
 
 /// Identity of an interface in the form of the kernel's socket options.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct InterfaceIdentity {
-    /// Its number.
+    /// Number of the interface.
     pub(crate) index: u32,
     /// IPv4 source address: the configured address, else the first address of the interface.
     pub(crate) ipv4: Option<Ipv4Addr>,
@@ -88,7 +88,7 @@ impl fmt::Display for Interface {
     }
 }
 
-/// The addresses of every interface, by its name.
+/// The addresses of every interface, by name.
 fn interfaces() -> Result<BTreeMap<String, Vec<IpAddr>>, NetError> {
     let mut found: BTreeMap<String, Vec<IpAddr>> = BTreeMap::new();
     for entry in getifaddrs().map_err(NetError::refused("listing the interfaces"))? {

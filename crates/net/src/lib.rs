@@ -1,16 +1,16 @@
 //! Live feeds over the network, Linux first.
 //!
-//! Radars and multilateration systems send their reports as datagrams, mostly to a *multicast group*: one packet on
-//! the wire reaches every recorder, tracker and display in the group, and the sender needs no list of readers.
-//! Receivers of transponder signals serve lines of text over TCP instead, to every client. This crate transports such
-//! bytes without interpreting the content:
+//! Radars and multilateration systems send reports as datagrams, mostly to a *multicast group*: a single packet on the
+//! wire reaches every recorder, tracker and display in the group, and the sender needs no list of readers. Receivers of
+//! transponder signals serve lines of text over TCP instead, to every client. This crate transports such bytes without
+//! interpreting the content:
 //!
 //! - [`UdpReceiver`]: datagrams to an address of this machine or to a group, each with the kernel's time stamp, and a
-//!   count of those that the kernel had to drop;
+//!   count of the datagrams that the kernel had to drop;
 //! - [`UdpSender`]: datagrams to an address or a group;
 //! - [`TcpLines`]: lines of a server, connected to again whenever the connection is lost;
 //! - [`LineServer`]: bytes to all connected clients;
-//! - [`Door`]: who may be connected to a listening socket, and for how long;
+//! - [`Door`]: the permitted connections to a listening socket, and the permitted duration;
 //! - [`Reach`]: whether other machines may reach a listening socket.
 //!
 //! Network input may be large, incomplete, hostile or late. Every call does a bounded amount of work and waits at

@@ -1,8 +1,8 @@
 //! Server of bytes for all connected clients.
 //!
-//! Receivers of transponder signals serve their lines to all clients, and wait for no client: a slow client is
-//! disconnected, and may connect again. A client receives only bytes sent after its connection. The number of clients
-//! is limited, in all and of an address ([`DoorLimits::OF_READERS`]).
+//! Receivers of transponder signals serve lines to all clients, and wait for no client: a slow client is disconnected,
+//! and may connect again. A client receives only bytes sent after the connection. The number of clients is limited, in
+//! all and of an address ([`DoorLimits::OF_READERS`]).
 
 use std::fmt::Debug;
 use std::fs::{self, Permissions};
@@ -16,7 +16,7 @@ use crate::NetError;
 use crate::door::{Door, DoorCounters, DoorLimits, DoorNews, DoorRefusal, Ended, Peer};
 use crate::reach::Reach;
 
-/// A socket that sends the same to each of its readers.
+/// A socket that sends the same to each reader.
 #[derive(Debug)]
 pub struct LineServer {
     listener: Listener,
@@ -41,7 +41,7 @@ impl Listener {
             Self::Tcp(listener) => {
                 let (reader, address) = listener.accept()?;
                 reader.set_nonblocking(true)?;
-                // Lines are to arrive when they are sent.
+                // Lines are to arrive when sent.
                 reader.set_nodelay(true)?;
                 Ok((Box::new(reader), Peer(Some(address))))
             }
@@ -76,7 +76,7 @@ impl LineServer {
         Ok(Self::of(Listener::Tcp(listener)))
     }
 
-    /// Listens at a Unix socket; the server removes the file at its end. `mode` is the file mode, for example 0o660;
+    /// Listens at a Unix socket; the server removes the file at the end. `mode` is the file mode, for example 0o660;
     /// `group` is the number of the file's group, `None` for the group of this process. The file of an earlier server
     /// without a listener is replaced.
     ///
@@ -109,7 +109,7 @@ impl LineServer {
         }
     }
 
-    /// Address at which it listens.
+    /// Address at which the server listens.
     ///
     /// # Errors
     /// For a Unix socket, or if the operating system refuses.
@@ -152,7 +152,7 @@ impl LineServer {
     pub fn send(&mut self, octets: &[u8]) {
         self.readers.retain(|reader| match reader.write(octets) {
             Ok(written) if written == octets.len() => Ok(None),
-            // The begin of a line without its end would be a wrong line.
+            // The begin of a line without the end would be a wrong line.
             Ok(_) => Ok(Some(DoorRefusal::Slow)),
             Err(error) if error.kind() == ErrorKind::WouldBlock => Ok(Some(DoorRefusal::Slow)),
             Err(_) => Err(Ended),

@@ -1,12 +1,12 @@
 //! Lines from a server, connected to again and again.
 //!
 //! Servers restart, cables are pulled, and a connection with a dead peer stays open in silence. A feed must recover
-//! from all of these. [`TcpLines`] is in one of three states: it *pauses* before the next attempt, it *connects*, or
-//! it is *connected*. Each call of [`TcpLines::poll`] takes one step within the caller's time limit, so that a thread
+//! from all of these. [`TcpLines`] is in any of three states: *pausing* before the next attempt, *connecting*, or
+//! *connected*. Each call of [`TcpLines::poll`] takes a single step within the caller's time limit, so that a thread
 //! can serve a feed beside other work.
 //!
 //! - A pause doubles with each failed attempt up to a limit: a server without service for a night gets few attempts,
-//!   but regular ones. Only a connection with a complete line resets the pauses: a server that accepts and closes
+//!   but regular attempts. Only a connection with a complete line resets the pauses: a server that accepts and closes
 //!   every connection counts as failed.
 //! - An attempt that takes longer than the limit is given up.
 //! - A connection on which nothing comes for too long is given up too. TCP itself would notice after hours.
@@ -31,20 +31,20 @@ const LINE_OCTETS: std::ops::RangeInclusive<usize> = 1..=1 << 20;
 /// Doublings after which the pause is at any limit.
 const DOUBLINGS_MAX: u32 = 20;
 
-/// Which server, and how much patience with it.
+/// The server, and the patience with this server.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LinesSettings {
     /// The server's address and port. An address, not a name: asking for the address of a name may block for long.
     pub server: SocketAddr,
     /// Longest attempt to connect.
     pub connect_max: Duration,
-    /// Pause before the second attempt; it doubles from there.
+    /// Pause before the second attempt; doubled from there.
     pub pause_min: Duration,
     /// Longest pause between attempts.
     pub pause_max: Duration,
     /// Longest silence before the connection is given up.
     pub silence_max: Duration,
-    /// Longest line that is accepted, without its end, at most 1 MiB.
+    /// Longest line that is accepted, without the end, at most 1 MiB.
     pub line_octets_max: usize,
 }
 
@@ -61,7 +61,7 @@ impl LinesSettings {
         }
     }
 
-    /// Whether they can be meant.
+    /// Whether the settings are plausible.
     ///
     /// # Errors
     /// [`NetError::Setting`] for the first that cannot.
@@ -153,11 +153,11 @@ impl TcpLines {
         })
     }
 
-    /// Takes a step: begins or continues an attempt to connect, or takes the received bytes, at most one read.
-    /// Without work, waits up to `timeout`. `visit` receives each complete line without its end; returns the number
-    /// of lines. `now_ns` is a monotonic time, nanoseconds.
+    /// Takes a step: begins or continues an attempt to connect, or takes the received bytes, at most a single read.
+    /// Without work, waits up to `timeout`. `visit` receives each complete line without the end; returns the number of
+    /// lines. `now_ns` is a monotonic time, nanoseconds.
     ///
-    /// Faults of the server are no errors: they are counted, and the attempt is repeated later.
+    /// Faults of the server are no errors: such faults are counted, and the attempt is repeated later.
     pub fn poll(&mut self, now_ns: i64, timeout: Duration, mut visit: impl FnMut(&[u8])) -> usize {
         let limit = match self.state {
             ConnectionState::Pausing(pause) => pause,
@@ -195,7 +195,7 @@ impl TcpLines {
 
     fn go_on_pausing(&mut self, rest: Duration, timeout: Duration) {
         if !rest.is_zero() {
-            // A wait that fails is one that was too short.
+            // A wait that fails counts as too short a wait.
             let _ = wait::pause(rest.min(timeout));
             return;
         }
@@ -244,7 +244,7 @@ impl TcpLines {
         }
     }
 
-    /// One read; `None` if nothing is there, but may still come.
+    /// A single read; `None` if nothing is there, but may still come.
     fn read(&mut self, visit: &mut impl FnMut(&[u8])) -> Option<usize> {
         let ConnectionState::Connected(socket) = &mut self.state else {
             return Some(0);
@@ -287,7 +287,7 @@ impl TcpLines {
     }
 }
 
-/// A socket on its way to `server`.
+/// A socket connecting to `server`.
 fn open(server: SocketAddr) -> io::Result<Socket> {
     let socket = Socket::new(Domain::for_address(server), Type::STREAM, Some(Protocol::TCP))?;
     socket.set_nonblocking(true)?;
@@ -297,7 +297,7 @@ fn open(server: SocketAddr) -> io::Result<Socket> {
     }
 }
 
-/// Whether `socket` has arrived, waiting for it as long as `timeout`.
+/// Whether `socket` has arrived, waiting at most `timeout`.
 fn connected(socket: &Socket, timeout: Duration) -> io::Result<bool> {
     if !wait::ready(socket.as_fd(), PollFlags::OUT, timeout)? {
         return Ok(false);

@@ -1,17 +1,18 @@
-//! Whether other machines may reach what this one serves.
+//! Whether other machines may reach the services of this machine.
 //!
-//! A socket on a loopback address serves this machine alone. At any other address, 0.0.0.0 among them, it serves all
-//! who reach the machine: the track picture leaves it, or reports come in. Nobody wants that by mistake, and an address
-//! does not show it at a glance. Each listening socket is therefore opened with a permission beside the address.
+//! A socket on a loopback address serves this machine alone. At any other address, 0.0.0.0 among them, the socket
+//! serves all hosts that reach the machine: the track picture leaves the machine, or reports come in. That must not
+//! happen by mistake, and an address does not show the reach at a glance. Each listening socket is therefore opened
+//! with a permission beside the address.
 
 use std::net::SocketAddr;
 
-/// Who may reach a listening socket.
+/// Hosts that may reach a listening socket.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reach {
     /// This machine alone.
     ThisMachine {
-        /// What permits more, as in "--remote" or "remote = true".
+        /// Option that permits more, as in "--remote" or "remote = true".
         permission: &'static str,
     },
     /// Other machines, too.
@@ -19,7 +20,7 @@ pub enum Reach {
 }
 
 impl Reach {
-    /// Other machines if `is_permitted`, by what `permission` calls.
+    /// Other machines if `is_permitted`, by the option named `permission`.
     pub fn permitted(is_permitted: bool, permission: &'static str) -> Self {
         match is_permitted {
             true => Self::OtherMachines,
@@ -30,7 +31,7 @@ impl Reach {
     /// Checks an address to listen at.
     ///
     /// # Errors
-    /// The address, the mistake and its remedy.
+    /// The address, the mistake and the remedy.
     pub fn check(self, address: SocketAddr) -> Result<(), String> {
         match self {
             Self::ThisMachine { permission } if !address.ip().to_canonical().is_loopback() => Err(format!(

@@ -3,9 +3,9 @@
 //! **Groups.** A datagram to a multicast address (224.0.0.0/4, ff00::/8) goes to every host that has joined the group
 //! (RFC 1112, RFC 4291). Joining is done per socket and per interface, and Linux has two surprises in store. A socket
 //! bound to a port alone receives every group of that port that *any* process of the machine has joined; so the socket
-//! is bound to the group's address. And even then it receives the group's datagrams from interfaces on which only
-//! others have joined, because membership counts for the whole host unless `IP_MULTICAST_ALL` is off (ip(7)); so it is
-//! off.
+//! is bound to the group's address. And even then the socket receives the group's datagrams from interfaces on which
+//! only other sockets have joined, because membership counts for the whole host unless `IP_MULTICAST_ALL` is off
+//! (ip(7)); so this option is off.
 //!
 //! **Several readers.** Recorder, tracker and display may run on the same machine. For a group, `SO_REUSEADDR`
 //! permits several sockets with the same address and port, and each socket receives every datagram. For a unicast
@@ -13,18 +13,18 @@
 //! second process gets the error "address in use". `SO_REUSEPORT` is not suitable: the kernel distributes unicast
 //! datagrams over the sockets, so that every reader would receive a random part of the reports.
 //!
-//! **Time.** Interrupts, queues and the scheduler delay a datagram between the wire and this process. The kernel
-//! stamps each datagram at its arrival from the interface (`SO_TIMESTAMPNS`, socket(7)); the waiting time of a report
-//! is therefore measured. The stamps are times of the machine's UTC clock, including its jumps. The kernel starts
-//! stamping with the first socket that requests stamps; datagrams of the first milliseconds are stamped when read.
+//! **Time.** Interrupts, queues and the scheduler delay a datagram between the wire and this process. The kernel stamps
+//! each datagram at the arrival from the interface (`SO_TIMESTAMPNS`, socket(7)); the waiting time of a report is
+//! therefore measured. The stamps are times of the machine's UTC clock, including jumps. The kernel starts stamping
+//! with the first socket that requests stamps; datagrams of the first milliseconds are stamped when read.
 //!
 //! **Drops.** While the reader is busy, the kernel stores datagrams in a buffer, and drops datagrams without room.
 //! With `SO_RXQ_OVFL` the kernel attaches the number of drops to the next datagram. The number includes datagrams
 //! with a wrong checksum. The kernel silently limits the requested size of the buffer (`SO_RCVBUF`) to
 //! `net.core.rmem_max`; the granted size is read back, and a smaller size gives a [warning].
 //!
-//! **Floods.** Each call takes at most one batch and returns. Datagrams of unlisted senders cost a share of a system
-//! call and a comparison, but cannot keep the caller busy.
+//! **Floods.** Each call takes at most a single batch and returns. Datagrams of unlisted senders cost a share of a
+//! system call and a comparison, but cannot keep the caller busy.
 //!
 //! [warning]: UdpReceiver::warning
 
@@ -48,15 +48,15 @@ const RECEIVE_BUFFER_OCTETS: std::ops::RangeInclusive<usize> = 4_096..=1 << 30;
 /// Settings of a receiver.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ReceiverSettings {
-    /// An address of this machine (unspecified: all of them), or a multicast group.
+    /// An address of this machine (unspecified: all addresses), or a multicast group.
     pub address: IpAddr,
-    /// The port; with 0 the kernel chooses a free one, see [`UdpReceiver::local_address`].
+    /// The port; with 0 the kernel chooses a free port, see [`UdpReceiver::local_address`].
     pub port: u16,
     /// On which interface the group is joined; needed for a group, and for nothing else.
     pub interface: Option<Interface>,
     /// Accepted senders.
     pub allowed_senders: AllowedSenders,
-    /// Size of the kernel's buffer, 4 KiB to 1 GiB. A datagram occupies some hundred bytes more than its payload, for
+    /// Size of the kernel's buffer, 4 KiB to 1 GiB. A datagram occupies some hundred bytes more than the payload, for
     /// the kernel's management.
     pub receive_buffer_octets: usize,
     /// Longest datagram that is accepted, at most 65,535 bytes. [`BATCH_MAX`](crate::BATCH_MAX) times as much is
@@ -65,7 +65,7 @@ pub struct ReceiverSettings {
 }
 
 impl ReceiverSettings {
-    /// Those that a configuration states: address and port, interface, addresses and networks of senders, and the size
+    /// Settings stated by a configuration: address and port, interface, addresses and networks of senders, and the size
     /// of the kernel's buffer in bytes.
     ///
     /// # Errors
@@ -134,11 +134,11 @@ impl ReceiverSettings {
 /// A datagram that passed the checks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Datagram<'a> {
-    /// Payload, at least one byte.
+    /// Payload, at least 1 byte.
     pub bytes: &'a [u8],
     /// Sender's address as stated in the datagram.
     pub sender: SocketAddr,
-    /// When the kernel took it from the interface, UTC, nanoseconds since 1970.
+    /// Time at which the kernel took the datagram from the interface, UTC, nanoseconds since 1970.
     pub received_utc_ns: i64,
 }
 
@@ -159,7 +159,7 @@ pub struct ReceiverCounters {
     /// Bytes handed on.
     pub octets: u64,
     /// Datagrams that the kernel dropped. The number comes with the next datagram, so drops before a silence are
-    /// counted after it.
+    /// counted after the silence.
     pub kernel_drops: u64,
 }
 
@@ -212,9 +212,9 @@ impl UdpReceiver {
         })
     }
 
-    /// Takes up to [`BATCH_MAX`](crate::BATCH_MAX) waiting datagrams; without any, waits up to `timeout` for the
-    /// first datagram. `visit` receives the valid datagrams in order of arrival; returns their number, which is 0 if
-    /// no arrived datagram was valid. A signal ends the wait.
+    /// Takes up to [`BATCH_MAX`](crate::BATCH_MAX) waiting datagrams; without any, waits up to `timeout` for the first
+    /// datagram. `visit` receives the valid datagrams in order of arrival; returns the number of valid datagrams, which
+    /// is 0 if no arrived datagram was valid. A signal ends the wait.
     ///
     /// # Errors
     /// If the socket fails; no received datagram causes an error. The receiver remains usable.
@@ -302,7 +302,7 @@ fn ask_for_control_messages(socket: &Socket) -> io::Result<()> {
 /// Requests a buffer of `octets` bytes; returns the granted size.
 fn ask_for_buffer(socket: &Socket, octets: usize) -> io::Result<usize> {
     socket.set_recv_buffer_size(octets)?;
-    // The kernel doubles the figure for its own management, and reports the doubled figure.
+    // The kernel doubles the figure for internal management, and reports the doubled figure.
     Ok(socket.recv_buffer_size()? / 2)
 }
 
@@ -313,7 +313,7 @@ fn small_buffer(local: SocketAddr, granted: usize, wished: usize) -> String {
     )
 }
 
-/// Binds `socket` to the group and joins it on `interface` alone.
+/// Binds `socket` to the group and joins the group on `interface` alone.
 fn join(socket: &Socket, group: SocketAddr, interface: &Interface) -> Result<(), NetError> {
     let index = interface.find(socket)?.index;
     let bound = match group {

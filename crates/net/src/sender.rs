@@ -1,14 +1,14 @@
 //! Datagrams to the network.
 //!
-//! Sending gives no guarantee: the operating system accepts or refuses a datagram, and its later fate is unknown. A
-//! failure is therefore counted, and the next datagram is sent independently. One exception: if no process listens at
-//! the destination, the destination host may answer with an ICMP message, and the kernel reports this message at the
-//! *next* sending instead of sending. The report is counted, and the datagram sent again, so that a new listener does
-//! not miss its first datagram.
+//! Sending gives no guarantee: the operating system accepts or refuses a datagram, and the later fate of the datagram
+//! is unknown. A failure is therefore counted, and the next datagram is sent independently. One exception: if no
+//! process listens at the destination, the destination host may answer with an ICMP message, and the kernel reports
+//! this message at the *next* sending instead of sending. The report is counted, and the datagram sent again, so that a
+//! new listener does not miss the first datagram.
 //!
-//! A multicast datagram passes one router fewer than its time to live: with 1, the default here, it stays in the
-//! local network (RFC 1112, section 6.1). With loop-back, processes of this machine in the group receive the
-//! datagrams, too.
+//! A multicast datagram passes one router fewer than the time to live: with 1, the default here, it stays in the
+//! local network (RFC 1112, section 6.1). With loop-back, processes of this machine in the group receive the datagrams,
+//! too.
 
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr};
@@ -22,18 +22,18 @@ use crate::{Interface, NetError};
 /// Where to send to, and how.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SenderSettings {
-    /// An address or a multicast group, with its port.
+    /// An address or a multicast group, with the port.
     pub destination: SocketAddr,
     /// By which interface a group is sent to; needed for a group, and for nothing else.
     pub interface: Option<Interface>,
     /// Time to live, 1 to 255; `None`: 1 for a group, the kernel's default otherwise.
     pub time_to_live: Option<u8>,
-    /// Whether processes of this machine that have joined the group receive it too.
+    /// Whether processes of this machine that have joined the group receive the datagrams too.
     pub multicast_loop: bool,
 }
 
 impl SenderSettings {
-    /// Those that a configuration states: address and port, interface, and time to live.
+    /// Settings stated by a configuration: address and port, interface, and time to live.
     pub fn stated(destination: SocketAddr, interface: Option<&str>, time_to_live: Option<u8>) -> Self {
         Self {
             interface: interface.map(Interface::stated),
@@ -85,7 +85,7 @@ impl SenderSettings {
 pub struct SenderCounters {
     /// Datagrams that the operating system took.
     pub sent: u64,
-    /// Bytes in them.
+    /// Bytes in the sent datagrams.
     pub octets: u64,
     /// Datagrams refused by the kernel: buffer full, datagram too long, no route.
     pub failed: u64,
@@ -93,7 +93,7 @@ pub struct SenderCounters {
     pub unheard: u64,
 }
 
-/// A socket that sends datagrams to one destination.
+/// A socket that sends datagrams to a single destination.
 #[derive(Debug)]
 pub struct UdpSender {
     socket: Socket,
@@ -126,7 +126,7 @@ impl UdpSender {
         })
     }
 
-    /// Sends one datagram, or fails to, without waiting.
+    /// Sends a single datagram, or fails, without waiting.
     ///
     /// # Errors
     /// The operating system's error for this datagram. The failure is already counted, and later datagrams may

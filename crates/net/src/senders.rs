@@ -1,8 +1,8 @@
 //! List of permitted senders.
 //!
-//! A datagram's sender is easily forged, so a list of senders is no defence against an attacker on the same network.
-//! It is one against mistakes, which are the rule: a simulator left running on the operational group, a second radar
-//! configured with the first one's port. Datagrams from elsewhere are counted and not looked into.
+//! A datagram's sender is easily forged, so a list of senders is no defence against an attacker on the same network. A
+//! list is a defence against mistakes, which are the rule: a simulator left running on the operational group, a second
+//! radar configured with the first radar's port. Datagrams from elsewhere are counted and not looked into.
 
 use std::net::IpAddr;
 
@@ -10,10 +10,10 @@ use ipnet::IpNet;
 
 use crate::NetError;
 
-/// Most entries of a list: each datagram is compared with all of them.
+/// Most entries of a list: each datagram is compared with all entries.
 const ENTRIES_MAX: usize = 64;
 
-/// Addresses and networks from which datagrams are accepted; all, if it is empty.
+/// Addresses and networks from which datagrams are accepted; all, if the list is empty.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct AllowedSenders {
     networks: Vec<IpNet>,
@@ -23,7 +23,7 @@ impl AllowedSenders {
     /// A list of addresses (`192.0.2.17`, `2001:db8::17`) and networks in CIDR form (`192.0.2.0/24`).
     ///
     /// # Errors
-    /// [`NetError::Setting`] for an entry that is neither, for a network with bits set behind its prefix, and for more
+    /// [`NetError::Setting`] for an entry that is neither, for a network with bits set behind the prefix, and for more
     /// than 64 entries.
     pub fn parse<'a>(entries: impl IntoIterator<Item = &'a str>) -> Result<Self, NetError> {
         let networks = entries.into_iter().map(parse_one).collect::<Result<Vec<_>, _>>()?;

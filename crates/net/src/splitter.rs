@@ -1,13 +1,13 @@
 //! A stream of bytes into lines.
 //!
-//! TCP has no lines: a read may end within a line or contain many. An incomplete line waits for its end. The wait is
-//! bounded, because a server without line feeds would otherwise fill the memory: after the greatest length,
-//! everything up to the next line feed is skipped and counted once.
+//! TCP has no lines: a read may end within a line or contain many. An incomplete line waits for the end. The wait is
+//! bounded, because a server without line feeds would otherwise fill the memory: after the greatest length, everything
+//! up to the next line feed is skipped and counted once.
 
 /// Bytes that are read at a time beside an incomplete line.
 const READ_OCTETS: usize = 16 << 10;
 
-/// Collects bytes until they are lines.
+/// Collects bytes until lines are complete.
 #[derive(Debug)]
 pub(crate) struct Splitter {
     buffer: Box<[u8]>,
@@ -34,7 +34,7 @@ impl Splitter {
         &mut self.buffer[self.filled..]
     }
 
-    /// Accepts the first `octets` bytes of [free](Self::free), and passes each complete line without its end to
+    /// Accepts the first `octets` bytes of [free](Self::free), and passes each complete line without the end to
     /// `visit`. Empty lines, which some servers send to keep a connection alive, are skipped. Returns the number of
     /// lines.
     pub(crate) fn fill(&mut self, octets: usize, visit: &mut impl FnMut(&[u8])) -> usize {
@@ -57,7 +57,7 @@ impl Splitter {
         }
         self.buffer.copy_within(start..end, 0);
         self.filled = end - start;
-        // One byte more may be the carriage return.
+        // A further byte may be the carriage return.
         if !self.skipping && self.filled > self.line_octets_max + 1 {
             self.skipping = true;
             self.oversized += 1;
@@ -68,7 +68,7 @@ impl Splitter {
         lines
     }
 
-    /// Discards an incomplete line; returns whether there was one.
+    /// Discards an incomplete line; returns whether there was any.
     pub(crate) fn reset(&mut self) -> bool {
         let incomplete = self.filled > 0 && !self.skipping;
         self.filled = 0;

@@ -1,9 +1,9 @@
-//! Bearings of a direction finder on board that wait for the states of its platform (EL-2, EL-11).
+//! Bearings of a direction finder on board that wait for the states of the platform (EL-2, EL-11).
 //!
-//! A bearing from the bow becomes one from north, from the place of the antennas, with the errors of position, heading
-//! and attitude added to its variance. It waits for the state after its time as detections do ([`WaitingRoom`]).
-//! Errors of the attitude that persist from bearing to bearing count as with detections: the locator takes
-//! successive errors as independent.
+//! A bearing from the bow becomes a bearing from north, from the place of the antennas, with the errors of position,
+//! heading and attitude added to the variance. The bearing waits for the state after its time as detections do
+//! ([`WaitingRoom`]). Errors of the attitude that persist from bearing to bearing count as with detections: the locator
+//! takes successive errors as independent.
 //!
 //! [`WaitingRoom`]: crate::WaitingRoom
 
@@ -14,7 +14,7 @@ use crate::history::History;
 use crate::mount::Mount;
 use crate::state_queue::{StateQueue, WaitingCounts};
 
-/// Bearings of one finder that wait, each with what came with it.
+/// Bearings of a finder that wait, each with the attached data.
 #[derive(Clone, Debug)]
 pub struct BearingRoom<T> {
     mount: Mount,
@@ -22,7 +22,7 @@ pub struct BearingRoom<T> {
 }
 
 impl<T> BearingRoom<T> {
-    /// Makes a room for `waiting_max` bearings of a finder, whose data run ahead of the platform's states by at most
+    /// Makes a room for `waiting_max` bearings of a finder, with data ahead of the platform's states by at most
     /// `wait_ns`.
     pub fn new(mount: Mount, wait_ns: i64, waiting_max: usize) -> Self {
         Self {
@@ -36,14 +36,14 @@ impl<T> BearingRoom<T> {
         let time_ns = bearing.time_of_measurement_ns;
         if time_ns > self.queue.reached_ns {
             self.queue.reached_ns = time_ns;
-            // Bearings of one time are one look of the finder.
+            // Bearings of the same time are a single look of the finder.
             self.queue.looks.turned(time_ns);
         }
         self.queue.push(time_ns, bearing, with_it);
     }
 
-    /// The next bearing from north that need not wait any longer; `None` if the first one must wait. Refused bearings
-    /// are counted and passed over.
+    /// The next bearing from north that need not wait any longer; `None` if the first bearing must wait. Refused
+    /// bearings are counted and passed over.
     pub fn next(&mut self, history: &History, frame: Option<&SystemFrame>) -> Option<(Bearing, T)> {
         loop {
             let mount = &self.mount;
@@ -55,7 +55,7 @@ impl<T> BearingRoom<T> {
         }
     }
 
-    /// Numbers of bearings by what became of them.
+    /// Numbers of bearings by outcome.
     pub fn counts(&self) -> &WaitingCounts {
         &self.queue.counts
     }

@@ -2,15 +2,15 @@
 //!
 //! The target is at T = p + R·l + ρ·R·M·d(b, e): position p and rotation R of the platform, lever arm l, mounting M,
 //! measured range ρ and direction d. Each error moves T; the quantities of the result are read from T as seen from the
-//! sensor's estimated place p + R·l. Every column of the Jacobian is one error: of the measured values, of the three
+//! sensor's estimated place p + R·l. Every column of the Jacobian is an error: of the measured values, of the three
 //! coordinates of p, of heading, pitch and roll. The covariance is J·diag(σ²)·Jᵀ.
 //!
-//! A sensor without elevation measures the bearing in the plane of its deck. On a rolling deck, the same bearing
+//! A sensor without elevation measures the bearing in the plane of the deck. On a rolling deck, the same bearing
 //! belongs to different directions at different elevations. The target is assumed near the horizontal: the direction
 //! h(ψ) in the horizontal plane with h·(R·M·∂d/∂b) = 0, and the assumed elevation's error moves ψ as this equation
 //! demands.
 //!
-//! Where a height is stated, the elevation follows from it ([`crate::height`]).
+//! Where a height is stated, the elevation follows from the height ([`crate::height`]).
 //!
 //! Limits: the tangent is good for errors of a few degrees. A direction without a range has no enlargement by errors of
 //! the position, which depend on the range.
@@ -38,7 +38,7 @@ const QUANTITIES: usize = QUANTITIES_MAX + 1;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Carried {
     /// The detection, relative to the system frame's axes and the sensor's place; positions become ranges with
-    /// directions, whose errors have these axes.
+    /// directions, with errors in these axes.
     pub detection: Detection,
     /// Covariance of range, bearing, elevation and range rate; 0 for quantities without a value.
     pub covariance: [[f64; QUANTITIES]; QUANTITIES],
@@ -53,7 +53,7 @@ pub enum Refusal {
     Heading(NoState),
     /// The platform's pitch and roll at the time are not known.
     Tilt(NoState),
-    /// The detection and its sensor state no standard deviations.
+    /// The detection and the sensor state no standard deviations.
     NoSigmas,
     /// The direction is vertical, or a value is not a number.
     NoDirection,
@@ -66,7 +66,7 @@ struct Polar {
     range_m: Option<f64>,
     bearing_rad: f64,
     elevation_rad: Option<f64>,
-    /// Errors of range, bearing and elevation for one standard deviation of each measured value.
+    /// Errors of range, bearing and elevation for a single standard deviation of each measured value.
     columns: [[f64; 3]; QUANTITIES_MAX],
 }
 
@@ -81,9 +81,9 @@ struct Direction {
 }
 
 impl Mount {
-    /// Carries a detection, measured on board, into the system's terms. `default_sigmas` serve a detection that states
-    /// none. With a `frame`, north and the horizontal of a sensor with `bearings = "north"` are those at the platform's
-    /// place; otherwise, those of the system frame.
+    /// Carries a detection, measured on board, into the system's terms. `default_sigmas` serve a detection without
+    /// stated values. With a `frame`, north and the horizontal of a sensor with `bearings = "north"` are taken at the
+    /// platform's place; otherwise, from the system frame.
     ///
     /// # Errors
     /// [`Refusal`]: why the detection cannot be used.
@@ -170,8 +170,8 @@ impl Mount {
         if finite { Ok(carried) } else { Err(Refusal::NoDirection) }
     }
 
-    /// Carries a detection that states position and attitude of its platform itself. Its position is the sensor's, so
-    /// there is no lever arm.
+    /// Carries a detection that states position and attitude of the platform. This position is the sensor's, so there
+    /// is no lever arm.
     ///
     /// # Errors
     /// [`Refusal`]: why the detection cannot be used.
@@ -190,7 +190,7 @@ impl Mount {
         at_the_sensor.carry(detection, &pose, default_sigmas, frame)
     }
 
-    /// The attitude, where the sensor needs one.
+    /// The attitude, where the sensor needs an attitude.
     fn attitude(&self, pose: &Pose) -> Result<Option<Attitude>, Refusal> {
         if self.bearings == Bearings::North {
             return Ok(pose.attitude().ok());
@@ -201,7 +201,7 @@ impl Mount {
     }
 
     /// Attitude of the platform in which the sensor is fixed, stated with the detection: where a sensor sees moves with
-    /// the hull. Otherwise what the measured detection states.
+    /// the hull. Otherwise as stated by the measured detection.
     fn fixed_attitude(&self, measured: &Detection, attitude: Option<&Attitude>) -> Option<[f32; 3]> {
         let fixed = attitude.filter(|_| self.bearings == Bearings::Nose);
         let angles = fixed.map(|attitude| [attitude.heading_rad, attitude.pitch_rad, attitude.roll_rad]);
@@ -213,7 +213,7 @@ impl Mount {
     fn place(&self, pose: &Pose, attitude: Option<&Attitude>) -> SensorPlace {
         let arm = self.arm();
         let Some(attitude) = attitude else {
-            // The lever arm has an unknown direction: half of its square along each horizontal axis.
+            // The lever arm has an unknown direction: half of the arm's square along each horizontal axis.
             let [right, forward, up] = arm;
             let variance_m2 = pose.position_sigma_m.powi(2) + 0.5 * (right * right + forward * forward);
             return SensorPlace {
@@ -353,7 +353,7 @@ impl Polar {
         fit.then_some(polar)
     }
 
-    /// The direction to a target that states its height, from the sensor's place; `None` without a height, and where no
+    /// The direction to a target with a stated height, from the sensor's place; `None` without a height, and where no
     /// direction leads to this height.
     fn in_stated_height(
         &self,
@@ -415,7 +415,8 @@ impl Direction {
     fn in_the_plane(axes: &Axes, bearing_rad: f64, elevation_rad: f64) -> Option<Self> {
         let (sb, cb) = bearing_rad.sin_cos();
         let (se, ce) = elevation_rad.sin_cos();
-        // The derivative of the direction by the bearing is at right angles to it, in the sensor's axes and in all.
+        // The derivative of the direction by the bearing is at right angles to the direction, in the sensor's axes and
+        // in all.
         let across = [cb, -sb, 0.0];
         let w = times(&axes.rotation, across);
         let forward = times(&axes.rotation, [sb, cb, 0.0]);
@@ -477,8 +478,8 @@ struct Seen<'a> {
 }
 
 impl Seen<'_> {
-    /// Changes of range, bearing and elevation by a motion of the sensor, with the target, metres. A target whose
-    /// height is stated does not rise with the sensor.
+    /// Changes of range, bearing and elevation by a motion of the sensor, with the target, metres. A target with a
+    /// stated height does not rise with the sensor.
     fn from(&self, moved: [f64; 3]) -> [f64; 3] {
         let (sb, cb) = self.direction.bearing_rad.sin_cos();
         let (se, ce) = self.direction.elevation_rad.sin_cos();
@@ -493,12 +494,12 @@ impl Seen<'_> {
     }
 }
 
-/// Errors of range, bearing, elevation and range rate, one row for each cause.
+/// Errors of range, bearing, elevation and range rate, a row for each cause.
 #[derive(Default)]
 struct Errors {
     rows: [[f64; QUANTITIES]; ERRORS_MAX],
     count: usize,
-    /// Variance of the range rate of its own, (m/s)².
+    /// Variance of the range rate alone, (m/s)².
     rate_variance: f64,
 }
 

@@ -10,7 +10,7 @@ use crate::pose::Pose;
 
 impl Mount {
     /// Carries a bearing, measured on board, into the system's terms, as [`Mount::carry`] does with a detection. The
-    /// platform's heading stays with the bearing: it shows turns.
+    /// platform's heading stays with the bearing: the heading shows turns.
     ///
     /// # Errors
     /// [`Refusal`]: why the bearing cannot be used.

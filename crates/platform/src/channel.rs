@@ -1,10 +1,10 @@
-//! States of one kind in the order of time, in a bounded memory.
+//! States of a single kind in the order of time, in a bounded memory.
 
 use std::collections::VecDeque;
 
 use crate::pose::NoState;
 
-/// Values by time: the latest `capacity` of them.
+/// Values by time: at most the latest `capacity` values.
 #[derive(Clone, Debug)]
 pub(crate) struct Channel<T> {
     entries: VecDeque<(i64, T)>,

@@ -1,8 +1,8 @@
-//! The elevation of a target whose height is known, as seen from a platform.
+//! The elevation of a target of known height, as seen from a platform.
 //!
 //! A radar without elevation measures slant range and bearing, and the target's transponder, or the radar itself,
 //! states the height. Ashore, range and height give the place on the ground at once. On board, the height of the radar
-//! and the tilt of its deck are known with the platform's state only. The elevation follows from the difference of the
+//! and the tilt of the deck are known with the platform's state only. The elevation follows from the difference of the
 //! heights over the slant range; the tilted plane of the antenna, at this elevation, gives the bearing.
 //!
 //! The obvious way, an elevation in the axes of the deck, would make errors of pitch and roll errors of the target's
@@ -16,10 +16,10 @@ use observations::StatedHeight;
 const STEPS_MAX: usize = 6;
 /// Difference of height at which the elevation is found, metres.
 const FOUND_M: f64 = 0.01;
-/// Least horizontal part of the direction that its errors are divided by: straight above, the tangent has no end.
+/// Least horizontal part of the direction by which the errors are divided: straight above, the tangent has no end.
 const HORIZONTAL_MIN: f64 = 0.05;
 
-/// How an elevation that follows from a height depends on what it was computed from.
+/// Dependence of an elevation that follows from a height on the inputs of the computation.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Rise {
     /// Standard deviation by the stated height's own, radians; `None` if the elevation does not follow from a height.
@@ -30,7 +30,7 @@ pub(crate) struct Rise {
     pub(crate) by_up: f64,
 }
 
-/// Elevation of the target at the end of the range, in its stated height, from the sensor's place; `unit_at` gives the
+/// Elevation of the target at the end of the range, in the stated height, from the sensor's place; `unit_at` gives the
 /// unit vector of the direction at an elevation. `None` if no direction leads to this height.
 pub(crate) fn elevation_to(
     height: StatedHeight,

@@ -1,15 +1,15 @@
-//! The latest states of a platform, and their interpolation to a time.
+//! The latest states of a platform, and the interpolation to a time.
 //!
-//! Position, heading and tilt come from different instruments at different rates, so each is interpolated between its
-//! own neighbours. Extrapolation would need no waiting, but depends on when a state came; interpolation depends on the
-//! data alone, and a recording gives what the live process gave.
+//! Position, heading and tilt come from different instruments at different rates, so each is interpolated between
+//! separate neighbours. Extrapolation would need no waiting, but depends on when a state came; interpolation depends on
+//! the data alone, and a recording gives the live process's results.
 //!
 //! Between two states at the distance T, a time at the share f:
 //!
 //! - position: the cubic through both positions with both velocities (Hermite); without velocities the straight line;
 //! - angles: along the shorter arc, so across north, at a constant rate;
-//! - variances: (1 − f)·σ₁² + f·σ₂². Errors of successive states are taken as the same, as those of a compass mostly
-//!   are; independent errors would partly cancel, so the value is never too small;
+//! - variances: (1 − f)·σ₁² + f·σ₂². Errors of successive states are taken as the same, as is mostly true of a compass;
+//!   independent errors would partly cancel, so the value is never too small;
 //! - growth: the motion between the states deviates from the line by at most a·f·(1 − f)·T²/2 at an acceleration a.
 //!   This is added as a standard deviation, for the cubic with a further factor f·(1 − f), since the cubic follows the
 //!   motion to a higher order.
@@ -35,11 +35,11 @@ pub struct History {
 /// Effect of a state on the history.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Added {
-    /// The state, or a part of it, is kept.
+    /// The state, or a part, is kept.
     Kept,
     /// The state has nothing to keep: no position, heading or tilt, and a velocity of no kept position.
     Nothing,
-    /// The state is older than all kept ones, and there is no room for it.
+    /// The state is older than all kept states, and there is no room.
     TooOld,
 }
 
@@ -123,7 +123,7 @@ impl History {
     /// The platform's state at a time.
     ///
     /// # Errors
-    /// Why the position is not known. The heading and the tilt have reasons of their own in the [`Pose`].
+    /// The reason, if the position is unknown. The heading and the tilt have separate reasons in the [`Pose`].
     pub fn at(&self, time_ns: i64) -> Result<Pose, NoState> {
         let gap_ns = self.assumed.max_gap_s.ns();
         let place = self.places.around(time_ns, gap_ns)?;
@@ -198,7 +198,7 @@ impl History {
         }
     }
 
-    /// Rate of an angle at the time of exactly one of its states.
+    /// Rate of an angle at the time of exactly one state.
     fn rate(&self, time_ns: i64, place: usize, angles: usize) -> f64 {
         let gap_ns = self.assumed.max_gap_s.ns();
         let beside = [time_ns.saturating_sub(1), time_ns.saturating_add(1)];
@@ -219,7 +219,7 @@ impl History {
     }
 }
 
-/// Position and velocity between two states, with their standard deviations.
+/// Position and velocity between two states, with standard deviations.
 fn between(
     [(before_ns, before), (after_ns, after)]: [(i64, PlaceEntry); 2],
     time_ns: i64,
@@ -245,7 +245,7 @@ fn between(
         return ([position, velocity], [(variance + cubic * cubic).sqrt(), sigma_mps]);
     }
     let position = std::array::from_fn(|axis| before.position_m[axis] + share * span_s * chord[axis]);
-    // The chord is the mean velocity; at its ends the velocity differs by half of the acceleration's effect.
+    // The chord is the mean velocity; at both ends the velocity differs by half of the acceleration's effect.
     let turned = 0.5 * assumed.acceleration_mps2 * span_s;
     let sigma_mps = (assumed.velocity_sigma_mps.powi(2) + turned * turned).sqrt();
     ([position, chord], [(variance + straight * straight).sqrt(), sigma_mps])
@@ -260,7 +260,7 @@ fn mixed(share: f64, before: f64, after: f64) -> f64 {
     (1.0 - share) * before * before + share * after * after
 }
 
-/// The turn from one angle to another by less than half a circle, radians.
+/// The turn between two angles by less than half a circle, radians.
 pub(crate) fn shorter_arc(from_rad: f64, to_rad: f64) -> f64 {
     wrapped(to_rad - from_rad)
 }

@@ -1,8 +1,8 @@
 //! Jumps of a platform's states: values that no motion explains.
 //!
-//! A receiver that loses its satellites, a compass that is adjusted, or two instruments that answer in turn make a
-//! state jump. Detections carried with such a state are displaced all together. A state is compared with the
-//! prediction from the two states before, so that a steady turn or roll is no jump.
+//! A receiver that loses satellites, a compass that is adjusted, or two instruments that answer in turn make a state
+//! jump. Detections carried with such a state are displaced all together. A state is compared with the prediction from
+//! the two states before, so that a steady turn or roll is no jump.
 
 use crate::history::shorter_arc;
 use crate::state::State;
@@ -45,7 +45,7 @@ pub struct JumpWatch {
     tilt: Line<2>,
 }
 
-/// The latest value with its rate.
+/// The latest value with the rate.
 #[derive(Clone, Copy, Debug)]
 struct Line<const N: usize> {
     latest: Option<(i64, [f64; N])>,
@@ -58,7 +58,7 @@ impl<const N: usize> Line<N> {
         rate: None,
     };
 
-    /// Takes a value; returns its differences from the prediction, if there is one.
+    /// Takes a value; returns the differences from the prediction, if any.
     fn take(
         &mut self,
         time_ns: i64,

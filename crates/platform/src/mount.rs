@@ -1,4 +1,4 @@
-//! How a sensor is mounted on its platform.
+//! How a sensor is mounted on a platform.
 
 use ::settings::Degrees;
 

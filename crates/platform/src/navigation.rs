@@ -1,7 +1,7 @@
-//! States as navigation receivers give them, relative to the Earth, and their conversion to the system frame.
+//! States as given by navigation receivers, relative to the Earth, and the conversion to the system frame.
 //!
 //! A compass counts from the north at the ship, and an inertial sensor's horizon is the ship's. A hundred kilometres
-//! from the origin of the system frame, its north and its horizontal differ from these by a degree. Attitudes and
+//! from the origin of the system frame, the frame's north and horizontal differ from these by a degree. Attitudes and
 //! velocities are therefore turned by the rotation between the two places.
 
 use frames::{FrameChange, Geodetic, SystemFrame};
@@ -29,7 +29,7 @@ pub struct Navigation {
 }
 
 impl Navigation {
-    /// What instruments at the ship give of a state in the system frame, for simulations.
+    /// Instrument readings at the ship for a state in the system frame, for simulations.
     pub fn of(state: &State, frame: &SystemFrame) -> Self {
         let place = state.position_m.map(|position| frame.to_geodetic(position));
         let here = place.map_or(*frame, SystemFrame::at);
@@ -132,7 +132,7 @@ mod tests {
         };
         assert!((navigator.state(&compass).heading_rad.unwrap() - heading).abs() < 1e-3);
         assert_eq!(Navigator::new(frame).state(&compass).heading_rad, Some(0.0));
-        // What the instruments give of a state is the state again.
+        // The conversion of the instruments' readings of a state gives the state again.
         let again = navigator.state(&Navigation::of(&state, &frame));
         let (position, expected) = (again.position_m.unwrap(), state.position_m.unwrap());
         assert!((0..3).all(|axis| (position[axis] - expected[axis]).abs() < 1e-3));

@@ -27,7 +27,7 @@ use crate::settings::Assumed;
 }
 
 impl OfflinePlatform {
-    /// No two sensors have one number.
+    /// No two sensors share a number.
     fn check(&self) -> Result<(), SettingsError> {
         let mut sensors = self.sensors.iter().enumerate();
         sensors
@@ -38,7 +38,7 @@ impl OfflinePlatform {
             })
     }
 
-    /// The mounting of a sensor; `None` if the platform does not carry it.
+    /// The mounting of a sensor; `None` if the platform does not carry the sensor.
     pub fn mount(&self, sensor_id: u32) -> Option<Mount> {
         match self.sensors.iter().find(|sensor| sensor.id == sensor_id) {
             Some(sensor) => sensor.on_board.then_some(sensor.mount),

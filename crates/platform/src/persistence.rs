@@ -1,15 +1,15 @@
 //! Errors of the attitude that persist from look to look.
 //!
-//! A filter takes the errors of successive detections as independent. The heading's error at one look is still there at
-//! the next one, two seconds later: the filter averages what does not average out, and becomes certain of a wrong
-//! place. To estimate the error itself, as a state common to all tracks, would couple all tracks. The equivalent for
-//! each track alone is noise of the same spectral density at low frequencies. An error with the correlation exp(−t/τ),
-//! seen every T, has at frequency 0 the density of independent errors with the variance
+//! A filter takes the errors of successive detections as independent. The heading's error at a look is still present at
+//! the next look, two seconds later: the filter averages an error that does not average out, and becomes certain of a
+//! wrong place. To estimate the error itself, as a state common to all tracks, would couple all tracks. The equivalent
+//! for each track alone is noise of the same spectral density at low frequencies. An error with the correlation
+//! exp(−t/τ), seen every T, has at frequency 0 the density of independent errors with the variance
 //!
 //! σ²·(1 + ρ)/(1 − ρ), ρ = exp(−T/τ).
 //!
-//! A track filter of ships is slow (some twenty seconds) against the usual τ, so this density is what the filter
-//! passes. Against a τ much longer than a track's memory the variance is too large: the covariance is then cautious.
+//! A track filter of ships is slow (some twenty seconds) against the usual τ, so the filter passes exactly this
+//! density. Against a τ much longer than a track's memory the variance is too large: the covariance is then cautious.
 //!
 //! Source: Y. Bar-Shalom, X. R. Li, T. Kirubarajan, *Estimation with Applications to Tracking and Navigation* (2001),
 //! section 8.2, for autocorrelated noise, and section 1.4.22 for spectral densities.
@@ -28,7 +28,7 @@ pub(crate) fn variance_factor(interval_s: f64, correlation_s: f64) -> f64 {
     1.0 / (0.5 * interval_s / correlation_s).tanh()
 }
 
-/// Mean interval between two looks of a sensor, by its numbers of scans or its turns.
+/// Mean interval between two looks of a sensor, by the sensor's scan numbers or turns.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct LookInterval {
     /// Configured interval, seconds.
@@ -43,7 +43,7 @@ pub(crate) struct LookInterval {
 }
 
 impl LookInterval {
-    /// With a configured interval, or as the data show it.
+    /// With a configured interval, or as shown by the data.
     pub(crate) fn new(stated_ns: Option<i64>) -> Self {
         Self {
             stated_s: stated_ns.map(|stated_ns| stated_ns as f64 / NS_PER_S),
@@ -51,7 +51,7 @@ impl LookInterval {
         }
     }
 
-    /// The interval, seconds; 0 until the data have shown it.
+    /// The interval, seconds; 0 until the data have shown the interval.
     pub(crate) fn s(&self) -> f64 {
         self.stated_s.unwrap_or(self.mean_s)
     }

@@ -40,15 +40,15 @@ pub struct Pose {
     pub velocity_mps: Option<[f64; 3]>,
     /// Standard deviation of each component, metres per second.
     pub velocity_sigma_mps: f64,
-    /// Heading, clockwise from the system frame's north, or why it is not known.
+    /// Heading, clockwise from the system frame's north, or the reason for its absence.
     pub heading: Result<AngleAt, NoState>,
-    /// Pitch and roll, or why they are not known. A platform without sensors of attitude is assumed level.
+    /// Pitch and roll, or the reason for their absence. A platform without sensors of attitude is assumed level.
     pub tilt: Result<[AngleAt; 2], NoState>,
 }
 
 impl Pose {
     /// The pose that a single state gives, with assumed standard deviations where the state has none; `None` without a
-    /// position. For detections that carry the state of their platform.
+    /// position. For detections that carry the state of the platform.
     pub fn of(state: &State, assumed: &crate::Assumed) -> Option<Self> {
         let angle = |angle_rad, sigma_rad| AngleAt {
             angle_rad,
@@ -74,7 +74,7 @@ impl Pose {
         })
     }
 
-    /// The pose with the standard deviations of its angles multiplied.
+    /// The pose with the standard deviations of the angles multiplied.
     pub(crate) fn with_angle_sigmas(self, factor: f64) -> Self {
         let scaled = |angle: AngleAt| AngleAt {
             sigma_rad: angle.sigma_rad * factor,
@@ -90,7 +90,7 @@ impl Pose {
     /// Attitude of the platform.
     ///
     /// # Errors
-    /// Why it is not known.
+    /// The reason, if the attitude is unknown.
     pub fn attitude(&self) -> Result<Attitude, NoState> {
         let angles = self.angles()?;
         Ok(Attitude::of(angles.map(|angle| angle.angle_rad)))

@@ -1,7 +1,7 @@
-//! Rotations from a platform's axes to the system frame, and their derivatives by the angles.
+//! Rotations from a platform's axes to the system frame, and the derivatives by the angles.
 //!
-//! A platform's axes are right, forward, up: with all angles zero they are east, north, up. Heading, pitch and roll are
-//! applied from the inside outward as roll, pitch, heading: R = Z(heading)·X(pitch)·Y(roll).
+//! A platform's axes are right, forward, up: with all angles zero, these are east, north, up. Heading, pitch and roll
+//! are applied from the inside outward as roll, pitch, heading: R = Z(heading)·X(pitch)·Y(roll).
 
 /// Matrix by rows.
 pub(crate) type Matrix = [[f64; 3]; 3];

@@ -1,4 +1,4 @@
-//! A platform's state as one message gives it: whatever the message has.
+//! A platform's state as given by a single message, with the values of that message.
 
 use messages::{PlatformState, StageTimes, platform_state_bits as bits};
 use observations::Detection;
@@ -45,7 +45,7 @@ impl State {
         .finite()
     }
 
-    /// Takes the state of its platform from a detection.
+    /// Takes the state of the platform from a detection.
     pub fn of_detection(detection: &Detection) -> Self {
         let platform = &detection.platform;
         let [heading, pitch, roll] = platform.attitude_rad.unwrap_or_default().map(f64::from);

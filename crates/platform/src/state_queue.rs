@@ -1,8 +1,9 @@
-//! Measurements of a sensor that wait for the states of its platform.
+//! Measurements of a sensor that wait for the states of the platform.
 //!
-//! A measurement often comes before the state after its time, without which there is no interpolation. It waits; how
-//! long depends on the times of the data alone: when the sensor's data have run ahead of a measurement by more than the
-//! wait, the measurement is refused and counted. Measurements leave in the order in which they came.
+//! A measurement often comes before the state after the time of measurement, without which there is no interpolation.
+//! Such a measurement waits; the duration depends on the times of the data alone: when the sensor's data have run ahead
+//! of a measurement by more than the wait, the measurement is refused and counted. Measurements leave in the order of
+//! arrival.
 
 use std::collections::VecDeque;
 use std::ops::AddAssign;
@@ -12,7 +13,7 @@ use crate::history::History;
 use crate::persistence::{LookInterval, variance_factor};
 use crate::pose::{NoState, Pose};
 
-/// Numbers of measurements by what became of them.
+/// Numbers of measurements by outcome.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct WaitingCounts {
     /// Carried into the system's terms.
@@ -61,11 +62,11 @@ impl AddAssign for WaitingCounts {
     }
 }
 
-/// Measurements of one sensor that wait, each with what came with it.
+/// Measurements of a sensor that wait, each with the attached data.
 #[derive(Clone, Debug)]
 pub(crate) struct StateQueue<M, T> {
     wait_ns: i64,
-    /// Time of each measurement, nanoseconds, the measurement, and what came with it.
+    /// Time of each measurement, nanoseconds, the measurement, and the attached data.
     waiting: VecDeque<(i64, M, T)>,
     waiting_max: usize,
     /// Latest time of the sensor's data, nanoseconds.
@@ -75,7 +76,7 @@ pub(crate) struct StateQueue<M, T> {
 }
 
 impl<M, T> StateQueue<M, T> {
-    /// For `waiting_max` measurements of a sensor, whose data run ahead of the platform's states by at most `wait_ns`.
+    /// For `waiting_max` measurements of a sensor, with data ahead of the platform's states by at most `wait_ns`.
     pub(crate) fn new(wait_ns: i64, waiting_max: usize) -> Self {
         Self {
             wait_ns,
@@ -87,7 +88,7 @@ impl<M, T> StateQueue<M, T> {
         }
     }
 
-    /// Lets a measurement wait; one without room is counted, and comes back.
+    /// Lets a measurement wait; a measurement without room is counted, and comes back.
     pub(crate) fn push(&mut self, time_ns: i64, measurement: M, with_it: T) -> Option<(M, T)> {
         if self.waiting.len() == self.waiting_max {
             self.counts.count(Refusal::Full);
@@ -97,7 +98,8 @@ impl<M, T> StateQueue<M, T> {
         None
     }
 
-    /// The first measurement, carried by a pose of its platform or refused, and counted; `None` if it must wait.
+    /// The first measurement, carried by a pose of the platform or refused, and counted; `None` if the measurement must
+    /// wait.
     pub(crate) fn next<C>(
         &mut self,
         history: &History,

@@ -1,9 +1,9 @@
-//! Detections that wait for the states of their platform.
+//! Detections that wait for the states of the platform.
 //!
-//! A sensor without elevation does not measure heights, and a tracker assumes its targets to be anywhere within
-//! kilometres above and below the sensor. A mast that moves up and down by metres would then seem to reveal their
-//! heights, by changes of the slant range that are smaller than its error. The height of such a sensor is therefore
-//! held until it has changed by more than [`HELD_WITHIN_M`].
+//! A sensor without elevation does not measure heights, and a tracker assumes targets to be anywhere within kilometres
+//! above and below the sensor. A mast that moves up and down by metres would then seem to reveal target heights, by
+//! changes of the slant range that are smaller than the range's error. The height of such a sensor is therefore held
+//! until the height has changed by more than [`HELD_WITHIN_M`].
 
 use frames::SystemFrame;
 use observations::{Detection, DetectionKind};
@@ -14,21 +14,21 @@ use crate::mount::Mount;
 use crate::persistence::LookInterval;
 use crate::state_queue::{StateQueue, WaitingCounts};
 
-/// Change of its height up to which the height of a sensor without elevation is held, metres.
+/// Change of height up to which the height of a sensor without elevation is held, metres.
 pub const HELD_WITHIN_M: f64 = 50.0;
 
-/// A detection that leaves, with what came with it.
+/// A detection that leaves, with the attached data.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Departure<T> {
-    /// The detection in the system's terms, or why it is refused.
+    /// The detection in the system's terms, or the reason of the refusal.
     pub outcome: Result<Carried, Refusal>,
-    /// The detection as it was measured.
+    /// The detection as measured.
     pub measured: Detection,
-    /// What came with it: its time of receipt, for example.
+    /// Attached data: the time of receipt, for example.
     pub with_it: T,
 }
 
-/// Detections of one sensor on a platform that wait for the platform's states.
+/// Detections of a sensor on a platform that wait for the platform's states.
 #[derive(Clone, Debug)]
 pub struct WaitingRoom<T> {
     mount: Mount,
@@ -39,8 +39,8 @@ pub struct WaitingRoom<T> {
 }
 
 impl<T> WaitingRoom<T> {
-    /// Makes a room for `waiting_max` detections of a sensor, whose data run ahead of the platform's states by at most
-    /// `wait_ns`. `default_sigmas` serve detections that state none.
+    /// Makes a room for `waiting_max` detections of a sensor, with data ahead of the platform's states by at most
+    /// `wait_ns`. `default_sigmas` serve detections without stated values.
     pub fn new(mount: Mount, default_sigmas: Option<[f64; 4]>, wait_ns: i64, waiting_max: usize) -> Self {
         Self {
             mount,
@@ -50,7 +50,8 @@ impl<T> WaitingRoom<T> {
         }
     }
 
-    /// With the interval between two looks of the sensor as configured, nanoseconds; otherwise the data show it.
+    /// With the interval between two looks of the sensor as configured, nanoseconds; otherwise the data show the
+    /// interval.
     #[must_use]
     pub fn with_looks(mut self, interval_ns: Option<i64>) -> Self {
         self.queue.looks = LookInterval::new(interval_ns);
@@ -80,12 +81,13 @@ impl<T> WaitingRoom<T> {
         self.queue.reached_ns = self.queue.reached_ns.max(time_ns);
     }
 
-    /// The sensor's data have ended: what still waits for a state is refused at the next call of [`Self::next`].
+    /// The sensor's data have ended: detections still waiting for a state are refused at the next call of
+    /// [`Self::next`].
     pub fn end(&mut self) {
         self.queue.reached_ns = i64::MAX;
     }
 
-    /// The next detection that need not wait any longer; `None` if the first one must wait.
+    /// The next detection that need not wait any longer; `None` if the first detection must wait.
     pub fn next(&mut self, history: &History, frame: Option<&SystemFrame>) -> Option<Departure<T>> {
         let (mount, sigmas) = (&self.mount, self.default_sigmas);
         let (outcome, measured, with_it) = self
@@ -98,7 +100,7 @@ impl<T> WaitingRoom<T> {
         })
     }
 
-    /// A detection without elevation, from the height in which its sensor is held.
+    /// A detection without elevation, from the height in which the sensor is held.
     fn held(&mut self, mut carried: Carried) -> Carried {
         let detection = &mut carried.detection;
         if matches!(detection.kind, DetectionKind::RangeBearing | DetectionKind::Bearing) {
@@ -114,7 +116,7 @@ impl<T> WaitingRoom<T> {
         self.queue.len()
     }
 
-    /// Numbers of detections by what became of them.
+    /// Numbers of detections by outcome.
     pub fn counts(&self) -> WaitingCounts {
         self.queue.counts
     }

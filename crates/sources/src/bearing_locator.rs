@@ -1,13 +1,13 @@
 //! Tracks of a source that delivers bearings, arrival times or fixes of emitters: each goes through the locator
 //! ([`locating`], EL).
 //!
-//! A bearing contains the platform's position, and is published with it, before the resulting track. So are arrival
-//! times and fixes, each kind on its topic, in the order in which the locator takes them. An emitter
-//! without sufficient geometry for a fix has no track yet. Nothing waits: a track is as old as its latest bearing. A
-//! silent emitter has no further reports, as with any sensor. Only arrival times wait: for the other receivers of their
-//! transmission, until a later row or half a second without arrivals.
+//! A bearing contains the platform's position, and is published with this position, before the resulting track. So are
+//! arrival times and fixes, each kind on a separate topic, in the order in which the locator takes them. An emitter
+//! without sufficient geometry for a fix has no track yet. Nothing waits: a track is as old as the latest bearing. A
+//! silent emitter has no further reports, as with any sensor. Only arrival times wait: for the other receivers of the
+//! same transmission, until a later row or half a second without arrivals.
 //!
-//! An antenna array delivers snapshots instead; its bearings are measured here first ([`crate::snapshot_intake`]).
+//! An antenna array delivers snapshots instead; the bearings are measured here first ([`crate::snapshot_intake`]).
 
 use std::f64::consts::TAU;
 use std::sync::atomic::AtomicU64;
@@ -28,23 +28,23 @@ use crate::last_kept::LastKept;
 use crate::samples::Samples;
 use crate::snapshot_intake::{ArrayMeasurement, SnapshotIntake};
 
-/// How a direction finder's bearings come about, and how they are located.
+/// Origin of a direction finder's bearings, and the method of location.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FinderSettings {
     /// Locator of the transmitters.
     pub locator: Settings,
-    /// Array whose snapshots give the bearings; `None` if the finder delivers bearings.
+    /// Array with the snapshots that give the bearings; `None` if the finder delivers bearings.
     pub array: Option<ArraySettings>,
-    /// Emitters whose first place is known.
+    /// Emitters with a known first place.
     pub dropped: Vec<DroppedEmitter>,
 }
 
-/// Most bearings of a finder on board that wait for a state of its platform.
+/// Most bearings of a finder on board that wait for a state of the platform.
 const WAITING_MAX: usize = 4096;
 /// States of the platform that are kept: half a minute of an inertial sensor.
 const STATES_MAX: usize = 4096;
 
-/// Direction finder on a platform: its bearings are from the bow, and wait for the platform's states.
+/// Direction finder on a platform: the bearings are from the bow, and wait for the platform's states.
 #[derive(Debug)]
 struct BoardedFinder {
     frame: SystemFrame,
@@ -52,10 +52,10 @@ struct BoardedFinder {
     room: BearingRoom<i64>,
 }
 
-/// Longest wait of a transmission for another receiver after its latest arrival, nanoseconds.
+/// Longest wait of a transmission for another receiver after the latest arrival, nanoseconds.
 const ARRIVAL_WAIT_NS: i64 = 500_000_000;
 
-/// Locator of one direction finder, or of one network of receivers.
+/// Locator of a direction finder, or of a network of receivers.
 #[derive(Debug)]
 pub struct BearingLocator {
     source: u16,
@@ -63,7 +63,7 @@ pub struct BearingLocator {
     locator: Locator,
     /// Array, if bearings are measured here.
     intake: Option<SnapshotIntake>,
-    /// Platform that carries the finder, if the finder does not state its place and heading.
+    /// Platform that carries the finder, if the finder does not state place and heading.
     boarded: Option<BoardedFinder>,
     /// Whether somebody receives the array's spectra.
     with_spectrum: bool,
@@ -94,7 +94,7 @@ struct RejectionCounts {
 }
 
 impl BearingLocator {
-    /// Makes the locator of source number `source`; its tracks keep to `limits`.
+    /// Makes the locator of source number `source`; the tracks keep to `limits`.
     ///
     /// # Errors
     /// The first unusable setting.
@@ -181,8 +181,8 @@ impl BearingLocator {
         self.release(samples);
     }
 
-    /// Mounts the finder on a platform, whose states are given to [`Self::state`]. Its data run ahead of the states by
-    /// at most `wait_ns`.
+    /// Mounts the finder on a platform, with states given to [`Self::state`]. The finder's data run ahead of the states
+    /// by at most `wait_ns`.
     pub fn mount_on(&mut self, frame: SystemFrame, mount: Mount, assumed: Assumed, wait_ns: i64) {
         self.boarded = Some(BoardedFinder {
             frame,
@@ -208,7 +208,7 @@ impl BearingLocator {
         self.boarded = Some(boarded);
     }
 
-    /// Returns whether a time of the finder fits the time of receipt; counts it if not.
+    /// Returns whether a time of the finder fits the time of receipt; counts a misfit.
     fn believes(&mut self, time_ns: i64) -> bool {
         let is_wild = |received_ns: i64| !self.clock.believes(time_ns, received_ns, None);
         let is_believed = !self.received_ns.is_some_and(is_wild);
@@ -298,7 +298,7 @@ impl BearingLocator {
         }
     }
 
-    /// Returns whether a track's position and speed are within the limits of the source's targets; counts it if not.
+    /// Returns whether a track's position and speed are within the limits of the source's targets; counts a violation.
     fn can_be(&mut self, track: &SensorTrack) -> bool {
         let [east, north] = [0, 1].map(|axis| track.position_m[axis] - self.origin_m[axis]);
         let is_near = east.hypot(north) <= self.limits.range_m;
@@ -308,13 +308,13 @@ impl BearingLocator {
         is_near && is_slow
     }
 
-    /// Size in words of the memory for its emitters.
+    /// Size in words of the memory for the emitters.
     pub fn kept_words(&self) -> usize {
         EmitterMemory::words(self.locator.settings())
     }
 
-    /// Resumes from another locator's emitters in `memory`, if they are later than `since_ns` (UTC, nanoseconds);
-    /// otherwise only their numbers stay reserved. Must be called before the first bearing.
+    /// Resumes from another locator's emitters in `memory`, if later than `since_ns` (UTC, nanoseconds); otherwise only
+    /// the numbers stay reserved. Must be called before the first bearing.
     ///
     /// # Errors
     /// If the memory is not whole, or not this locator's.
@@ -328,12 +328,12 @@ impl BearingLocator {
         Ok(())
     }
 
-    /// Saves its emitters in `memory` from now on; the memory is blank and has [this size](Self::kept_words).
+    /// Saves the emitters in `memory` from now on; the memory is blank and has [this size](Self::kept_words).
     pub fn keep_in(&mut self, memory: Box<dyn Memory>, owner: &str) {
         self.memory = Some(EmitterMemory::begin(memory, owner, self.locator.settings()));
     }
 
-    /// Saves the emitters, if that is due at `now_ns` (UTC, nanoseconds): before their tracks are published.
+    /// Saves the emitters, if due at `now_ns` (UTC, nanoseconds): before the tracks are published.
     pub fn keep(&mut self, now_ns: i64) {
         if let Some(memory) = &mut self.memory
             && self.kept.is_due(self.locator.counts().measurements(), now_ns)
@@ -347,7 +347,7 @@ impl BearingLocator {
         self.newest_ns
     }
 
-    /// Adds its counts.
+    /// Adds the counts of this locator.
     pub fn count(&self, counters: &mut Counters) {
         if let Some(intake) = &self.intake {
             intake.count(counters);

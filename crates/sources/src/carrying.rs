@@ -1,13 +1,13 @@
-//! Detections of sensors on platforms that move, before a tracker gets them (HT-12, EL-11).
+//! Detections of sensors on platforms that move, upstream of a tracker (HT-12, EL-11).
 //!
-//! A sensor on a ship measures from the ship. Its detections wait for the ship's states, and become detections in the
+//! A sensor on a ship measures from the ship. The detections wait for the ship's states, and become detections in the
 //! system frame (crate `platform`). The marks of such a sensor (a scan without detections, the beginning of a turn)
 //! must not overtake the detections that wait: the tracker would cut other scans. Marks wait in the same queue.
 //!
-//! A refused detection leaves a mark in its place ([`SensorEvent::Unplaced`]); where too many wait, the mark leaves at
-//! once. The tracker process publishes the mark, so a recording holds what was refused. How long a detection waits
-//! depends on the times of the sensor's data and on the states so far. The events that leave are recorded in their
-//! order, and the tracks depend on those alone.
+//! A refused detection leaves a mark in the same place ([`SensorEvent::Unplaced`]); where too many wait, the mark
+//! leaves at once. The tracker process publishes the mark, so a recording holds the refusals. How long a detection
+//! waits depends on the times of the sensor's data and on the states so far. The events that leave are recorded in
+//! order, and the tracks depend on these events alone.
 //!
 //! Live and recorded tracker processes and `koseki track --platform` all use this.
 
@@ -17,10 +17,10 @@ use frames::SystemFrame;
 use observations::{Detection, SensorEvent};
 use platform::{Assumed, History, Mount, State, WaitingCounts, WaitingRoom};
 
-/// Most detections of a sensor that wait for a state; a further one is refused.
+/// Most detections of a sensor that wait for a state; a further detection is refused.
 pub const WAITING_MAX: usize = 4096;
 
-/// A platform: assumptions on its states, the wait for them, and how many are kept.
+/// A platform: assumptions on the states, the wait for states, and the number of kept states.
 #[derive(Clone, Copy, Debug)]
 pub struct Carrier {
     /// Assumptions where the states give no value.
@@ -34,13 +34,13 @@ pub struct Carrier {
 /// Mounting of a sensor on board.
 #[derive(Clone, Copy, Debug)]
 pub struct CarriedSensor {
-    /// Place among the carriers; `None` if the detections state their platform themselves.
+    /// Place among the carriers; `None` if the detections state the platform.
     pub carrier: Option<usize>,
     /// Place and directions on the platform.
     pub mount: Mount,
     /// Standard deviations of detections that state none.
     pub default_sigmas: Option<[f64; 4]>,
-    /// Interval between two looks as configured, nanoseconds; `None`: as the data show it.
+    /// Interval between two looks as configured, nanoseconds; `None`: as shown by the data.
     pub looks_ns: Option<i64>,
 }
 
@@ -50,24 +50,24 @@ pub struct Carrying<T> {
     frame: Option<SystemFrame>,
     histories: Vec<History>,
     sensors: Vec<Option<Boarded<T>>>,
-    /// Assumptions where detections state their platform themselves.
+    /// Assumptions where detections state the platform.
     own: Assumed,
 }
 
-/// A sensor on board, and its events that wait.
+/// A sensor on board, and the events that wait.
 #[derive(Debug)]
 struct Boarded<T> {
     sensor: CarriedSensor,
     room: WaitingRoom<T>,
-    /// Marks in their places; `None` is the next detection in the waiting room.
+    /// Marks in place; `None` is the next detection in the waiting room.
     order: VecDeque<Option<(SensorEvent, T)>>,
     own_counts: WaitingCounts,
 }
 
 impl<T> Carrying<T> {
     /// For these sensors, in the order of the tracker's; `None` is a sensor at rest. `own` are the assumptions where
-    /// detections state their platform themselves. With a `frame`, the north of sensors with `bearings = "north"` is
-    /// that at the platform.
+    /// detections state the platform. With a `frame`, the north of sensors with `bearings = "north"` is the north at
+    /// the platform.
     pub fn new(
         carriers: &[Carrier],
         sensors: &[Option<CarriedSensor>],
@@ -95,12 +95,13 @@ impl<T> Carrying<T> {
         }
     }
 
-    /// Takes a state of the platform in this place. [`Self::release`] then gives what need not wait any longer.
+    /// Takes a state of the platform in this place. [`Self::release`] then gives the events that need not wait any
+    /// longer.
     pub fn state(&mut self, carrier: usize, state: &State) {
         self.histories[carrier].add(state);
     }
 
-    /// Takes an event of the sensor in this place; `out` gets the events that leave, in their order.
+    /// Takes an event of the sensor in this place; `out` gets the events that leave, in order.
     pub fn take(&mut self, place: usize, event: SensorEvent, with_it: T, out: &mut impl FnMut(usize, SensorEvent, T)) {
         let Some(boarded) = self.sensors.get_mut(place).and_then(Option::as_mut) else {
             return out(place, event, with_it);
@@ -139,7 +140,7 @@ impl<T> Carrying<T> {
         self.sensors.iter_mut().flatten().for_each(|boarded| boarded.room.end());
     }
 
-    /// Numbers of detections by what became of them.
+    /// Numbers of detections by outcome.
     pub fn counts(&self) -> WaitingCounts {
         let mut all = WaitingCounts::default();
         for boarded in self.sensors.iter().flatten() {
@@ -156,7 +157,7 @@ impl<T> Boarded<T> {
         if let SensorEvent::TurnBegins(time_ns) = event {
             self.room.turned(time_ns);
         }
-        // A sensor whose clock stands still sends marks without end, and its detections wait for ever.
+        // A sensor whose clock stands still sends marks without end, and the detections wait for ever.
         if self.order.len() >= 2 * WAITING_MAX && matches!(self.order.back(), Some(Some(_))) {
             self.order.pop_back();
         }
@@ -180,7 +181,7 @@ impl<T> Boarded<T> {
         }
     }
 
-    /// A detection that states its platform itself; one that states no attitude is in the system frame already.
+    /// A detection that states the platform; a detection without an attitude is in the system frame already.
     fn own(&mut self, detection: &Detection, assumed: &Assumed, frame: Option<&SystemFrame>) -> SensorEvent {
         if detection.platform.attitude_rad.is_none() {
             return SensorEvent::Detection(*detection);
@@ -195,7 +196,7 @@ impl<T> Boarded<T> {
     }
 }
 
-/// The detection in the system frame, or the mark of its refusal.
+/// The detection in the system frame, or the mark of the refusal.
 fn event_of(measured: &Detection, carried: Option<Detection>) -> SensorEvent {
     let refused = SensorEvent::Unplaced(measured.time_of_measurement_ns);
     carried.map_or(refused, SensorEvent::Detection)

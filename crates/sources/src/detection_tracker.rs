@@ -1,39 +1,38 @@
 //! Tracks of sensors that deliver detections: cut into scans, and each scan through the tracker (HT, SP).
 //!
-//! Detections wait until their scan is complete and, with several sensors, until no earlier scan can come
-//! ([`crate::joining`]), which depends on times of the data alone. They are then published with the scan's number,
-//! followed by every confirmed track after the scan, in the order of times. Missing scan numbers are scans without
-//! detections; the tracker receives them as soon as the next scan is complete. Where the sensor's marks of time, or the
-//! clock ([`crate::silence`]), show a scan without detections before, the scan is published as a mark. `koseki track`
-//! repeats all of this with the recorded detections and marks, and produces the same tracks.
+//! Detections wait until the scan is complete and, with several sensors, until no earlier scan can come
+//! ([`crate::joining`]), which depends on times of the data alone. The detections are then published with the scan's
+//! number, followed by every confirmed track after the scan, in the order of times. Missing scan numbers are scans
+//! without detections; the tracker receives them as soon as the next scan is complete. Where the sensor's marks of
+//! time, or the clock ([`crate::silence`]), show a scan without detections before, the scan is published as a mark.
+//! `koseki track` repeats all of this with the recorded detections and marks, and produces the same tracks.
 //!
-//! A tracker of several sensors instead publishes each event of a sensor as it comes, before anything is decided about
-//! it: detections, late ones included, and marks of time. `koseki track` takes the recorded events in the same order,
-//! makes the same tracks and rejects the same late detections.
+//! A tracker of several sensors instead publishes each event of a sensor on arrival, before any decision about the
+//! event: detections, late ones included, and marks of time. `koseki track` takes the recorded events in the same
+//! order, makes the same tracks and rejects the same late detections.
 //!
 //! With a configured output period (WA-11), all confirmed tracks are moved to each multiple of the period as soon as
-//! the data have reached that time. If no scan came since the previous picture, the tracks are marked as coasted:
-//! they are the tracker's own extrapolation without an observation, and fusion treats them as such.
+//! the data have reached that time. If no scan came since the previous picture, the tracks are marked as coasted: such
+//! tracks are the tracker's own extrapolation without an observation, and fusion treats the tracks as such.
 //!
 //! The picture of a single sensor does not wait while the sensor is silent ([`DetectionTracker::elapsed`]). The picture
-//! goes out without further data once the clock, in the sensor's time, is later than the picture's time by a period
-//! and the wait. The scan at hand is completed likewise. With several sensors the clock acts as one more sensor that
-//! has come so far ([`DetectionTracker::clock`]). The time of the clock is published as a mark among the events, under
-//! the number of the tracker, so `koseki track` makes the same pictures after the same scans. The clock decides *when*,
-//! never *what*: a picture is the state after the scans published before it, moved to its own time. Each picture is
-//! published before the next scan. So a recording holds the order of scans and pictures, and the recorded detections
-//! give the same pictures.
+//! goes out without further data once the clock, in the sensor's time, is later than the picture's time by a period and
+//! the wait. The scan at hand is completed likewise. With several sensors the clock acts as a further sensor that has
+//! come so far ([`DetectionTracker::clock`]). The time of the clock is published as a mark among the events, under the
+//! number of the tracker, so `koseki track` makes the same pictures after the same scans. The clock decides *when*,
+//! never the *content*: a picture is the state after the scans published before the picture, moved to the picture's
+//! time. Each picture is published before the next scan. So a recording holds the order of scans and pictures, and the
+//! recorded detections give the same pictures.
 //!
-//! Reports of wide-area sensors wait until the scans have reached their arrival. If that scan has already been
+//! Reports of wide-area sensors wait until the scans have reached the time of arrival. If that scan has already been
 //! processed, a live report is counted, and used in the next scan.
 //!
-//! The ingest time of a track is the ingest time of the datagram that completed its scan. The age of the data shows
-//! the waiting time before.
+//! The ingest time of a track is the ingest time of the datagram that completed the scan. The age of the data shows the
+//! waiting time before.
 //!
-//! A killed adapter leaves its tracks ([`tracking::LeftTracks`]): its successor resumes them under the same numbers.
-//! In addition, new numbers of scans and tracks begin with a number that depends on the time
-//! ([`tracking::cutting`]), so that a successor without the earlier tracks does not give their numbers to other
-//! targets.
+//! A killed adapter leaves tracks ([`tracking::LeftTracks`]): a successor resumes these tracks under the same numbers.
+//! In addition, new numbers of scans and tracks begin with a number that depends on the time ([`tracking::cutting`]),
+//! so that a successor without the earlier tracks does not give these numbers to other targets.
 
 use std::sync::atomic::AtomicU64;
 
@@ -57,16 +56,16 @@ use crate::silence::{SilenceRules, SilentSensor};
 /// Settings for making tracks of a source's detections.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrackerSettings {
-    /// Settings of the tracker with its sensors. The only sensor of a source's own tracker is the source, under the
+    /// Settings of the tracker with the sensors. The only sensor of a source's own tracker is the source, under the
     /// number in the source's files.
     pub settings: tracking::Settings,
     /// Rules for the scans of the sensors.
     pub joining: JoiningSettings,
     /// Requested outputs of the tracker.
     pub outputs: Outputs,
-    /// Whether the events of the sensors are published as they come, instead of the detections of complete scans.
+    /// Whether the events of the sensors are published on arrival, instead of the detections of complete scans.
     pub events: bool,
-    /// Axes of the platform that carries all sensors, if one does. Its tracks then state the platform's place.
+    /// Axes of the platform that carries all sensors, if any. The tracks then state the platform's place.
     pub platform: Option<PlatformAxes>,
 }
 
@@ -80,7 +79,7 @@ pub enum PlatformAxes {
 }
 
 impl TrackerSettings {
-    /// Ids of the sensors, in their order.
+    /// Ids of the sensors, in order.
     pub fn sensor_ids(&self) -> Vec<u32> {
         self.settings.sensors.iter().map(|sensor| sensor.sensor_id).collect()
     }
@@ -105,13 +104,13 @@ pub struct DetectionTracker {
     detections: u64,
     /// Latest time of any detection, nanoseconds.
     newest_ns: i64,
-    /// Latest time of any event of the sensors, and its monotonic time of receipt, nanoseconds.
+    /// Latest time of any event of the sensors, and the monotonic time of receipt, nanoseconds.
     newest_event: Option<(i64, i64)>,
     /// Detections that came, where events are published.
     taken: u64,
     late: u64,
     dropped: u64,
-    /// Detections refused by their age.
+    /// Detections refused by age.
     deselected: u64,
     /// Detections refused for want of a state of the sensor's platform.
     unplaced: u64,
@@ -128,8 +127,8 @@ pub struct DetectionTracker {
 }
 
 impl DetectionTracker {
-    /// The tracker of source number `source`; it uses these `reports` of wide-area sensors, and more may come. Scan
-    /// numbers count from `epoch_ns` (UTC, nanoseconds).
+    /// The tracker of source number `source`; the tracker uses these `reports` of wide-area sensors, and more may come.
+    /// Scan numbers count from `epoch_ns` (UTC, nanoseconds).
     ///
     /// # Errors
     /// The first unusable setting.
@@ -197,7 +196,7 @@ impl DetectionTracker {
             self.taken += u64::from(matches!(event, SensorEvent::Detection(_)));
         }
         if matches!(event, SensorEvent::Unplaced(_)) {
-            // Published all the same: the recording holds what was refused.
+            // Published all the same: the recording holds the refused detections.
             self.unplaced += 1;
             return;
         }
@@ -213,8 +212,9 @@ impl DetectionTracker {
         }
     }
 
-    /// Whether a detection is so much older than the latest one that it is not selected (WA-1). Decided before its scan
-    /// is cut, by times of the data alone; a refused detection is not published, so `koseki track` does not need it.
+    /// Whether a detection is so much older than the latest detection that the detection is not selected (WA-1).
+    /// Decided before the scan is cut, by times of the data alone; a refused detection is not published, so `koseki
+    /// track` does not need the detection.
     fn is_too_old(&mut self, time_ns: i64) -> bool {
         let selection = &self.tracker.tracker().settings().selection;
         let refused = selection.age_max_s.filter(|_| selection.kept_weight.is_none());
@@ -246,7 +246,7 @@ impl DetectionTracker {
         }
     }
 
-    /// The first sensor's time has come to `time_ns` (UTC, nanoseconds), and its next turn begins there or not.
+    /// The first sensor's time has come to `time_ns` (UTC, nanoseconds), and the next turn begins there or not.
     pub fn passed(&mut self, time_ns: i64, turn_begins: bool, ingested_ns: i64, samples: &mut Samples) {
         let event = match turn_begins {
             true => SensorEvent::TurnBegins(time_ns),
@@ -275,7 +275,7 @@ impl DetectionTracker {
     }
 
     /// The clock has come to `mono_ns` (monotonic, nanoseconds), and no received data wait: the scans that a silent
-    /// sensor has made meanwhile had no detections, until its silence raises the alarm after `silent_after_ns`.
+    /// sensor has made meanwhile had no detections, until the silence raises the alarm after `silent_after_ns`.
     pub fn silent(&mut self, mono_ns: i64, silent_after_ns: Option<i64>, samples: &mut Samples) {
         // The process states the time of each of several sensors.
         let Some(period_ns) = self.joiner.period_ns().filter(|_| !self.events) else {
@@ -302,7 +302,7 @@ impl DetectionTracker {
         }
     }
 
-    /// Takes the time to which the clock has come, in the time of the data (UTC, nanoseconds), and publishes it.
+    /// Takes the time to which the clock has come, in the time of the data (UTC, nanoseconds), and publishes this time.
     fn clock_mark(&mut self, time_ns: i64, samples: &mut Samples) {
         let mark = SensorEvent::Passed(time_ns);
         samples.detections.push(mark.sample(self.source, StageTimes::default()));
@@ -330,13 +330,13 @@ impl DetectionTracker {
         }
     }
 
-    /// Size in words of the memory for its tracks.
+    /// Size in words of the memory for the tracks.
     pub fn kept_words(&self) -> usize {
         TrackerMemory::words(self.tracker.tracker().settings())
     }
 
-    /// Resumes from another tracker's tracks in `memory`, if they are later than `since_ns` (UTC, nanoseconds);
-    /// otherwise only their numbers stay reserved. Must be called before the first detection.
+    /// Resumes from another tracker's tracks in `memory`, if later than `since_ns` (UTC, nanoseconds); otherwise only
+    /// the numbers stay reserved. Must be called before the first detection.
     ///
     /// # Errors
     /// If the memory is not whole, or not this tracker's.
@@ -350,12 +350,12 @@ impl DetectionTracker {
         Ok(())
     }
 
-    /// Saves its tracks in `memory` from now on; the memory is blank and has [this size](Self::kept_words).
+    /// Saves the tracks in `memory` from now on; the memory is blank and has [this size](Self::kept_words).
     pub fn keep_in(&mut self, memory: Box<dyn Memory>, owner: &str) {
         self.memory = Some(TrackerMemory::begin(memory, owner, self.tracker.tracker().settings()));
     }
 
-    /// Saves the tracks, if that is due at `now_ns` (UTC, nanoseconds): before they are published.
+    /// Saves the tracks, if due at `now_ns` (UTC, nanoseconds): before publication.
     pub fn keep(&mut self, now_ns: i64) {
         if let Some(memory) = &mut self.memory
             && self.kept.is_due(self.tracker.scans(), now_ns)
@@ -370,7 +370,7 @@ impl DetectionTracker {
         self.tracker.shown_ns().unwrap_or_else(latest_ns)
     }
 
-    /// Adds its counts.
+    /// Adds the counts of this tracker.
     pub fn count(&self, counters: &mut Counters) {
         let counts = self.tracker.tracker().counts();
         counters[Counter::Detections] = self.detections;
@@ -460,8 +460,7 @@ impl DetectionTracker {
     }
 }
 
-/// Place of the platform, and heading of the `axes`, at the latest of a scan's detections. What they do not state
-/// stays.
+/// Place of the platform, and heading of the `axes`, at the latest of a scan's detections. Values not stated remain.
 fn platform_of(detections: &[Detection], axes: PlatformAxes, before: Option<[f64; 3]>) -> Option<[f64; 3]> {
     let Some(latest) = detections.last() else {
         return before;
@@ -514,7 +513,7 @@ impl TrackSink for Publishing<'_> {
 
     fn cues(&mut self, scan_ns: i64, cues: &[Cue]) {
         *self.cues += cues.len() as u64;
-        // A sensor's number in files is that of its source and one.
+        // A sensor's number in files is the number of the source plus 1.
         let source = |cue: &Cue| cue.sensor_id.saturating_sub(1) as u16;
         let samples = cues.iter().map(|cue| messages::Cue {
             made_ns: scan_ns,

@@ -1,15 +1,15 @@
-//! Scans of several sensors in the order of their times (HT-12).
+//! Scans of several sensors in the order of time (HT-12).
 //!
 //! Each sensor's detections are cut into scans by the sensor's own times ([`tracking::cutting`],
-//! [`tracking::stated_scans`]). A tracker needs the scans of all sensors in one order. Scans in the order of their
+//! [`tracking::stated_scans`]). A tracker needs the scans of all sensors in a single order. Scans in the order of
 //! arrival would depend on the load of the machine; therefore a scan waits until no earlier scan can come: until every
-//! other sensor has passed its time. A silent sensor must not stop the others. The wait ends when the data of any
-//! sensor are later than the scan by the stated *wait*; a sensor whose scan is still open then counts as having come so
-//! far.
+//! other sensor has passed the scan's time. A silent sensor must not stop the others. The wait ends when the data of
+//! any sensor are later than the scan by the stated *wait*; a sensor with a scan still open then counts as having come
+//! so far.
 //!
-//! The result depends on the events and their order alone, so recorded events give the same scans. A scan that comes
-//! after later ones have been released is released at once: the tracker inserts it among its open scans, or rejects it
-//! ([`tracking::Tracker`]). With one sensor nothing waits here.
+//! The result depends on the events and the order alone, so recorded events give the same scans. A scan that comes
+//! after the release of later scans is released at once: the tracker inserts the scan among the open scans, or rejects
+//! the scan ([`tracking::Tracker`]). With a single sensor nothing waits here.
 
 use observations::{Detection, SensorEvent};
 use settings::SettingsError;
@@ -20,7 +20,7 @@ use tracking::turn_time::TurnEstimate;
 
 use crate::scan_tracker::SensorScan;
 
-/// Most scans that wait for those of other sensors; of more, the earliest is released.
+/// Most scans that wait for scans of other sensors; beyond, the earliest is released.
 const WAITING_MAX: usize = 1024;
 
 /// Rules for joining the detections of a tracker's sensors.
@@ -92,7 +92,7 @@ impl ScanJoiner {
     /// A joiner for the sensors with these ids. Scan numbers count from `epoch_ns` (UTC, nanoseconds).
     ///
     /// # Errors
-    /// If the rules are not those of these sensors.
+    /// If the rules do not belong to these sensors.
     pub fn new(sensor_ids: &[u32], settings: &JoiningSettings, epoch_ns: i64) -> Result<Self, SettingsError> {
         if sensor_ids.is_empty() || sensor_ids.len() != settings.cutters.len() {
             return Err(SettingsError::new("sensor", "a tracker needs a sensor"));
@@ -122,7 +122,7 @@ impl ScanJoiner {
         self.sensors.iter().position(|sensor| sensor.sensor_id == sensor_id)
     }
 
-    /// Takes an event of the sensor in this place; `with_it` stays with a detection: the time of its receipt.
+    /// Takes an event of the sensor in this place; `with_it` stays with a detection: the time of receipt.
     pub fn take(&mut self, sensor: usize, event: &SensorEvent, with_it: i64) -> DetectionTreatment {
         let treatment = self.sensors[sensor].scans.take(event, with_it);
         if treatment == DetectionTreatment::Waits {
@@ -138,8 +138,8 @@ impl ScanJoiner {
         self.come_to(time_ns, 0);
     }
 
-    /// The time of the only sensor has come to `time_ns` by the clock, nanoseconds: its scan at hand may be complete,
-    /// but a scan without detections is none that the sensor has made.
+    /// The time of the only sensor has come to `time_ns` by the clock, nanoseconds: the scan at hand may be complete,
+    /// but a scan without detections is no scan of the sensor.
     pub fn passed_by_clock(&mut self, time_ns: i64) {
         self.sensors[0].scans.passed(time_ns);
         self.come_to(time_ns, 0);
@@ -158,7 +158,7 @@ impl ScanJoiner {
         }
     }
 
-    /// Turn time of the first sensor, estimated so far from its data.
+    /// Turn time of the first sensor, estimated so far from the data.
     pub fn turn(&self) -> Option<TurnEstimate> {
         match &self.sensors[0].scans {
             SensorScans::Cut(cutter) => cutter.turn(),
@@ -174,7 +174,7 @@ impl ScanJoiner {
         }
     }
 
-    /// Time after which a first sensor that sends nothing is not waited for, nanoseconds; `None` until its period is
+    /// Time after which a first sensor that sends nothing is not waited for, nanoseconds; `None` until the period is
     /// known.
     pub fn patience_ns(&self) -> Option<i64> {
         match &self.sensors[0].scans {
@@ -193,7 +193,7 @@ impl ScanJoiner {
         }
     }
 
-    /// The next scan in order; it is valid until the next call. [`Self::receipts`] are those of its detections.
+    /// The next scan in order; valid until the next call. [`Self::receipts`] belong to the scan's detections.
     pub fn next_scan(&mut self) -> Option<SensorScan<'_>> {
         if !self.is_released() {
             return None;
@@ -222,7 +222,7 @@ impl ScanJoiner {
         self.released.by_time
     }
 
-    /// Place of the sensor of the latest released scan, and the data attached to its detections, in their order.
+    /// Place of the sensor of the latest released scan, and the data attached to the detections, in order.
     pub fn receipts(&self) -> (usize, &[i64]) {
         (self.released.sensor, &self.released.with_them)
     }
@@ -240,8 +240,8 @@ impl ScanJoiner {
         self.running_ns.saturating_sub(self.wait_ns)
     }
 
-    /// Time to which the sensor in this place counts as having come, nanoseconds. Its longest scan that ends there is
-    /// complete when the wait for the scan's first detection ends.
+    /// Time to which the sensor in this place counts as having come, nanoseconds. The sensor's longest scan that ends
+    /// there is complete when the wait for the scan's first detection ends.
     fn cut_ns(&self, place: usize) -> i64 {
         let rest_ns = self.wait_ns.saturating_sub(self.sensors[place].scans.span_ns()).max(0);
         self.running_ns.saturating_sub(rest_ns)
@@ -250,7 +250,7 @@ impl ScanJoiner {
     /// The data of the sensor in this place have come to `time_ns`.
     fn come_to(&mut self, time_ns: i64, sensor: usize) {
         let is_alone = self.sensors.len() == 1;
-        // Only an advance of time concerns the other sensors: most detections of a scan have its time.
+        // Only an advance of time concerns the other sensors: most detections of a scan have the scan's time.
         let concerned = match time_ns > self.running_ns {
             true => 0..self.sensors.len(),
             false => sensor..sensor + 1,
@@ -268,8 +268,8 @@ impl ScanJoiner {
         }
     }
 
-    /// Puts the scans without detections that the sensor's own marks of time show: those that it has passed since its
-    /// latest scan. Without marks they are known when the next detection comes. The marks may be those of the clock
+    /// Puts the scans without detections that the sensor's own marks of time show: the empty scans since the latest
+    /// scan. Without marks these scans are known when the next detection comes. The marks may be marks of the clock
     /// ([`crate::silence`]).
     fn put_silent(&mut self, place: usize) {
         let sensor = &self.sensors[place];
@@ -292,7 +292,8 @@ impl ScanJoiner {
         }
     }
 
-    /// Puts the complete scan of the sensor in this place among those that wait, behind its scans without detections.
+    /// Puts the complete scan of the sensor in this place among those that wait, behind the same sensor's scans without
+    /// detections.
     fn put(&mut self, place: usize, scan: CutScan) {
         let now = (scan.number, scan.time_ns);
         let before = self.sensors[place].latest.replace(now);
@@ -331,7 +332,7 @@ impl ScanJoiner {
 }
 
 impl JoinedSensor {
-    /// Period of the scans, and time from a scan to its completion: a period and the wait, nanoseconds; `None` if the
+    /// Period of the scans, and time from a scan to the completion: a period and the wait, nanoseconds; `None` if the
     /// period is not known.
     fn rhythm(&self) -> Option<(i64, i64)> {
         match &self.scans {
@@ -343,8 +344,8 @@ impl JoinedSensor {
         }
     }
 
-    /// The sensor's own events have come to `time_ns`. A single event does not make more than a scan or two empty: its
-    /// time may be wrong.
+    /// The sensor's own events have come to `time_ns`. A single event does not make more than a scan or two empty: the
+    /// time of the event may be wrong.
     fn reach(&mut self, time_ns: i64) {
         let ahead_ns = time_ns.saturating_sub(self.own_ns);
         let is_pause = |period_ns: i64| ahead_ns > period_ns.saturating_mul(i64::from(SILENT_SCANS_MAX));
@@ -410,7 +411,7 @@ impl SensorScans {
         }
     }
 
-    /// Whether nothing waits for its scan to be complete.
+    /// Whether nothing waits for the completion of a scan.
     fn is_idle(&self) -> bool {
         match self {
             Self::Cut(cutter) => cutter.is_idle(),
@@ -426,7 +427,7 @@ impl SensorScans {
         }
     }
 
-    /// Longest time from a detection to the completion of its scan, as far as it is known, nanoseconds.
+    /// Longest time from a detection to the completion of the scan, as far as known, nanoseconds.
     fn span_ns(&self) -> i64 {
         match self {
             Self::Cut(cutter) => cutter.span_ns(),

@@ -1,8 +1,7 @@
 //! Pipeline of a source, from observations to samples.
 //!
-//! All records pass the same checks first, in [`Converter`], independent of their further processing. A new way to
-//! make tracks is a new kind of [`Processing`]: a file here, a variant, a line in each of the methods of
-//! [`Pipeline`].
+//! All records pass the same checks first, in [`Converter`], independent of the further processing. A new way to make
+//! tracks is a new kind of [`Processing`]: a file here, a variant, a line in each of the methods of [`Pipeline`].
 
 use std::sync::atomic::AtomicU64;
 
@@ -26,7 +25,7 @@ use crate::samples::Samples;
 pub enum Processing {
     /// The sensor delivers tracks.
     Tracks,
-    /// The sensor's detections are passed on; a tracker process makes tracks of them.
+    /// The sensor's detections are passed on; a tracker process makes tracks of the detections.
     Plots,
     /// Tracker for the source's detections.
     Detections(Box<TrackerSettings>),
@@ -35,7 +34,7 @@ pub enum Processing {
 }
 
 impl Processing {
-    /// Settings of the tracker, if there is one.
+    /// Settings of the tracker, if any.
     pub fn tracker(&self) -> Option<&TrackerSettings> {
         match self {
             Self::Detections(settings) => Some(settings),
@@ -43,7 +42,7 @@ impl Processing {
         }
     }
 
-    /// Settings of the locator, if there is one.
+    /// Settings of the locator, if any.
     pub fn locator(&self) -> Option<&locating::Settings> {
         match self {
             Self::Bearings(settings) => Some(&settings.locator),
@@ -56,7 +55,7 @@ impl Processing {
 #[derive(Debug)]
 pub struct Pipeline {
     converter: Converter,
-    /// Sensor of the source, if it must be distinguished from others.
+    /// Sensor of the source, if to be distinguished from others.
     sac_sic: Option<(u8, u8)>,
     maker: Maker,
     progress_ns: i64,
@@ -116,7 +115,7 @@ impl Pipeline {
         }
     }
 
-    /// Takes the latest position that was refused, if one was since the last call.
+    /// Takes the latest position that was refused, if any since the last call.
     pub fn take_refused_place(&mut self) -> Option<RefusedPlace> {
         self.converter.take_refused_place()
     }
@@ -156,7 +155,7 @@ impl Pipeline {
         self.follow();
     }
 
-    /// Mounts a direction finder on a platform: its bearings are from the bow, and wait for the platform's states.
+    /// Mounts a direction finder on a platform: the bearings are from the bow, and wait for the platform's states.
     pub fn mount_on(&mut self, frame: SystemFrame, mount: Mount, assumed: Assumed, wait_ns: i64) {
         if let Maker::Locator(locator) = &mut self.maker {
             locator.mount_on(frame, mount, assumed, wait_ns);
@@ -171,7 +170,7 @@ impl Pipeline {
         self.follow();
     }
 
-    /// Takes snapshots of an antenna array received at `ingested_ns`; `with_spectrum` if somebody receives its spectra.
+    /// Takes snapshots of an antenna array received at `ingested_ns`; `with_spectrum` if the spectra have a receiver.
     pub fn snapshots(&mut self, block: &SnapshotBlock, ingested_ns: i64, with_spectrum: bool, samples: &mut Samples) {
         if let Maker::Locator(locator) = &mut self.maker {
             locator.wants_spectrum(with_spectrum);
@@ -180,7 +179,7 @@ impl Pipeline {
         self.follow();
     }
 
-    /// Takes an event of a sensor that states its detections in the system frame, received at `ingested_ns`.
+    /// Takes an event of a sensor that states detections in the system frame, received at `ingested_ns`.
     pub fn row(&mut self, event: &SensorEvent, ingested_ns: i64, samples: &mut Samples) {
         if let Maker::Plots(relay) = &mut self.maker {
             relay.row(event, ingested_ns, samples);
@@ -261,14 +260,14 @@ impl Pipeline {
         self.follow();
     }
 
-    /// Takes a report of a wide-area sensor that supports its tracker.
+    /// Takes a report of a wide-area sensor that supports the tracker.
     pub fn wide_area(&mut self, report: WideAreaReport) {
         if let Maker::Tracker(tracker) = &mut self.maker {
             tracker.wide_area(report);
         }
     }
 
-    /// Takes a bearing of a direction finder that supports its tracker.
+    /// Takes a bearing of a direction finder that supports the tracker.
     pub fn emission(&mut self, bearing: &SensorBearing) {
         if let Maker::Tracker(tracker) = &mut self.maker {
             tracker.emission(bearing);
@@ -316,8 +315,8 @@ impl Pipeline {
         }
     }
 
-    /// Saves the tracks made here, if that is due at `now_ns` (UTC, nanoseconds): before they are published, so that
-    /// every published number is saved.
+    /// Saves the tracks made here, if due at `now_ns` (UTC, nanoseconds): before publication, so that every published
+    /// number is saved.
     pub fn keep(&mut self, now_ns: i64) {
         match &mut self.maker {
             Maker::None | Maker::Plots(_) => {}
@@ -326,13 +325,13 @@ impl Pipeline {
         }
     }
 
-    /// Progress of the source's data time, UTC, nanoseconds; `i64::MIN` before its first data.
+    /// Progress of the source's data time, UTC, nanoseconds; `i64::MIN` before the first data.
     pub fn progress_ns(&self) -> i64 {
         self.progress_ns
     }
 
-    /// Offset of the source's clock against times of receipt and its standard deviation from report to report, seconds;
-    /// `None` while it is not known.
+    /// Offset of the source's clock against times of receipt and the standard deviation from report to report, seconds;
+    /// `None` while unknown.
     pub fn clock_offset(&self) -> Option<(f64, f64)> {
         match &self.maker {
             Maker::None | Maker::Tracker(_) => self.converter.clock().offset(),
@@ -341,7 +340,7 @@ impl Pipeline {
         }
     }
 
-    /// Turn time estimated so far from the data of a sensor whose tracks are made here.
+    /// Turn time estimated so far from the data of a sensor with tracks made here.
     pub fn turn(&self) -> Option<TurnEstimate> {
         match &self.maker {
             Maker::Tracker(tracker) => tracker.turn(),

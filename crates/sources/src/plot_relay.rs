@@ -1,9 +1,9 @@
-//! Detections of a sensor of a tracker process: checked, and passed on as they come.
+//! Detections of a sensor of a tracker process: checked, and passed on upon arrival.
 //!
-//! The tracker process joins the detections of several sensors; each sensor's adapter only reads and checks them.
-//! Detections of ASTERIX have been checked with the other records of a radar ([`reception::Converter`]). Rows state
-//! positions in the system frame, so their times and ranges are checked here: a time that the sensor's clock cannot
-//! have shown would bring the tracker's other sensors out of order.
+//! The tracker process joins the detections of several sensors; each sensor's adapter only reads and checks the
+//! detections. Detections of ASTERIX have been checked with the other records of a radar ([`reception::Converter`]).
+//! Rows state positions in the system frame, so times and ranges are checked here: a time that the sensor's clock
+//! cannot have shown would bring the tracker's other sensors out of order.
 
 use estimation::SourceClock;
 use messages::{Counter, Counters, Quantity};
@@ -16,7 +16,7 @@ use crate::samples::Samples;
 /// Largest distance of a sensor's stated place from the origin of the system frame, as of a platform's states, metres.
 const PLACE_MAX_M: f64 = 1e6;
 
-/// Relay of one sensor's detections.
+/// Relay of a sensor's detections.
 #[derive(Debug)]
 pub(crate) struct PlotRelay {
     source: u16,
@@ -32,7 +32,7 @@ pub(crate) struct PlotRelay {
 }
 
 impl PlotRelay {
-    /// Makes the relay of source number `source`; its detections keep to `limits`.
+    /// Makes the relay of source number `source`; the detections keep to `limits`.
     pub(crate) fn new(source: u16, limits: PlausibilityLimits) -> Self {
         Self {
             source,
@@ -57,7 +57,7 @@ impl PlotRelay {
         self.received_ns = Some(received_ns);
     }
 
-    /// Takes an event as a row states it, received at `ingested_ns` (monotonic, nanoseconds).
+    /// Takes an event as stated by a row, received at `ingested_ns` (monotonic, nanoseconds).
     pub(crate) fn row(&mut self, event: &SensorEvent, ingested_ns: i64, samples: &mut Samples) {
         let time_ns = event.time_ns();
         let is_wild = |received_ns: i64| !self.clock.believes(time_ns, received_ns, None);
@@ -89,7 +89,7 @@ impl PlotRelay {
         self.newest_ns
     }
 
-    /// Adds its counts.
+    /// Adds the counts of this relay.
     pub(crate) fn count(&self, counters: &mut Counters) {
         for (counter, count) in [
             (Counter::Reports, self.rows),

@@ -1,25 +1,25 @@
-//! How adapters read what a deployment's sensors send, by the numbers that the deployment gives.
+//! How adapters read the data of a deployment's sensors, by the numbers that the deployment gives.
 
 use platform::{Assumed, JumpLimits, Mount};
 use reception::ConversionModel;
 
 use crate::pipeline::Processing;
 
-/// How the data of one source are read.
+/// How the data of a source are read.
 #[derive(Clone, Debug)]
 pub struct SourceReading {
-    /// Where the sensor stands, what its reports may contain, and how accurate they are.
+    /// Place of the sensor, and permitted content and accuracy of the reports.
     pub model: ConversionModel,
-    /// Place and directions on the platform, if it is on board one that moves.
+    /// Place and directions on the platform, if on board a moving platform.
     pub mount: Option<Mount>,
-    /// How its tracks come about.
+    /// Origin of the tracks.
     pub processing: Processing,
 }
 
-/// How the states of one platform are read.
+/// How the states of a platform are read.
 #[derive(Clone, Copy, Debug)]
 pub struct PlatformReading {
-    /// Assumptions where its states give no value.
+    /// Assumptions where the states give no value.
     pub assumed: Assumed,
     /// Differences that count as jumps.
     pub jumps: JumpLimits,
@@ -28,9 +28,9 @@ pub struct PlatformReading {
 /// How the data of a deployment are read.
 #[derive(Clone, Debug, Default)]
 pub struct Readings {
-    /// Its sources, and behind them the sensors of tracker processes.
+    /// The deployment's sources, then the sensors of tracker processes.
     pub sources: Vec<SourceReading>,
-    /// Its platforms.
+    /// The deployment's platforms.
     pub platforms: Vec<PlatformReading>,
     /// Models of the tracks that wide-area sensors count; `None` for sensors that count themselves.
     pub counted: Vec<Option<ConversionModel>>,

@@ -17,12 +17,12 @@ pub struct Samples {
     pub arrivals: Vec<SensorArrival>,
     /// Ready-made fixes behind the tracks, to be published before the tracks.
     pub fixes: Vec<SensorFix>,
-    /// Spectra behind the bearings, if somebody receives them.
+    /// Spectra behind the bearings, if the spectra have a receiver.
     pub spectra: Vec<SensorSpectrum>,
     /// Sensor tracks.
     pub tracks: Vec<SensorTrack>,
-    /// Whether `tracks` holds a picture of all tracks at an even time. It is to be published before the following scan,
-    /// so that the order in a recording tells which scans the picture contains.
+    /// Whether `tracks` holds a picture of all tracks at an even time. The picture is to be published before the
+    /// following scan, so that the order in a recording determines which scans the picture contains.
     pub has_picture: bool,
     /// Search regions for the sensor's next look, to be published after the tracks.
     pub cues: Vec<Cue>,

@@ -1,14 +1,14 @@
-//! A tracker, with all steps around it at each scan.
+//! A tracker, with all steps around the tracker at each scan.
 //!
-//! The order of events determines the output: a track picture must include all scans until its time and no later
-//! scan, and a report of a wide-area sensor is for the first scan after its arrival. The order is the same for a
-//! live source, with each scan processed as soon as it is complete, and for files:
+//! The order of events determines the output: a track picture must include all scans until the picture's time and no
+//! later scan, and a report of a wide-area sensor is for the first scan after the arrival of the report. The order is
+//! the same for a live source, with each scan processed as soon as it is complete, and for files:
 //!
 //! 1. the pictures before the scan are shown, where tracks are wanted at even times (WA-11);
 //! 2. the tracker receives the counts of wide-area sensors and the emissions until the scan;
 //! 3. the scan goes through the tracker;
-//! 4. the tracks after the scan are handed out, where they are not wanted at even times;
-//! 5. each sensor receives the search regions for its next look (WA-12).
+//! 4. the tracks after the scan are handed out, unless wanted at even times;
+//! 5. each sensor receives the search regions for the next look (WA-12).
 
 use observations::{Detection, WideAreaReport};
 use settings::SettingsError;
@@ -35,7 +35,7 @@ pub struct SensorScan<'a> {
     pub sensor_id: u32,
     /// Number of the scan; a gap is as many scans without detections.
     pub number: u32,
-    /// Time of the latest detection, nanoseconds; of a scan without any, between its neighbours.
+    /// Time of the latest detection, nanoseconds; of an empty scan, between the neighbours.
     pub time_ns: i64,
     /// Detections; an empty scan is information, too.
     pub detections: &'a [Detection],
@@ -49,7 +49,7 @@ pub trait TrackSink {
     /// A scan has been worked off, or rejected.
     fn done(&mut self, _scan: &SensorScan<'_>, _taken: Result<(), ScanRejection>, _tracker: &Tracker) {}
 
-    /// Confirmed tracks, in the order of their times and numbers. `extrapolated`: no scan has come since the last ones.
+    /// Confirmed tracks, in the order of times and numbers. `extrapolated`: no scan has come since the last tracks.
     fn tracks(&mut self, tracks: &[TrackReport], extrapolated: bool);
 
     /// Cues made after the scan at `scan_ns` (nanoseconds).
@@ -62,13 +62,13 @@ pub trait TrackSink {
     fn emission_rejected(&mut self, _reason: EmissionRejection) {}
 }
 
-/// Tracker with all steps around it at a scan.
+/// Tracker with all steps around the tracker at a scan.
 #[derive(Debug)]
 pub struct ScanTracker {
     tracker: Tracker,
-    /// Reports of wide-area sensors that wait for the scans to come to their arrival.
+    /// Reports of wide-area sensors that wait for the scans to reach the arrival.
     reports: Arrivals,
-    /// Emissions waiting for the scans to reach their time, the latest first.
+    /// Emissions waiting for the scans to reach the emission's time, the latest first.
     emissions: Vec<Emission>,
     pictures: Option<PictureOutput>,
     cueing: Option<Cueing>,
@@ -103,7 +103,7 @@ struct CuedSensor {
 }
 
 impl ScanTracker {
-    /// A tracker that uses these `reports` of wide-area sensors and `emissions` when their times come; more may follow.
+    /// A tracker that uses these `reports` of wide-area sensors and `emissions` in due time; more may follow.
     ///
     /// # Errors
     /// The first unusable setting.
@@ -138,7 +138,7 @@ impl ScanTracker {
         })
     }
 
-    /// Takes a report of a wide-area sensor, for the first scan after its arrival. `false` if there is no room for it.
+    /// Takes a report of a wide-area sensor, for the first scan after the arrival. `false` if there is no room.
     pub fn report(&mut self, report: WideAreaReport) -> bool {
         self.reports.arrive(report)
     }
@@ -146,7 +146,7 @@ impl ScanTracker {
     /// Takes an emission at once.
     ///
     /// # Errors
-    /// [`EmissionRejection`], counted by the tracker, if it cannot be used.
+    /// [`EmissionRejection`], counted by the tracker, if the emission is unusable.
     pub fn emission(&mut self, emission: &Emission) -> Result<(), EmissionRejection> {
         self.tracker.emission(emission)
     }
@@ -215,7 +215,7 @@ impl ScanTracker {
         &self.tracker
     }
 
-    /// Time of the latest picture, nanoseconds, before the first one `i64::MIN`; `None` if there are no pictures.
+    /// Time of the latest picture, nanoseconds, before the first picture `i64::MIN`; `None` if there are no pictures.
     pub fn shown_ns(&self) -> Option<i64> {
         self.pictures.as_ref().map(|pictures| pictures.shown_ns)
     }

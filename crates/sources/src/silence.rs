@@ -1,15 +1,15 @@
 //! Scans without detections by the clock: a sensor that sends nothing has seen nothing (HT-12, WA-11).
 //!
-//! A scan without detections is information: what is there was missed. A radar reports its north, and rows can state
+//! A scan without detections is information: a present target was missed. A radar reports its north, and rows can state
 //! empty scans; of other sensors the next detection showed them at last, and until then tracks stood still. Here the
-//! time of a sensor with a known period goes on with the clock, from its latest event. Once the sensor is silent for
-//! longer than a period and the wait (a second period without `wait_s`), its time is stated at each further period, as
-//! an event like those that it sends itself. In a tracker process the event is published and recorded, and of a sensor
-//! with a tracker of its own the empty scan is, so that `koseki track` makes the same tracks of the recording.
+//! time of a sensor with a known period goes on with the clock, from the latest event. Once the sensor is silent for
+//! longer than a period and the wait (a second period without `wait_s`), the sensor's time is stated at each further
+//! period, as an event like the sensor's own events. In a tracker process the event is published and recorded, and for
+//! a sensor with a separate tracker the empty scan is, so that `koseki track` makes the same tracks of the recording.
 //!
-//! The clock counts from the latest event as the event came, so that neither an error of the sensor's clock nor a
-//! constant delay matters. After a silence of [`SILENT_SCANS_MAX`] periods, or one that raises the alarm, the sensor
-//! may be dead: nothing more is stated.
+//! The clock counts from the latest event as received, so that neither an error of the sensor's clock nor a constant
+//! delay matters. After a silence of [`SILENT_SCANS_MAX`] periods, or a silence that raises the alarm, the sensor may
+//! be dead: nothing more is stated.
 
 use observations::SensorEvent;
 use tracking::cutting::CutterSettings;
@@ -25,7 +25,7 @@ pub struct SilenceRules {
 }
 
 impl SilenceRules {
-    /// Rules for a sensor whose scans follow each other by `period_ns`, and whose silence raises the alarm after
+    /// Rules for a sensor with scans `period_ns` apart, and with a silence that raises the alarm after
     /// `silent_after_ns`.
     pub fn new(cutter: &CutterSettings, period_ns: i64, silent_after_ns: Option<i64>) -> Self {
         let wait_ns = cutter.wait_ns.map_or(period_ns, |wait_ns| wait_ns.min(period_ns));
@@ -41,7 +41,7 @@ impl SilenceRules {
 /// Time of a sensor that may be silent, nanoseconds.
 #[derive(Clone, Copy, Debug)]
 pub struct SilentSensor {
-    /// Time of the latest event, and its monotonic time of receipt.
+    /// Time of the latest event, and the monotonic time of receipt.
     latest: Option<(i64, i64)>,
     /// Latest time of an event, or stated.
     reached_ns: i64,
@@ -65,9 +65,9 @@ impl SilentSensor {
         }
     }
 
-    /// The statement that is due at `now_ns` (monotonic), and the time at which it would have come without the
-    /// patience: as much later than the latest event as its own time. Must be asked for only when nothing that the
-    /// sensor has sent waits: what has come is not late, however long the process stood still.
+    /// The statement that is due at `now_ns` (monotonic), and the time of the statement without the patience: as much
+    /// later than the latest event as the stated time. Must be asked for only when no data of the sensor wait: received
+    /// data are not late, however long the process stood still.
     pub fn statement(&mut self, now_ns: i64, rules: &SilenceRules) -> Option<(SensorEvent, i64)> {
         let (time_ns, came_ns) = self.latest?;
         let silent_ns = now_ns.saturating_sub(came_ns);

@@ -1,8 +1,9 @@
-//! Snapshots of an antenna array as they arrive, into bearings (EL-1).
+//! Snapshots of an antenna array converted into bearings on arrival (EL-1).
 //!
-//! A measurement arrives in one or more blocks. It is complete with its last snapshot, or when a later measurement
-//! begins: snapshots are independent, so a lost block costs accuracy and not the measurement. Blocks that come twice
-//! or after a later measurement are refused; the time of a measurement is greater than that of the one before.
+//! A measurement arrives in at least one block. A measurement is complete with the last snapshot, or when a later
+//! measurement begins: snapshots are independent, so a lost block costs accuracy and not the measurement. Blocks that
+//! come twice or after a later measurement are refused; the time of a measurement is greater than the time of the
+//! previous measurement.
 
 use std::f64::consts::TAU;
 
@@ -10,11 +11,11 @@ use locating::music::{ArrayFinder, ArraySettings, Complex, MusicError, Snapshots
 use messages::{Counter, Counters, SPECTRUM_DIRECTIONS, SensorSpectrum, StageTimes};
 use observations::{Bearing, SnapshotBlock};
 
-/// Collects measurements of an array, and measures their bearings.
+/// Collects measurements of an array, and measures the bearings.
 #[derive(Debug)]
 pub struct SnapshotIntake {
     array: ArrayFinder,
-    /// Head of the measurement that is being collected; its samples are beside it.
+    /// Head of the measurement that is being collected; the samples are held beside.
     present: Option<MeasurementHead>,
     samples: Vec<Complex<f64>>,
     /// Time of the latest measurement, UTC, nanoseconds.
@@ -56,7 +57,7 @@ pub struct ArrayMeasurement {
     pub bearings: Vec<Bearing>,
     /// Whether the snapshots state position and heading of the platform.
     pub is_placed: bool,
-    /// Spectrum, if it was asked for.
+    /// Spectrum, if requested.
     pub spectrum: Option<Box<SensorSpectrum>>,
     /// Time of receipt of the last block, monotonic, nanoseconds.
     pub ingested_ns: i64,
@@ -78,7 +79,7 @@ impl SnapshotIntake {
     }
 
     /// Takes a block received at `ingested_ns` (monotonic, nanoseconds). `each` gets the complete measurements, with
-    /// their spectra if `with_spectrum`: the one before, if the block begins another, and the block's own.
+    /// spectra if `with_spectrum`: the previous measurement, if the block begins another, and the block's own.
     pub fn take(
         &mut self,
         block: &SnapshotBlock,
@@ -176,7 +177,7 @@ impl SnapshotIntake {
         }
     }
 
-    /// Adds its counts.
+    /// Adds the counts of this intake.
     pub fn count(&self, counters: &mut Counters) {
         let (own, finder) = (&self.counts, self.array.counts());
         for (counter, count) in [
@@ -211,7 +212,7 @@ impl MeasurementHead {
         }
     }
 
-    /// Whether a block states the same as the first one.
+    /// Whether a block states the same as the first block.
     fn fits(&self, block: &SnapshotBlock) -> bool {
         self.total == block.total
             && self.frequency_hz == block.frequency_hz

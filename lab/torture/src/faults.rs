@@ -15,7 +15,7 @@ use super::judge::event::Part;
 use super::own_file_systems;
 use super::schedule::Act;
 
-/// What a fault takes away by its nature.
+/// Inherent effects of a fault.
 pub(super) fn takes(act: &Act, deployment: &Deployment) -> Vec<Part> {
     let of = |names: &[&String]| names.iter().filter_map(|name| deployment.part(name)).collect();
     match act {
@@ -23,7 +23,7 @@ pub(super) fn takes(act: &Act, deployment: &Deployment) -> Vec<Part> {
         Act::KillTwo { one, other } => of(&[one, other]),
         Act::FloodOfOrders | Act::HostileReports { .. } | Act::WildClock { .. } | Act::FullDisk { .. } => Vec::new(),
         Act::DamagedCheckpoint { .. } => vec![Part::Fusion, Part::Numbers],
-        // Every process that writes without room is killed, perhaps all; what has to be read anew may be anything.
+        // Every process that writes without room is killed, perhaps all; any data may have to be read anew.
         Act::KillLauncher | Act::FullSharedMemory { .. } | Act::CorruptMemory { .. } => vec![Part::Memory],
     }
 }
@@ -31,7 +31,7 @@ pub(super) fn takes(act: &Act, deployment: &Deployment) -> Vec<Part> {
 /// Causes a fault.
 ///
 /// # Errors
-/// If it cannot be caused.
+/// If the fault cannot be caused.
 pub(super) fn cause(act: &Act, deployment: &mut Deployment) -> anyhow::Result<()> {
     match act {
         Act::Kill { name } => {
@@ -53,7 +53,7 @@ pub(super) fn cause(act: &Act, deployment: &mut Deployment) -> anyhow::Result<()
         Act::Stop { name, time } => {
             let pid = deployment.signal(name, Signal::STOP)?;
             deployment.watch(*time)?;
-            // A standby that took over has killed it, unless the take-over was too late.
+            // A standby that took over has killed the process, unless the take-over was too late.
             deployment.signal_process(pid, Signal::CONT);
         }
         Act::FloodOfOrders => flood(deployment)?,

@@ -1,4 +1,4 @@
-//! Events on their way to the judge, and, if requested, to a file.
+//! Events on the way to the judge, and, if requested, to a file.
 
 use std::fs::File;
 use std::io::{BufRead as _, BufReader, BufWriter, Write as _};
@@ -12,7 +12,7 @@ use serde::de::DeserializeOwned;
 use super::judge::Judge;
 use super::judge::event::{Conditions, Event, What};
 
-/// The judge of a live run, and the record of its input.
+/// The judge of a live run, and the record of the judge's input.
 pub(super) struct Ledger {
     judge: Judge,
     record: Option<BufWriter<File>>,
@@ -21,7 +21,7 @@ pub(super) struct Ledger {
 }
 
 impl Ledger {
-    /// Begins a record in `file`, if one is wanted.
+    /// Begins a record in `file`, if requested.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -65,7 +65,7 @@ impl Ledger {
     /// Ends the record.
     ///
     /// # Errors
-    /// If not all of it could be written.
+    /// If the record could not be written completely.
     pub(super) fn close(&mut self) -> anyhow::Result<()> {
         if let Some(mut record) = self.record.take() {
             record.flush().context("writing the record of events")?;

@@ -1,13 +1,12 @@
-//! `koseki torture`: random faults in a separate deployment, and a judge of their effects on a subscriber.
+//! `koseki torture`: random faults in a separate deployment, and a judge of the effects on a subscriber.
 //!
 //! The deployment has a separate folder, removed at the end, beside other deployments of the machine. The seed alone
-//! determines the faults and their times (`schedule`), so that a run can be repeated. The simulated world continues
-//! after any death, even of the launcher: an address is the same target for the whole run, and its position is known
-//! (`world`).
+//! determines the faults and the times (`schedule`), so that a run can be repeated. The simulated world continues after
+//! any death, even of the launcher: an address is the same target for the whole run, with a known position (`world`).
 //!
-//! The `judge` does no input or output: it takes events, which can be recorded and judged again (`ledger`), and
-//! can therefore be tested: `self_test` inserts many defects into a sound record, and the judge must find each.
-//! After each fault the deployment must recover by itself. Otherwise it is started again, and the failure is a
+//! The `judge` does no input or output: the judge takes events, which can be recorded and judged again (`ledger`), and
+//! can therefore be tested: `self_test` inserts many defects into a sound record, and the judge must find each. After
+//! each fault the deployment must recover by itself. Otherwise the deployment is started again, and the failure is a
 //! finding. A failure of this command itself is no verdict ([`OwnFailure`]).
 
 #![forbid(unsafe_code)]
@@ -49,7 +48,7 @@ const AFTERWARDS: Duration = Duration::from_secs(5);
 /// Time between two measurements of resources, seconds.
 const RESOURCES_S: f64 = 15.0;
 
-/// Deployment under test, as its file describes it.
+/// Deployment under test, as described by the file.
 #[derive(Debug)]
 pub struct Tested {
     /// Executable of the deployment's processes.
@@ -85,7 +84,7 @@ pub type ReadTested = fn(&Torture) -> anyhow::Result<Tested>;
 /// Runs the faults in the deployment that `read` gives, judges a record, or tests the judge; prints the result.
 ///
 /// # Errors
-/// If something was not as it must be; [`OwnFailure`] if that was this command.
+/// If anything was wrong; [`OwnFailure`] if the fault was this command's.
 pub fn run(torture: &Torture, read: ReadTested) -> anyhow::Result<()> {
     if let Some(record) = &torture.self_test {
         return self_test::run(record.as_deref());
@@ -108,7 +107,7 @@ pub fn run(torture: &Torture, read: ReadTested) -> anyhow::Result<()> {
         },
         begun: instant(),
     };
-    // Before anything is started: whether it can be written.
+    // Before anything is started: whether the report can be written.
     run.report
         .write(torture.json.as_deref())
         .map_err(|error| Refused(format!("--json: {error:#}")))?;
@@ -234,7 +233,7 @@ impl Run<'_> {
         self.report.write(self.torture.json.as_deref())
     }
 
-    /// Writes and prints the result; its error is the exit code.
+    /// Writes and prints the result; the error is the exit code.
     fn conclude(mut self, ended: anyhow::Result<()>) -> anyhow::Result<()> {
         let report = &mut self.report;
         let is_faulty = report

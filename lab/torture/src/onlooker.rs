@@ -10,7 +10,7 @@ use super::judge::event::{Event, Life, State, What};
 use super::ledger::Ledger;
 use super::resources::Latencies;
 
-/// Time between two looks whether the deployment has replaced its memory, nanoseconds.
+/// Time between two looks whether the deployment has replaced the memory, nanoseconds.
 const LOOK_NS: i64 = 250_000_000;
 
 /// See the module's documentation.
@@ -23,14 +23,14 @@ pub(super) struct Onlooker {
     looked_ns: i64,
 }
 
-/// Take-overs, by process and start: their number, and the number of take-overs from a process that did not advance.
+/// Take-overs, by process and start: the count, and the count of take-overs from a process that did not advance.
 pub(super) type TakeOvers = BTreeMap<(u32, u64), [u64; 2]>;
 
 impl Onlooker {
     /// Joins the deployment.
     ///
     /// # Errors
-    /// If the deployment is being rebuilt, or its memory is unusable.
+    /// If the deployment is being rebuilt, or the memory is unusable.
     pub(super) fn join(root: &Root, locators: &BTreeSet<u16>, ledger: &mut Ledger) -> anyhow::Result<Self> {
         let bus = Bus::open(root, "torture")?;
         let mut joined_ns = 0;
@@ -38,7 +38,7 @@ impl Onlooker {
             joined_ns = mono_ns();
             joined_ns as u64
         };
-        // Including older epochs: the judge detects a fusion process that continues after its replacement.
+        // Including older epochs: the judge detects a fusion process that continues after a replacement.
         let tracks = bus.subscriber(&messages::system_tracks(), now_ns)?.of_all_epochs();
         let health = bus.subscriber(&messages::health(), || mono_ns() as u64)?;
         ledger.take(&Event {
@@ -55,7 +55,7 @@ impl Onlooker {
         })
     }
 
-    /// Hands all that has come to the judge; `false` if the deployment has replaced its memory.
+    /// Hands all received samples to the judge; `false` if the deployment has replaced the memory.
     ///
     /// # Errors
     /// If the memory cannot be read.
@@ -98,7 +98,7 @@ impl Onlooker {
         Ok(self.bus.goes_on()?)
     }
 
-    /// Leaves. Where the memory was not `whole` to the end, its counts prove nothing.
+    /// Leaves. Where the memory was not `whole` to the end, the counts prove nothing.
     pub(super) fn leave(self, whole: bool, ledger: &mut Ledger) {
         let counts = self.tracks.counts();
         ledger.now(What::Left {

@@ -1,8 +1,8 @@
-//! File systems of its own, which can be full without harm to others.
+//! Separate file systems, which can be full without harm to others.
 //!
 //! If the user has the right, the command executes itself again in a separate mount namespace. There, file systems in
-//! memory replace `/dev/shm` and the folder of recordings. A full file system is as large as its content; afterwards
-//! it has room again. The namespace and its content end with its last process.
+//! memory replace `/dev/shm` and the folder of recordings. A full file system is exactly as large as the content;
+//! afterwards there is room again. The namespace and the content end with the last process.
 
 use std::os::unix::process::CommandExt as _;
 use std::path::Path;
@@ -18,10 +18,10 @@ const VARIABLE: &str = "KOSEKI_TORTURE_NAMESPACE";
 pub(super) const SHARED_MEMORY: &str = "/dev/shm";
 /// Size of a file system; only used pages take memory.
 const ROOM: &str = "size=1g";
-/// Attempts to fill a file system whose content may grow meanwhile.
+/// Attempts to fill a file system with content that may grow meanwhile.
 const ATTEMPTS: usize = 20;
 
-/// Whether this process has file systems of its own.
+/// Whether this process has separate file systems.
 pub(super) fn are_there() -> bool {
     std::env::var_os(VARIABLE).is_some()
 }
@@ -49,7 +49,7 @@ pub(super) fn enter() -> anyhow::Result<()> {
 /// Puts an empty file system in the place of `folder`.
 ///
 /// # Errors
-/// If it cannot be mounted.
+/// If mounting fails.
 pub(super) fn mount(folder: &Path) -> anyhow::Result<()> {
     run(
         "mount",
@@ -82,7 +82,7 @@ pub(super) fn fill(folder: &Path) -> anyhow::Result<()> {
 /// Makes room again.
 ///
 /// # Errors
-/// If it cannot be mounted so.
+/// If mounting fails.
 pub(super) fn make_room(folder: &Path) -> anyhow::Result<()> {
     run("mount", &["-o", &format!("remount,{ROOM}")], folder)
 }

@@ -21,7 +21,7 @@ pub(super) enum Outcome {
     Faulty,
     /// This command failed: see `failure`. There is no verdict on the deployment.
     Failed,
-    /// Interrupted before its time; nothing was wrong until then.
+    /// Interrupted early; nothing was wrong until then.
     Interrupted,
 }
 
@@ -51,12 +51,12 @@ pub(super) struct Happened {
     pub(super) at_s: f64,
     pub(super) fault: &'static str,
     pub(super) act: String,
-    /// Time until all processes were there and states came again; `None` if they did not.
+    /// Time until all processes were there and states came again; `None` otherwise.
     pub(super) back_s: Option<f64>,
 }
 
 impl Report {
-    /// Writes it as JSON, whole or not at all.
+    /// Writes the report as JSON, whole or not at all.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -93,13 +93,13 @@ impl Report {
         text
     }
 
-    /// All that was wrong, in one line.
+    /// All that was wrong, in a single line.
     pub(super) fn wrong(&self) -> String {
         self.verdict.as_ref().map_or_else(String::new, Verdict::wrong)
     }
 }
 
-/// Figures of a verdict; faults are their number, the run's seconds, and take-overs.
+/// Figures of a verdict; faults are a count, the run's seconds, and take-overs.
 fn summary(verdict: &Verdict, (faults, seconds, take_overs, from_still): (usize, f64, u64, u64)) -> String {
     let figures = &verdict.figures;
     let spread = |spread: &Option<_>| match spread {
@@ -135,7 +135,7 @@ fn summary(verdict: &Verdict, (faults, seconds, take_overs, from_still): (usize,
     )
 }
 
-/// A verdict on its own, as text.
+/// A single verdict, as text.
 pub(super) fn verdict_text(verdict: &Verdict, limits: &str) -> String {
     let figures = &verdict.figures;
     summary(verdict, (figures.faults, figures.seconds, 0, 0)) + &format!("limits: {limits}\n")

@@ -6,7 +6,7 @@ use std::fs;
 use runtime::clock::mono_ns;
 use serde::Serialize;
 
-/// Use at one moment.
+/// Use at a single moment.
 #[derive(Clone, Debug, Default, Serialize)]
 pub(super) struct Resources {
     pub(super) at_s: f64,
@@ -16,8 +16,8 @@ pub(super) struct Resources {
     pub(super) descriptors: usize,
     /// Files in shared memory and in the instance's folder.
     pub(super) files: usize,
-    /// Median time from a report's arrival in the deployment to the state that it led to, microseconds, since the last
-    /// look; `None` if no state came.
+    /// Median time from a report's arrival in the deployment to the resulting state, microseconds, since the last look;
+    /// `None` if no state came.
     pub(super) latency_us: Option<f64>,
 }
 
@@ -33,7 +33,7 @@ impl Resources {
     }
 }
 
-/// Resident memory of each process at the first look, in the middle, and at the last one.
+/// Resident memory of each process at the first look, in the middle, and at the last look.
 pub(super) fn growth(looks: &[Resources]) -> String {
     let (Some(first), Some(last)) = (looks.first(), looks.last()) else {
         return String::new();
@@ -54,7 +54,7 @@ impl Latencies {
     /// Most that are remembered.
     const MOST: usize = 100_000;
 
-    /// A state was published `ns` after the report behind it had come.
+    /// A state was published `ns` after the report behind the state had come.
     pub(super) fn add(&mut self, ns: i64) {
         if self.0.len() < Self::MOST && (0..mono_ns()).contains(&ns) {
             self.0.push(ns);

@@ -10,7 +10,7 @@ use std::time::Duration;
 use rand::{Rng, RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
-/// Time between two faults: a part of it fixed, and a part drawn.
+/// Time between two faults: a part fixed, and a part drawn.
 const PAUSE_MS: u64 = 1500;
 const PAUSE_DRAWN_MS: u64 = 3000;
 
@@ -44,7 +44,7 @@ fn one_of(names: &[String], random: &mut ChaCha8Rng) -> String {
     names.get(index).cloned().unwrap_or_default()
 }
 
-/// A fault with all that was drawn for it.
+/// A fault with all values drawn for the fault.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Act {
     Kill { name: String },
@@ -176,7 +176,7 @@ pub(super) struct Planned {
     pub(super) act: Act,
 }
 
-/// Faults without end, in the order in which they come.
+/// Faults without end, in order.
 #[derive(Debug)]
 pub(super) struct Schedule {
     random: ChaCha8Rng,
@@ -203,7 +203,7 @@ impl Iterator for Schedule {
         let pause = Duration::from_millis(PAUSE_MS + random.random_range(0..PAUSE_DRAWN_MS));
         let index = random.random_range(0..self.possible.len().max(1));
         let fault = *self.possible.get(index)?;
-        // Draws of one fault shift none of the next.
+        // Draws of a fault shift none of the next.
         let mut own = ChaCha8Rng::seed_from_u64(random.next_u64());
         let act = (fault.draw)(&self.cast, &mut own);
         Some(Planned { pause, fault, act })

@@ -1,8 +1,8 @@
 //! The run without faults: the same sensors in the same world, received and fused in this process.
 //!
-//! The judge's limits are ratios to this run. It has no processes, no network and no clock, so that nothing can disturb
-//! it, and keeps a second ahead of the deployment. The sensors' datagrams go through the decoders, pipelines and the
-//! engine of the deployment's processes.
+//! The judge's limits are ratios to this run. The run has no processes, no network and no clock, so that nothing can
+//! disturb the run, and keeps a second ahead of the deployment. The sensors' datagrams go through the decoders,
+//! pipelines and the engine of the deployment's processes.
 
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
@@ -24,7 +24,7 @@ use crate::judge::world::{distance, moved};
 
 /// Seed of the traffic, independent of the faults: other faults must not change the victims.
 pub(super) const SEED: u64 = 1;
-/// A track farther from every target than this is one of a sensor's false targets, metres.
+/// A track farther from every target than this is a sensor's false target, metres.
 const STRANGER_M: f64 = 1000.0;
 
 /// Engines of the deployment's processes.
@@ -32,9 +32,9 @@ const STRANGER_M: f64 = 1000.0;
 pub struct Engines {
     /// Settings of fusion.
     pub fusion: fusion::Settings,
-    /// How the data of each source are read, in the order of their numbers.
+    /// How the data of each source are read, in the order of numbers.
     pub readings: Vec<SourceReading>,
-    /// The simulated world, and what observes it.
+    /// The simulated world, and the observers.
     pub world: scenario::World,
 }
 
@@ -47,7 +47,7 @@ pub(super) struct UndisturbedRun {
     locators: BTreeSet<u16>,
 }
 
-/// A simulated sensor, and the processing of its data.
+/// A simulated sensor, and the processing of the sensor's data.
 struct Observer {
     instrument: Sender,
     pipeline: Pipeline,
@@ -61,14 +61,14 @@ enum Sender {
 /// The newest state of a confirmed track.
 struct Shown {
     state: SystemTrack,
-    /// States in the present second that reports led to, those of locators aside.
+    /// States in the present second caused by reports, except states of locators.
     states: u32,
 }
 
-/// What the run shows at a second.
+/// Tracks of the run at a second.
 #[derive(Default)]
 pub(super) struct Picture {
-    /// The track of each target, and its place.
+    /// The track of each target, and the target's place.
     pub(super) targets: BTreeMap<u32, (Undisturbed, [f64; 2])>,
     /// Places of all other tracks.
     pub(super) strangers_m: Vec<[f64; 2]>,
@@ -78,7 +78,7 @@ impl UndisturbedRun {
     /// The run of the simulated sensors of `config`, from `begin_utc_ns` on. Arrays of direction finders are left out.
     ///
     /// # Errors
-    /// If its settings cannot be used.
+    /// If the settings are unusable.
     pub(super) fn new(config: &Deployment, engines: Engines, begin: Now) -> anyhow::Result<Self> {
         let mut observers = Vec::new();
         for (source, reading) in config.sources.iter().zip(&engines.readings) {
@@ -116,7 +116,7 @@ impl UndisturbedRun {
         })
     }
 
-    /// Goes on to the next second; returns what is shown then.
+    /// Goes on to the next second; returns the picture then.
     pub(super) fn next(&mut self, second: u32, truth: &Truth) -> Picture {
         let end_s = f64::from(second);
         self.tracks.values_mut().for_each(|shown| shown.states = 0);
@@ -209,7 +209,7 @@ impl Observer {
     }
 }
 
-/// Sources whose tracks are located, by their numbers.
+/// Sources with located tracks, by numbers.
 pub(super) fn locators(config: &Deployment) -> BTreeSet<u16> {
     let sources = config.sources.iter().filter(|source| source.has_bearings());
     sources.map(|source| source.number).collect()
@@ -232,7 +232,7 @@ fn take(tracks: &mut BTreeMap<u32, Shown>, state: &SystemTrack, locators: &BTree
     shown.states += u32::from(is_counted);
 }
 
-/// The target of this address, else the nearest, if one is near; with the distance in the plane, metres.
+/// The target of this address, else the nearest, if near enough; with the distance in the plane, metres.
 fn nearest(truth: &[TargetState], place_m: [f64; 3], address: Option<u32>) -> Option<(f64, &TargetState)> {
     let candidates = truth
         .iter()

@@ -12,7 +12,7 @@ use super::undisturbed::{Engines, SEED, UndisturbedRun};
 /// How long before a second the world is known at that second, nanoseconds.
 const AHEAD_NS: i64 = 1_000_000_000;
 
-/// Where every target is at any time, and what a run without faults shows.
+/// Where every target is at any time, and the picture of a run without faults.
 pub(super) struct World {
     truth: Truth,
     undisturbed: UndisturbedRun,
@@ -24,7 +24,7 @@ impl World {
     /// The world that `config` describes, from `begin` on; `None` where the configuration has no simulated world.
     ///
     /// # Errors
-    /// If its settings cannot be used.
+    /// If the settings are unusable.
     pub(super) fn new(config: &Deployment, engines: Engines, begin: Now) -> anyhow::Result<Option<Self>> {
         let Some(settings) = &engines.world.targets else {
             return Ok(None);
@@ -37,7 +37,7 @@ impl World {
         }))
     }
 
-    /// Returns the next second of the world; `None` if it is not near yet.
+    /// Returns the next second of the world; `None` if not near yet.
     pub(super) fn next(&mut self, now_mono_ns: i64) -> Option<Second> {
         let second = self.next;
         if now_mono_ns < self.begin_mono_ns + (f64::from(second) * NS_PER_S) as i64 - AHEAD_NS {

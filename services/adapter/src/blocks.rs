@@ -1,9 +1,9 @@
-//! ASTERIX in datagrams, and the sensors behind one socket.
+//! ASTERIX in datagrams, and the sensors behind a socket.
 //!
-//! A control centre receives many radars on one multicast group. Each data block names its sensor (system area code
-//! and system identification code, the first item of every category). The block goes to the source of that sensor,
-//! which reads it with the source's configured editions. Blocks of unknown sensors, data that are no block, and
-//! datagrams of senders outside the list are counted and skipped.
+//! A control centre receives many radars on a single multicast group. Each data block names its sensor (system area
+//! code and system identification code, the first item of every category). The block goes to the source of that sensor,
+//! to be read with the source's configured editions. Blocks of unknown sensors, data that are no block, and datagrams
+//! of senders outside the list are counted and skipped.
 
 use anyhow::Context as _;
 use asterix::{Decoder, StatedTables, blocks};
@@ -34,7 +34,7 @@ pub(crate) struct BlockSources {
     misfits: Vec<Misfits>,
     /// Latest refusals of each source.
     refusals: Vec<LatestRefusals>,
-    /// Latest refusals of what belongs to no source.
+    /// Latest refusals of data that belong to no source.
     unread: LatestRefusals,
     strangers: Strangers,
     blocks_rejected: u64,
@@ -121,7 +121,7 @@ impl DatagramReader for BlockSources {
                 match observation::read(&record) {
                     Reading::Target(observed) => {
                         // A block may contain reports of several sensors. A report of an unknown sensor goes to the
-                        // block's own source, which rejects and counts it.
+                        // block's own source, which rejects and counts the report.
                         let is_own = observed.sac_sic == sender;
                         let other = || find(&self.senders, observed.sac_sic).unwrap_or(index);
                         let first = if is_own { index } else { other() };
@@ -156,7 +156,7 @@ impl DatagramReader for BlockSources {
         for channel in &mut self.channels {
             channel.publish()?;
             if let Some(elapsed) = elapsed {
-                // What had come at the beginning of the turn has been taken, whatever has come meanwhile.
+                // All data from the beginning of the turn have been taken, despite later arrivals.
                 channel.silent(now.mono_ns)?;
                 channel.elapsed(elapsed)?;
             }

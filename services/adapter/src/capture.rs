@@ -1,10 +1,10 @@
 //! Captures of received data, byte for byte, so that the chain can be run again from the sensors' own bytes.
 //!
-//! A disk may be slow, and an adapter must not wait for it. A second thread therefore writes. Both threads exchange
-//! batches through queues without locks: the adapter fills one batch while the others are on their way, and continues
-//! to fill it until an empty batch returns. Data beyond the size of a batch are left out and counted.
+//! A disk may be slow, and an adapter must not wait for the disk. A second thread therefore writes. Both threads
+//! exchange batches through queues without locks: the adapter fills a batch while the others are under way, and
+//! continues with this batch until an empty batch returns. Data beyond the size of a batch are left out and counted.
 //!
-//! A line of a connection becomes the payload of a datagram, so that the line has its time of receipt and one reader
+//! A line of a connection becomes the payload of a datagram, so that the line has a time of receipt and a single reader
 //! suffices. New files begin by size and by time; concatenated files are a capture again. Unwritten data are counted,
 //! and writing is tried again in a new file. A killed adapter leaves a file with a torn last packet.
 
@@ -35,7 +35,7 @@ const PAUSE: Duration = Duration::from_millis(10);
 /// Time between two attempts to write after a failure, nanoseconds.
 const RETRY_NS: i64 = 1_000_000_000;
 
-/// Capture of one receiver.
+/// Capture of a receiver.
 #[derive(Debug)]
 pub(crate) struct Capture {
     to: SocketAddr,
@@ -44,7 +44,7 @@ pub(crate) struct Capture {
     thread: Option<JoinHandle<()>>,
 }
 
-/// Received data, one piece after another.
+/// Received data, piece after piece.
 #[derive(Debug)]
 struct CaptureBatch {
     octets: Vec<u8>,
@@ -325,7 +325,7 @@ mod tests {
         }
     }
 
-    /// Hands over the present batch, and waits until it is written or lost.
+    /// Hands over the present batch, and waits until the batch is written or lost.
     fn pass(capture: &mut Capture) {
         let all = || BATCHES - 1 == capture.shared.empty.len();
         while !all() {

@@ -1,4 +1,4 @@
-//! Path of a source's observations to its topics.
+//! Path of a source's observations to the source's topics.
 
 use bus::{BusError, Mark, Publisher, SharedMemory, Subscriber};
 use deployment::Source;
@@ -22,7 +22,7 @@ use crate::continuity;
 use crate::outlet::TopicOutlet;
 use crate::receiver::ReceiptTime;
 
-/// Maximum number of reports collected before publication: those of one batch of datagrams.
+/// Maximum number of reports collected before publication: the reports of a batch of datagrams.
 const GATHERED_MAX: usize = 4096;
 /// Slices taken at a time from the topics of a tracker's wide-area sensors.
 const SLICES_PER_LOOK: usize = 64;
@@ -38,7 +38,7 @@ pub(crate) struct SourceChannel {
     kept: Option<Publication>,
     /// Wide-area sensors of the source's tracker.
     counts: Vec<Subscriber<SharedMemory, WideArea>>,
-    /// Direction finders whose emissions the tracker uses.
+    /// Direction finders with emissions that the tracker uses.
     emissions: Vec<Subscriber<SharedMemory, SensorBearing>>,
     /// States of the platform that carries the source's direction finder.
     platform: Option<Subscriber<SharedMemory, PlatformState>>,
@@ -101,7 +101,7 @@ impl Outlets {
 }
 
 impl Outlets {
-    /// Whether somebody receives spectra.
+    /// Whether spectra have a receiver.
     fn wants_spectra(&self) -> bool {
         self.spectra.as_ref().is_some_and(Publisher::has_subscribers)
     }
@@ -173,7 +173,7 @@ impl SourceChannel {
         self.listen()
     }
 
-    /// Returns the offset of the source's clock against the machine's UTC at `now` and its standard deviation,
+    /// Returns the offset of the source's clock against the machine's UTC at `now` and the offset's standard deviation,
     /// seconds.
     fn clock_offset(&self, now: Now) -> Option<(f64, f64)> {
         let ahead_s = self.steady?.ahead_of(now) as f64 / NS_PER_S;
@@ -188,7 +188,7 @@ impl SourceChannel {
         self.publish_many()
     }
 
-    /// Takes the latest position that was refused, if one was since the last call.
+    /// Takes the latest refused position, if any was refused since the last call.
     pub(crate) fn take_refused_place(&mut self) -> Option<RefusedPlace> {
         self.pipeline.take_refused_place()
     }
@@ -267,7 +267,7 @@ impl SourceChannel {
         Ok(self.outlets.send(mark, &mut self.gathered)?)
     }
 
-    /// Returns the health of the source; `decoded` are the counts of its decoder.
+    /// Returns the health of the source; `decoded` are the counts of the source's decoder.
     pub(crate) fn health(&self, decoded: &Counters) -> HealthEntry {
         let mut entry = HealthEntry {
             source: self.source,
@@ -279,7 +279,7 @@ impl SourceChannel {
         };
         entry.registration.set_clock_offset(self.clock_offset(Now::read()));
         entry.counters += decoded;
-        // Of a tracker's sensor, detections are what is published.
+        // A tracker's sensor publishes detections.
         let published = match self.has_tracks {
             true => self.outlets.tracks.sent(),
             false => self.outlets.detections.sent(),

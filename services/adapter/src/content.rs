@@ -15,10 +15,10 @@ use messages::{Counter, Counters};
 use crate::counted::{decoded, merged};
 use crate::intake::Intake;
 
-/// Recorded file, and the progress of its reader.
+/// Recorded file, and the reader's progress.
 #[derive(Debug)]
 pub(crate) enum RecordedContent {
-    /// ASTERIX data blocks, and their reader.
+    /// ASTERIX data blocks, and the reader of the blocks.
     Asterix(Packed, Box<Decoder>),
     /// Lines of SBS-1.
     Lines(RecordedLines),
@@ -28,7 +28,7 @@ pub(crate) enum RecordedContent {
 
 impl RecordedContent {
     /// # Errors
-    /// If the file is configured as a table and its header is not that of a table of sensor tracks.
+    /// If the file is configured as a table and the header is not the header of a table of sensor tracks.
     pub(crate) fn open(bytes: Vec<u8>, recorded: &Recorded, first_day_ns: i64) -> Result<Self, CsvError> {
         Ok(match recorded.format {
             RecordedFormat::Asterix => {
@@ -107,7 +107,7 @@ impl RecordedLines {
     }
 }
 
-/// Rows of sensor tracks of any sensors; a file is one source.
+/// Rows of sensor tracks of any sensors; a file is a single source.
 #[derive(Debug)]
 pub(crate) struct RecordedTracks {
     reader: Option<Box<SensorTrackRows>>,
@@ -140,11 +140,11 @@ impl RecordedTracks {
     }
 }
 
-/// Datagrams of a recording, one after the other.
+/// Datagrams of a recording, in sequence.
 #[derive(Debug)]
 pub(crate) struct Packed {
     bytes: Vec<u8>,
-    /// End of each datagram in order, and its time of receipt if known, UTC, nanoseconds.
+    /// End of each datagram in order, and the time of receipt if known, UTC, nanoseconds.
     ends: VecDeque<(usize, Option<i64>)>,
     offset: usize,
 }
@@ -179,8 +179,8 @@ impl Packed {
         self.ends.is_empty()
     }
 
-    /// Returns the next data block and the number of its bytes. Data that are no block end their datagram, and are an
-    /// error of that many bytes.
+    /// Returns the next data block and the number of bytes. Data that are no block end the datagram, and are an error
+    /// of that many bytes.
     pub(crate) fn next_block(&mut self) -> (Option<Result<Block<'_>, Error>>, usize) {
         let found = |rest| {
             let block = blocks(rest).next();

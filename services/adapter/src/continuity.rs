@@ -1,8 +1,8 @@
 //! Continuation of a killed adapter's tracks under the same numbers.
 //!
-//! Each source's tracks are kept in memory of their own beside fusion's checkpoint ([`bus::Outlasting`]). Unusable
-//! memory is put aside and reported; track numbers then begin with a number that depends on the time. Tracks from
-//! before the begin of the simulated world are ended: they have targets of another world.
+//! Each source's tracks are kept in separate memory beside fusion's checkpoint ([`bus::Outlasting`]). Unusable memory
+//! is put aside and reported; track numbers then begin with a number that depends on the time. Tracks from before the
+//! begin of the simulated world are ended: such tracks have targets of another world.
 
 use std::sync::Arc;
 
@@ -11,10 +11,11 @@ use runtime::Process;
 use runtime::{Now, Publication};
 use sources::Pipeline;
 
-/// Continues a source's pipeline from its kept tracks, and keeps its tracks for a successor; `None` if it has none.
+/// Continues a source's pipeline from kept tracks, and keeps the tracks for a successor; `None` without tracks to
+/// keep.
 ///
 /// # Errors
-/// If the machine has no memory for them.
+/// If the machine has no memory for the tracks.
 pub(crate) fn go_on(
     process: &Process,
     source: &Source,

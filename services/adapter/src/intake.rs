@@ -1,4 +1,4 @@
-//! Data of a recording through the source's pipeline, in the order of their times.
+//! Data of a recording through the source's pipeline, in the order of time.
 
 use messages::{Counter, Counters, SensorDetection, SensorTrack};
 use observations::{Observation, ServiceMessage};

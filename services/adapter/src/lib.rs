@@ -1,13 +1,12 @@
-//! Adapter process: one per sensor or network input, converts sensors' data to sensor tracks and publishes them.
+//! Adapter process: a process per sensor or network input, converts sensors' data to sensor tracks and publishes these.
 //!
 //! Live data arrive in datagrams (`receiver`), which contain ASTERIX (`blocks`), bearings, detections or counts
 //! (`tables`) or snapshots of an antenna array (`snapshots`), or in lines over a connection (`lines`, `row_lines`). The
 //! source's pipeline converts observations to samples ([`sources`]), and `channel` publishes them; `capture` stores the
-//! received bytes on request. Recorded data
-//! are read as a whole: a source's data are decoded piece by piece (`recorded_source`, `content`), a wide-area sensor's
-//! data as counts; `replay` publishes both, paced by their own times. A tracker process (`tracker`) takes the
-//! detections of its sensors from their topics, or reads their recordings. Sensors that only count are in `wide_area`,
-//! the states of platforms that carry sensors in `platform`.
+//! received bytes on request. Recorded data are read as a whole: a source's data are decoded piece by piece
+//! (`recorded_source`, `content`), a wide-area sensor's data as counts; `replay` publishes both, paced by the data's
+//! own times. A tracker process (`tracker`) takes the detections of its sensors from topics, or reads recordings.
+//! Sensors that only count are in `wide_area`, the states of platforms that carry sensors in `platform`.
 
 #![forbid(unsafe_code)]
 
@@ -63,11 +62,11 @@ impl<'a> Processed<'a> {
     }
 }
 
-/// Runs the adapter named in `process` (of a receiver, a recorded source or a wide-area sensor) until its work is
-/// done or a stop is requested. `readings` are of the deployment.
+/// Runs the adapter named in `process` (of a receiver, a recorded source or a wide-area sensor) until the work is done
+/// or a stop is requested. `readings` are of the deployment.
 ///
 /// # Errors
-/// If there is no such source, its input cannot be read, or shared memory fails.
+/// If there is no such source, the input cannot be read, or shared memory fails.
 pub fn run(process: &Process, readings: &Readings) -> anyhow::Result<()> {
     let (config, name) = (&process.config, &process.name);
     if let Some(sensor) = config.wide_area_sensors.iter().find(|sensor| sensor.adapter == *name) {

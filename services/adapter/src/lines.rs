@@ -1,7 +1,7 @@
-//! SBS-1 (BaseStation) from a server on the network: one connection, and its source.
+//! SBS-1 (BaseStation) from a server on the network: a connection, and its source.
 //!
-//! A server may start later, end and return; a lost connection is made again. The time of receipt of a line is the
-//! time of the read, since TCP has no time stamps of its own.
+//! A server may start later, end and return; a lost connection is made again. The time of receipt of a line is the time
+//! of the read, since TCP has no time stamps.
 
 use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::time::Duration;
@@ -21,7 +21,7 @@ use crate::counted::merged;
 use crate::receiver::ReceiptTime;
 use crate::refusals::LatestRefusals;
 
-/// Longest wait for a line in one turn, bounded by health messages and stop requests.
+/// Longest wait for a line in a turn, bounded by health messages and stop requests.
 const PATIENCE: Duration = Duration::from_millis(50);
 
 /// Agent of a receiver of lines.

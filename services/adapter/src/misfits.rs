@@ -44,7 +44,7 @@ impl Strangers {
     }
 }
 
-/// Unreadable blocks of one source, by category.
+/// Unreadable blocks of a source, by category.
 #[derive(Debug)]
 pub(crate) struct Misfits {
     configured: StatedTables,

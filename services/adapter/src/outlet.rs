@@ -1,4 +1,4 @@
-//! Publication of samples of one kind.
+//! Publication of samples of a single kind.
 
 use bus::{BusError, Mark, Payload, Publisher, SharedMemory};
 use messages::{Outgoing, ProcessKind, StreamId, Topic};
@@ -10,7 +10,7 @@ use runtime::flow::Flow;
 pub(crate) struct TopicOutlet<T: Payload>(Option<Publisher<SharedMemory, T>>);
 
 impl<T: Outgoing> TopicOutlet<T> {
-    /// Opens `topic` if the source has it; `sensor_uid` is the identity of the source's sensor.
+    /// Opens `topic` if the source has this topic; `sensor_uid` is the identity of the source's sensor.
     pub(crate) fn open(
         process: &Process,
         topic: &Topic<T>,
@@ -51,7 +51,7 @@ impl<T: Outgoing> TopicOutlet<T> {
     }
 }
 
-/// Publisher of a recording's topic, limited by its consumers.
+/// Publisher of a recording's topic, limited by the topic's consumers.
 #[derive(Debug)]
 pub(crate) struct PacedOutlet<T: Payload> {
     publisher: Publisher<SharedMemory, T>,
@@ -87,8 +87,8 @@ impl<T: Outgoing> PacedOutlet<T> {
         self.flow.may_send(self.publisher.counts().slices)
     }
 
-    /// Publishes `count` samples with their own numbers, received at `ingested_ns` (monotonic, nanoseconds): the time
-    /// of receipt of a recorded sample is its due time.
+    /// Publishes `count` samples with given numbers, received at `ingested_ns` (monotonic, nanoseconds): the time of
+    /// receipt of a recorded sample is its due time.
     pub(crate) fn send(
         &mut self,
         mark: Mark,

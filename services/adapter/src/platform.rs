@@ -1,8 +1,8 @@
-//! Platforms: the process that receives the states of a ship or vehicle, and publishes them (EL-11).
+//! Platforms: the process that receives the states of a ship or vehicle, and publishes these states (EL-11).
 //!
-//! The bytes are sentences of NMEA 0183 or, in datagrams, tables of states. Each sentence becomes a state of what it
-//! gives, at once: readers put position and attitude together by time, so nothing waits here. A state far from all
-//! motion is published like any other, and counted for the alarm.
+//! The bytes are sentences of NMEA 0183 or, in datagrams, tables of states. Each sentence becomes a state with the
+//! sentence's values, at once: readers put position and attitude together by time, so nothing waits here. A state far
+//! from all motion is published like any other, and counted for the alarm.
 
 use std::fs::File;
 use std::io::Read as _;
@@ -25,23 +25,23 @@ use sources::PlatformReading;
 use crate::receiver::{DatagramAgent, DatagramReader, ReceiptTime};
 use crate::tables::{TableCounts, utc_ns};
 
-/// Longest wait for a line in one turn, bounded by health messages and stop requests.
+/// Longest wait for a line in a turn, bounded by health messages and stop requests.
 const PATIENCE: Duration = Duration::from_millis(50);
 /// Time between two looks at a device.
 const DEVICE_PAUSE: Duration = Duration::from_millis(5);
-/// Bytes taken from a device in one turn.
+/// Bytes taken from a device in a turn.
 const DEVICE_OCTETS: usize = 4096;
 /// Time between two attempts to open a device, nanoseconds.
 const REOPEN_NS: i64 = 1_000_000_000;
 /// Distance from the origin of the system frame beyond which the plane of the frame distorts, metres.
 pub(crate) const FAR_M: f64 = 300e3;
-/// Most states of one turn; a further one begins the next slice.
+/// Maximum number of states in a turn; a further state begins the next slice.
 const STATES_MAX: usize = 1024;
 
 /// The agent of a platform's process.
 ///
 /// # Errors
-/// If its input cannot be opened, or shared memory fails.
+/// If the input cannot be opened, or shared memory fails.
 pub(crate) fn agent(
     process: &Process,
     (platform, reading): (&Platform, &PlatformReading),
@@ -159,7 +159,7 @@ impl PlatformStates {
             let Some([east, north, up]) = state.position_m else {
                 return true;
             };
-            // The other side of the earth is below the origin, and near it on the plane.
+            // The other side of the earth is below the origin, and near the origin on the plane.
             *distance_m = east.hypot(north).hypot(up);
             *too_far += u64::from(*distance_m > range_m);
             *distance_m <= range_m
@@ -257,7 +257,7 @@ enum Stream {
     Device(Device),
 }
 
-/// A device that is read without waiting, and opened again after it was unplugged.
+/// A device that is read without waiting, and opened again after being unplugged.
 #[derive(Debug)]
 struct Device {
     path: PathBuf,
@@ -275,7 +275,7 @@ struct StreamAgent {
 }
 
 impl Device {
-    /// Reads what has come; nothing if the device is absent or silent.
+    /// Reads the available bytes; none if the device is absent or silent.
     fn read(&mut self, buffer: &mut [u8], now: Now) -> usize {
         if self.file.is_none() && now.mono_ns.saturating_sub(self.tried_ns) >= REOPEN_NS {
             self.tried_ns = now.mono_ns;

@@ -1,8 +1,8 @@
 //! Rows of detections in datagrams (FM-6), and the sensors of tracker processes behind the socket.
 //!
-//! Each datagram is a table by itself. Rows name their sensor, so several sensors may send to one socket; a row of a
-//! sensor that no configuration names is counted. A row that cannot be read names no sensor: it is the only one's, or
-//! belongs to the socket. A row of the kind `none` states a scan without detections.
+//! Each datagram is a separate table. Rows name the sensor, so several sensors may send to a single socket; a row of a
+//! sensor that no configuration names is counted. An unreadable row names no sensor: such a row belongs to the only
+//! sensor, or to the socket. A row of the kind `none` states a scan without detections.
 
 use anyhow::Context as _;
 use deployment::SampleDelivery;
@@ -20,7 +20,7 @@ use crate::tables::{TableCounts, utc_ns};
 /// Reader of tables of detections.
 #[derive(Debug)]
 pub(crate) struct PlotRows {
-    /// Each with the number of its sensor in rows; `None` takes all rows.
+    /// Each with the sensor's number in rows; `None` takes all rows.
     channels: Vec<(Option<u32>, SourceChannel)>,
     tables: TableCounts,
     /// Rows of unknown sensors.
@@ -42,13 +42,13 @@ impl PlotRows {
         })
     }
 
-    /// Counts the lines of the next table from `lines`: it goes on with a table that began before.
+    /// Counts the lines of the next table, which continues an earlier table, from `lines`.
     pub(crate) fn after_lines(&mut self, lines: u64) {
         self.tables.after_lines(lines);
     }
 }
 
-/// Event that a row states at a time of the day, with the number of its sensor.
+/// Event that a row states at a time of the day, with the sensor's number.
 pub(crate) fn event_of(row: ScanRow, utc_ns: impl Fn(i64) -> i64) -> (u32, SensorEvent) {
     match row {
         ScanRow::Detection(mut detection) => {

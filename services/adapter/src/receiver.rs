@@ -1,8 +1,8 @@
-//! Datagrams from the network: one socket and its reader.
+//! Datagrams from the network: a socket and its reader.
 //!
-//! The wait for the next datagram is part of a turn, since the socket returns the datagram. The time of receipt is
-//! the time at which the kernel took the datagram from the network. The stages of a report begin with this time, and
-//! the sensor's time of day is checked against it.
+//! The wait for the next datagram is part of a turn, since the socket returns the datagram. The time of receipt is the
+//! time at which the kernel took the datagram from the network. The stages of a report begin with this time, and the
+//! sensor's time of day is checked against this time.
 
 use std::fmt::Debug;
 use std::net::IpAddr;
@@ -17,13 +17,13 @@ use runtime::{Agent, HealthEntry, Now, Turn};
 
 use crate::capture::Capture;
 
-/// Longest wait for a datagram in one turn, bounded by health messages and stop requests.
+/// Longest wait for a datagram in a turn, bounded by health messages and stop requests.
 const PATIENCE: Duration = Duration::from_millis(50);
 /// Longest time of a datagram in the kernel, nanoseconds; a stamp farther from the present belongs to a UTC before a
 /// step of the clock.
 const WAITED_MAX_NS: i64 = 10_000_000_000;
 
-/// Reader of datagrams and publisher of their contents.
+/// Reader of datagrams and publisher of the contents.
 pub(crate) trait DatagramReader: Debug {
     /// Takes a datagram.
     fn take(&mut self, bytes: &[u8], received: ReceiptTime) -> anyhow::Result<()>;
@@ -31,7 +31,7 @@ pub(crate) trait DatagramReader: Debug {
     /// Publishes the results of the `count` datagrams of a turn.
     fn publish(&mut self, count: usize, now: Now) -> anyhow::Result<()>;
 
-    /// Returns the health of the receiver apart from its socket, and of each source behind it.
+    /// Returns the health of the receiver apart from the socket, and of each source behind the receiver.
     fn health(&self, whole: &mut HealthEntry, sources: &mut Vec<HealthEntry>);
 
     /// Returns the same, with the sources summed up in the receiver's entry.

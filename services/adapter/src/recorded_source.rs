@@ -1,4 +1,4 @@
-//! Recorded file as a queue of sensor tracks in the order of their times.
+//! Recorded file as a queue of sensor tracks in the order of time.
 //!
 //! Decoding is several reports ahead of the replay, so that the time of the next report is known. This time is the
 //! source's watermark, and lets fusion continue during the source's silences.
@@ -28,7 +28,7 @@ pub struct RecordedSource {
     intake: Intake,
     ready: VecDeque<SensorTrack>,
     next_number: u64,
-    /// Detections of tracks, numbered by their place in the recording.
+    /// Detections of tracks, numbered by the place in the recording.
     detections: VecDeque<SensorDetection>,
     next_detection: u64,
 }
@@ -95,11 +95,11 @@ pub(crate) fn counts(process: &Process, Processed { source, readings }: Processe
 }
 
 impl RecordedSource {
-    /// Creates the recording in `bytes` of `source`, whose first report is of the day that begins at `first_day_ns`
+    /// Creates the recording in `bytes` of `source`, with the first report on the day that begins at `first_day_ns`
     /// (UTC, nanoseconds).
     ///
     /// # Errors
-    /// If the file is configured as a table and its header is not that of a table of sensor tracks.
+    /// If the file is configured as a table and the header is not the header of a table of sensor tracks.
     pub fn new(
         bytes: Vec<u8>,
         recorded: &Recorded,

@@ -1,7 +1,7 @@
 //! Refusals in words, for health messages.
 //!
-//! A count alone leaves a user without the reason. For each of the latest reasons one text is kept: the time of day of
-//! the receipt, the line or item, its value, the limit and the remedy. A flood of refusals costs no more than its
+//! A count alone leaves a user without the reason. For each of the latest reasons a text is kept: the time of day of
+//! the receipt, the line or item, the value, the limit and the remedy. A flood of refusals costs no more than the
 //! counts: a reason gets a new text at most every [`RENEWED_NS`].
 
 use std::fmt::Display;
@@ -34,14 +34,14 @@ pub(crate) struct LatestRefusals {
 
 #[derive(Clone, Debug)]
 struct KeptRefusal {
-    /// Kind of the refusal, and the column, item or field that has it.
+    /// Kind of the refusal, and the refused column, item or field.
     reason: (&'static str, &'static str),
     mono_ns: i64,
     text: String,
 }
 
 impl LatestRefusals {
-    /// Takes a refusal of `reason`: of what came at `received`, in words.
+    /// Takes a refusal for `reason`, of data that came at `received`, in words.
     pub(crate) fn note(&mut self, reason: (&'static str, &'static str), received: ReceiptTime, words: impl Display) {
         let place = self.kept.iter().position(|kept| kept.reason == reason);
         if let Some(kept) = place.and_then(|place| self.kept.get(place))
@@ -97,7 +97,7 @@ impl LatestRefusals {
         );
     }
 
-    /// States them in a health message, as many as it has room for.
+    /// States the refusals in a health message, as far as there is room.
     pub(crate) fn state(&self, health: &mut HealthEntry) {
         let stated = &mut health.refusal;
         for kept in &self.kept {

@@ -1,9 +1,9 @@
-//! Replay of a recording, paced by its own times.
+//! Replay of a recording, paced by the recorded times.
 //!
-//! The recording's clock starts when every consumer has joined. At a finite speed a sample is published when that
-//! clock reaches the sample's time; at maximum speed, as soon as the consumers have room. In both cases nothing is
-//! published beyond the consumers' room. A killed replay resumes with the first sample that a consumer lacks: samples
-//! are numbered by their place in the recording, so that consumers recognise repeated samples.
+//! The recording's clock starts when every consumer has joined. At a finite speed a sample is published when that clock
+//! reaches the sample's time; at maximum speed, as soon as the consumers have room. In both cases nothing is published
+//! beyond the consumers' room. A killed replay resumes with the first sample that a consumer lacks: samples are
+//! numbered by the place in the recording, so that consumers recognise repeated samples.
 
 use std::fmt::Debug;
 use std::time::Duration;
@@ -21,21 +21,21 @@ const PATIENCE: Duration = Duration::from_millis(20);
 /// Time between two repetitions of the end, nanoseconds.
 const END_REPEAT_NS: i64 = 250_000_000;
 
-/// Samples of a recording in the order of their due times, numbered by their places.
+/// Samples of a recording in the order of the due times, numbered by place.
 pub(crate) trait Replayed: Debug {
     /// Sample.
     type Sample: Outgoing;
     /// Consumers that must join before the recording's clock starts, in words.
     const WAITS_FOR: &'static str;
 
-    /// Number of the next sample, and UTC at which the one `ahead` places after it is due, nanoseconds; `None` if there
+    /// Number of the next sample, and UTC at which the sample `ahead` places later is due, nanoseconds; `None` if there
     /// is no such sample. At least a slice ahead is known.
     fn due_ns(&self, ahead: usize) -> Option<i64>;
 
     /// Number of samples that are made and not taken.
     fn ahead(&self) -> usize;
 
-    /// Takes the next sample, with its number.
+    /// Takes the next sample, with the sample's number.
     fn next(&mut self) -> Option<(u64, Self::Sample)>;
 
     /// Leaves out the samples numbered below `first_needed`.
@@ -60,11 +60,11 @@ pub(crate) trait Replayed: Debug {
 pub(crate) struct ReplayAgent<R: Replayed> {
     recording: R,
     outlet: PacedOutlet<R::Sample>,
-    /// The way out of the detections of which tracks are made; only the recorder reads them all.
+    /// The way out of the detections behind the tracks; only the recorder reads all detections.
     detections: Option<PacedOutlet<SensorDetection>>,
     waiter: Waiter<SharedMemory>,
     speed: Speed,
-    /// The recording's clock, once it runs.
+    /// The recording's clock, once running.
     clock: Option<ReplayClock>,
     ended: bool,
     end_said_ns: i64,
@@ -87,7 +87,7 @@ pub(crate) struct Published<'a, T> {
 }
 
 impl<T: Outgoing> Published<'_, T> {
-    /// Opens the topic, which `consumers` must be able to follow, and, if there is one, the recorder.
+    /// Opens the topic, which `consumers` must be able to follow, and, if present, the recorder.
     pub(crate) fn open(&self, process: &Process, consumers: &[ProcessKind]) -> anyhow::Result<PacedOutlet<T>> {
         let recorder = process.config.services.recorder.then_some(ProcessKind::Recorder);
         let consumers: Vec<ProcessKind> = consumers.iter().copied().chain(recorder).collect();
@@ -127,7 +127,8 @@ impl<R: Replayed> ReplayAgent<R> {
     }
 
     /// Publishes a slice of the detections that are due before the next samples; `None` if there are none, else whether
-    /// they wait for the recorder. A recorder that still lacks some is given them again after a restart.
+    /// the detections wait for the recorder. After a restart, detections that the recorder still lacks are published
+    /// again.
     fn publish_detections(&mut self, until_ns: i64, now: Now) -> anyhow::Result<Option<Turn>> {
         let Some(outlet) = &mut self.detections else {
             return Ok(None);
@@ -183,7 +184,7 @@ impl<R: Replayed> ReplayAgent<R> {
         (0..self.outlet.slice_len()).take_while(is_due).count()
     }
 
-    /// Publishes the next `count` samples, and how far the recording has got with them.
+    /// Publishes the next `count` samples, and the recording's progress.
     fn publish(&mut self, count: usize, now: Now) -> anyhow::Result<()> {
         let next_ns = self.recording.due_ns(count);
         let mark = Mark {
@@ -230,7 +231,7 @@ impl<R: Replayed> Agent for ReplayAgent<R> {
         let Some(clock) = self.clock else {
             self.start(now);
             if self.recording.due_ns(0).is_some() {
-                // Publishes the start of the source, so that readers need not wait for its first sample.
+                // Publishes the start of the source, so that readers need not wait for the first sample.
                 self.publish(0, now)?;
             }
             return Ok(Turn::Worked);

@@ -1,9 +1,9 @@
-//! Rows of a table from a server on the network, over one connection.
+//! Rows of a table from a server on the network, over a connection.
 //!
-//! The server sends the header line first, then rows as they come. A line that begins with a small letter is a header;
-//! a later header replaces it, and lines count from it. The rows of one read are put under the header, as in a
-//! datagram, so the readers of datagrams read them. The time of receipt is that of the read, since TCP has no time
-//! stamps of its own.
+//! The server sends the header line first, then rows as available. A line that begins with a small letter is a header;
+//! a later header replaces the earlier header, and lines count from the later header. The rows of a read are put under
+//! the header, as in a datagram, for the readers of datagrams. The time of receipt is the time of the read, since TCP
+//! has no time stamps.
 
 use std::net::SocketAddr;
 use std::time::Duration;
@@ -17,7 +17,7 @@ use crate::plot_rows::PlotRows;
 use crate::receiver::{DatagramReader as _, ReceiptTime};
 use crate::refusals::LatestRefusals;
 
-/// Longest wait for a line in one turn, bounded by health messages and stop requests.
+/// Longest wait for a line in a turn, bounded by health messages and stop requests.
 const PATIENCE: Duration = Duration::from_millis(50);
 /// Longest row that is accepted, bytes.
 const ROW_OCTETS_MAX: usize = 4096;
@@ -37,19 +37,19 @@ pub(crate) struct RowLineAgent {
     refusals: LatestRefusals,
 }
 
-/// Rows under their header.
+/// Rows under the header.
 #[derive(Debug, Default)]
 struct TableOfLines {
-    /// The header with its line end, and the rows behind it.
+    /// The header with the line end, and the rows behind the header.
     table: Vec<u8>,
     header_octets: usize,
-    /// Rows under the header, and those of them that were handed over before.
+    /// Rows under the header, and the number of rows handed over before.
     count: u64,
     before: u64,
 }
 
 impl TableOfLines {
-    /// Whether the line is a header, which begins a table of its own.
+    /// Whether the line is a header, which begins a new table.
     fn is_header(line: &[u8]) -> bool {
         line.first().is_some_and(u8::is_ascii_lowercase)
     }
@@ -73,7 +73,7 @@ impl TableOfLines {
         true
     }
 
-    /// The table, if it has rows.
+    /// The table, if there are rows.
     fn whole(&self) -> Option<&[u8]> {
         (self.table.len() > self.header_octets).then_some(&self.table[..])
     }

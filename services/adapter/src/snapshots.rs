@@ -18,7 +18,7 @@ use crate::refusals::LatestRefusals;
 #[derive(Debug)]
 pub(crate) struct Snapshots {
     channel: SourceChannel,
-    /// The datagram that is being read; its memory is used again.
+    /// The datagram being read; the memory is used again.
     block: SnapshotBlock,
     refused: Counters,
     refusals: LatestRefusals,

@@ -18,19 +18,19 @@ use runtime::HealthEntry;
 use crate::receiver::ReceiptTime;
 use crate::refusals::LatestRefusals;
 
-/// Counts of tables and their rows.
+/// Counts of tables and rows.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TableCounts {
     rows: u64,
     rows_rejected: u64,
     bytes_rejected: u64,
-    /// Lines of a table that came before its present part.
+    /// Lines of a table that came before the present part.
     lines_before: u64,
     refusals: LatestRefusals,
 }
 
 impl TableCounts {
-    /// Rows of a datagram received at `received` that can be read; none if `open` finds that it is no table.
+    /// Readable rows of a datagram received at `received`; none if `open` finds no table.
     pub(crate) fn rows<'a, C: Columns + 'a>(
         &'a mut self,
         bytes: &'a [u8],
@@ -51,7 +51,7 @@ impl TableCounts {
         })
     }
 
-    /// Counts the lines of the next datagram from `lines`: it goes on with a table that began before.
+    /// Counts the lines of the next datagram, which continues an earlier table, from `lines`.
     pub(crate) fn after_lines(&mut self, lines: u64) {
         self.lines_before = lines;
     }
@@ -76,7 +76,7 @@ impl TableCounts {
     }
 }
 
-/// UTC of a row's time, nanoseconds: a time that counts from a midnight, on the day that brings it nearest to the time
+/// UTC of a row's time, nanoseconds: a time that counts from a midnight, on the day with the result nearest to the time
 /// of receipt.
 pub(crate) fn utc_ns(received_ns: i64, time_ns: i64) -> i64 {
     if is_since_1970(time_ns) {

@@ -26,7 +26,7 @@ use crate::source_time::CommonOffsets;
 
 mod arrival;
 
-/// Maximum number of reports in one turn: a flood does not delay other work.
+/// Maximum number of reports in a turn: a flood does not delay other work.
 const REPORTS_PER_TURN: usize = 256;
 /// Order `arrival`: longest time between two full looks at all sources, nanoseconds: if the loop spins, and if it
 /// sleeps. A full look finds the slices of publishers that give no hint.
@@ -35,7 +35,7 @@ const FULL_LOOK_SLEEPING_NS: i64 = 200_000_000;
 /// Longest time without work until the next turn; and without tracks, if no standby waits for signs of life.
 const IDLE: Duration = Duration::from_millis(20);
 const IDLE_EMPTY: Duration = Duration::from_millis(100);
-/// Order `time`: slices taken from one source before the turn of the next source.
+/// Order `time`: slices taken from a source before the turn of the next source.
 const SLICES_PER_SOURCE: usize = 4;
 /// Age beyond which an order is refused, nanoseconds: the sender has given up.
 const ORDER_AGE_MAX_NS: i64 = 30_000_000_000;
@@ -60,7 +60,7 @@ pub struct FusionAgent<S: Transport> {
     full_look_ns: i64,
     full_look_every_ns: i64,
     idle_empty: Duration,
-    /// Order `time`: reports that wait for their turn.
+    /// Order `time`: reports that wait for the turn.
     merger: Option<Merger>,
     /// Recordings: publishes fusion's progress, so that no sample is lost.
     reached: Option<ConsumerProgress<S>>,
@@ -87,7 +87,7 @@ pub(crate) struct Ready<S: Transport> {
 }
 
 impl<S: Transport> Ready<S> {
-    /// Allocates all tables of fusion of `config`, whose thread may have a `core` of its own, and opens the input
+    /// Allocates all tables of fusion of `config`, with a separate `core` for the thread if given, and opens the input
     /// topics.
     ///
     /// # Errors
@@ -133,8 +133,8 @@ impl<S: Transport> FusionAgent<S> {
         Self::begin(ready, config, bus, (incarnation, incarnation), queues)
     }
 
-    /// As [`Self::new`], but with the tracks of the checkpoint of the previous fusion, if there was one, and with a
-    /// checkpoint for a successor, unless `config` has none.
+    /// As [`Self::new`], but with the tracks of the checkpoint of the previous fusion, if any, and with a checkpoint
+    /// for a successor, unless `config` has none.
     ///
     /// # Errors
     /// If a setting is invalid, a topic cannot be opened, or the machine has no memory for the checkpoint.
@@ -207,7 +207,7 @@ impl<S: Transport> FusionAgent<S> {
         })
     }
 
-    /// Passes what the engine emits on to `queue`, too, for smoothed states. To be called before anything is processed.
+    /// Passes the engine's output on to `queue`, too, for smoothed states. To be called before anything is processed.
     #[must_use]
     pub fn with_smoothing(mut self, queue: Option<Arc<SmoothingQueue>>) -> Self {
         if let Some(queue) = queue {
@@ -216,8 +216,8 @@ impl<S: Transport> FusionAgent<S> {
         self
     }
 
-    /// Continues from the checkpoint of the previous fusion, if there was one, and writes a checkpoint for a
-    /// successor. Terminated tracks are published.
+    /// Continues from the checkpoint of the previous fusion, if any, and writes a checkpoint for a successor.
+    /// Terminated tracks are published.
     ///
     /// # Errors
     /// If a state cannot be published.
@@ -344,7 +344,7 @@ impl<S: Transport> FusionAgent<S> {
         }
     }
 
-    /// Order `time`: reports wait for their turn.
+    /// Order `time`: reports wait for the turn.
     fn work_by_time(&mut self, merger: &mut Merger) -> anyhow::Result<bool> {
         let mut worked = false;
         for index in 0..self.inputs.len() {
@@ -376,8 +376,8 @@ impl<S: Transport> FusionAgent<S> {
         Ok(worked)
     }
 
-    /// Takes slices of one source while its queue has room for a whole slice; further slices stay in shared memory,
-    /// and their producer waits.
+    /// Takes slices of a source while the queue has room for a whole slice; further slices stay in shared memory, and
+    /// the producer waits.
     fn queue_reports(&mut self, index: usize, merger: &mut Merger) -> anyhow::Result<bool> {
         let input = &mut self.inputs[index];
         let mut worked = false;

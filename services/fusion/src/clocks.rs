@@ -1,16 +1,16 @@
 //! Which clock is right, in order `arrival`: the machine's, or the sources'?
 //!
-//! Times of receipt are the machine's, times of measurement the sources'. Where one source's clock is far from the
-//! times at which its reports are received, the source is wrong. Where several sources have the same offset, the
-//! machine is: hardly ever do two sensors err alike. So each known clock has a vote, and the machine's half of one: the
-//! offset that most of them share is the *host offset*. A lone source is followed, since nobody contradicts it but the
-//! machine. Module `source_time` isolates a source far from the host offset; the monitor raises the alarm
+//! Times of receipt are the machine's, times of measurement the sources'. If a single source's clock is far from the
+//! times of receipt of its reports, the source is wrong. If several sources have the same offset, the machine is wrong:
+//! two sensors hardly ever err alike. So each known clock has a vote, and the machine's clock half a vote: the offset
+//! with most votes is the *host offset*. A lone source is followed, since only the machine contradicts this source.
+//! Module `source_time` isolates a source far from the host offset; the monitor raises the alarm
 //! (`services/monitor/src/conditions/sources.rs`).
 //!
-//! The engine's time is none of these clocks. It begins with the machine's UTC and runs with the monotonic clock, so
-//! that nobody can set it ([`SteadyClock`]); the engine takes the host offset off the sources' times and puts it on its
-//! states'. So neither a step of the machine's clock nor one of all sources disturbs a track, and states have the
-//! sources' time.
+//! The engine's time is none of these clocks. Engine time begins with the machine's UTC and runs with the monotonic
+//! clock, so that no process can set this time ([`SteadyClock`]). The engine takes the host offset off the sources'
+//! times and adds the offset to the times of states. So neither a step of the machine's clock nor a step of all sources
+//! disturbs a track, and states have the sources' time.
 //!
 //! Limits: a host offset is a whole number of seconds, and is not used below the limit on time steps; a common
 //! error smaller than that moves all states alike.
@@ -20,7 +20,7 @@ use runtime::clock::SteadyClock;
 
 /// Time between two looks at the clocks, nanoseconds.
 const LOOK_NS: i64 = 100_000_000;
-/// Time for which an offset must have had most votes before it is the host's, nanoseconds.
+/// Time for which an offset must have had most votes before being the host offset, nanoseconds.
 const HOLDS_NS: i64 = 500_000_000;
 /// Votes of a source and of the machine.
 const SOURCE_VOTES: u32 = 2;
@@ -32,14 +32,14 @@ const NS_PER_S: i64 = 1_000_000_000;
 pub(crate) struct ClockReading {
     /// Offset against the engine's time, seconds.
     pub(crate) offset_s: f64,
-    /// Greatest distance from a clock that it agrees with, seconds.
+    /// Greatest distance of a clock that agrees with this clock, seconds.
     pub(crate) step_s: f64,
 }
 
 /// The clocks of the machine and of all sources.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Clocks {
-    /// The engine's time; `None` before it begins.
+    /// The engine's time; `None` before the begin.
     engine: Option<SteadyClock>,
     host_offset_ns: i64,
     /// Offset that has most votes besides, and since when (monotonic), nanoseconds.
@@ -83,7 +83,7 @@ impl Clocks {
             .is_none_or(|looked_ns| now.mono_ns.saturating_sub(looked_ns) >= LOOK_NS)
     }
 
-    /// Looks at the clocks of the sources; the host offset, if it has changed, in nanoseconds.
+    /// Looks at the clocks of the sources; returns a changed host offset, nanoseconds.
     pub(crate) fn look(&mut self, sources: impl Iterator<Item = ClockReading> + Clone, now: Now) -> Option<i64> {
         self.looked_ns = Some(now.mono_ns);
         let machine_s = -(self.ahead_ns(now) as f64) / messages::NS_PER_S;
@@ -97,7 +97,7 @@ impl Clocks {
         let mut best = (votes(present_s), present_s);
         for of_s in candidates {
             let count = votes(of_s);
-            // Of equals the present one stays.
+            // With equal votes, the present offset stays.
             if count > best.0 {
                 best = (count, of_s);
             }
@@ -121,7 +121,7 @@ impl Clocks {
     }
 }
 
-/// Whether a source's clock is near one with this offset, seconds.
+/// Whether a source's clock is near a clock with this offset, seconds.
 pub(crate) fn agrees(known: &ClockReading, of_s: f64) -> bool {
     (known.offset_s - of_s).abs() <= known.step_s
 }
@@ -130,8 +130,8 @@ fn least_step_s(sources: impl Iterator<Item = ClockReading>) -> f64 {
     sources.map(|known| known.step_s).fold(f64::MAX, f64::min)
 }
 
-/// Returns the host offset of clocks that agree with `of_s`: none if the machine's clock is among them and has not
-/// been adjusted, else their mean in whole seconds.
+/// Returns the host offset of clocks that agree with `of_s`: none if an unadjusted machine clock is among these, else
+/// the mean in whole seconds.
 fn shared_ns(of_s: f64, machine_s: f64, sources: impl Iterator<Item = ClockReading> + Clone) -> i64 {
     let zero_is_among = machine_s == 0.0 && of_s.abs() <= least_step_s(sources.clone());
     if zero_is_among {
@@ -220,7 +220,7 @@ mod tests {
     fn an_offset_must_hold_before_it_is_the_hosts() {
         let mut clocks = begun();
         for look in 0..40 {
-            // Never half a second in one place.
+            // Never half a second at the same offset.
             let offset_s = 100.0 * (look / 3) as f64;
             clocks.look([known(offset_s), known(offset_s)].into_iter(), at(look));
             assert_eq!(clocks.host_offset_ns, 0, "{look}");

@@ -1,9 +1,9 @@
 //! Continuation after the end of another fusion process.
 //!
-//! The engine stores the state for its successor in memory that outlives the process and the launcher
-//! ([`fusion::checkpoint`], [`bus::Outlasting`]). A fusion that starts looks for this checkpoint and publishes it on
-//! the topic `system/restored`, for recordings. It then continues the same tracks under the same numbers as a new
-//! epoch, with a checkpoint of its own that is complete before other processes can find it.
+//! The engine stores the state for a successor in memory that outlives the process and the launcher
+//! ([`fusion::checkpoint`], [`bus::Outlasting`]). A starting fusion looks for this checkpoint and publishes the content
+//! on the topic `system/restored`, for recordings. The new fusion then continues the same tracks under the same numbers
+//! as a new epoch, with a new checkpoint that is complete before other processes can find this memory.
 //!
 //! A checkpoint from before the begin of the simulated world has targets of another world: only the numbers go on.
 //!
@@ -64,15 +64,15 @@ enum Predecessor {
         /// Reports in which fusion has died.
         suspects: Suspects,
     },
-    /// A previous fusion followed targets of another simulated world: numbers from this one on are free.
+    /// A previous fusion followed targets of another simulated world: numbers from `first_number` on are free.
     OfAnotherWorld { first_number: u32 },
-    /// A previous fusion existed, but its checkpoint is unusable.
+    /// A previous fusion existed, but the checkpoint is unusable.
     Refused,
 }
 
 impl FusionStart {
     /// Looks for the checkpoint of the previous fusion, which no longer writes. `world_ns` is the begin of the
-    /// simulated world (UTC, nanoseconds), if there is one.
+    /// simulated world (UTC, nanoseconds), if any.
     pub(crate) fn look(root: &Root, max_age_ns: i64, world_ns: Option<i64>, engine: &Engine, now: Now) -> Self {
         let layout = engine.checkpoint_layout();
         let found = find(root, max_age_ns, world_ns, &layout, now);
@@ -82,7 +82,7 @@ impl FusionStart {
         };
         Self {
             // Time of the lead, not of the start of the process: the previous leader may have started later than this
-            // standby, and its epoch may be lost. UTC continues across a reboot.
+            // standby, and the previous epoch may be lost. UTC continues across a reboot.
             epoch: now.utc_ns.max(1).cast_unsigned().max(last.saturating_add(1)),
             root: root.clone(),
             layout,

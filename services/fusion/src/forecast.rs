@@ -1,10 +1,10 @@
 //! Forecast of a source's next slice.
 //!
-//! A process that sleeps until a wake-up answers some 50 microseconds later than one that spins. Sensors send at
+//! A process that sleeps until a wake-up answers some 50 microseconds later than a spinning process. Sensors send at
 //! regular intervals, so a slice is mostly expected: a waiter that spins around the expected time answers at once, and
-//! sleeps for the rest. A source that does not keep its interval is not forecast, and costs no spinning.
+//! sleeps for the rest. An irregular source is not forecast, and costs no spinning.
 
-/// Part of the interval by which slices of a regular source differ from it.
+/// Part of the interval by which slices of a regular source may differ.
 const TOLERANCE: i64 = 8;
 /// Intervals in a row that agree, before the next is forecast.
 const AGREEING: u32 = 3;

@@ -1,4 +1,4 @@
-//! Health of the sources, as fusion estimates and counts it.
+//! Health of the sources, as estimated and counted by fusion.
 
 use bus::Transport;
 use fusion::{Engine, Learned};
@@ -8,7 +8,7 @@ use runtime::HealthEntry;
 use crate::inputs::SourceInput;
 use crate::source_time::CommonOffsets;
 
-/// Returns the entry of one source for health messages.
+/// Returns the entry of a source for health messages.
 pub(crate) fn of_source<S: Transport>(engine: &Engine, input: &SourceInput<S>, common: CommonOffsets) -> HealthEntry {
     let mut entry = HealthEntry {
         source: input.source,
@@ -23,7 +23,7 @@ pub(crate) fn of_source<S: Transport>(engine: &Engine, input: &SourceInput<S>, c
     entry
 }
 
-/// Returns the errors of a source: learned, gross, and of its clock.
+/// Returns the errors of a source: learned, gross, and of the clock.
 fn registration<S: Transport>(engine: &Engine, input: &SourceInput<S>, common: CommonOffsets) -> Registration {
     let mut registration = errors(engine, input.source);
     let source = input.source;
@@ -63,7 +63,7 @@ fn errors(engine: &Engine, source: u16) -> Registration {
     }
 }
 
-/// What was learned of a source beside its biases.
+/// Learned values of a source beside the biases.
 fn of_learned(learned: Learned) -> Registration {
     let number = |value: Option<f64>| value.unwrap_or_default() as f32;
     let [long, short] = learned.measurement_sigma_m.unwrap_or_default();

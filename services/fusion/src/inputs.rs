@@ -1,4 +1,4 @@
-//! The sources' topics, as fusion reads them.
+//! The sources' topics, as read by fusion.
 
 use std::collections::VecDeque;
 
@@ -15,15 +15,15 @@ use crate::source_time::{CommonOffsets, SourceTime};
 
 /// Silence after which a source has no vote on the right clock, nanoseconds.
 const HEARD_NS: i64 = 60_000_000_000;
-/// Slices without a report, or of another layout, that are passed over in a row before other sources have their turn.
+/// Maximum number of empty or foreign slices (of another layout) passed over in a row before other sources have a turn.
 const PASSED_OVER_MAX: usize = 16;
 
-/// One source's topic.
+/// Topic of a source.
 #[derive(Debug)]
 pub(crate) struct SourceInput<S: Transport> {
     pub(crate) source: u16,
     subscriber: Subscriber<S, SensorTrack>,
-    /// Most samples in one slice of the topic.
+    /// Maximum number of samples in a slice of the topic.
     pub(crate) slice_len: usize,
     /// Latest progress mark, UTC, nanoseconds.
     pub(crate) progress_ns: i64,
@@ -35,7 +35,7 @@ pub(crate) struct SourceInput<S: Transport> {
     heard_ns: i64,
     /// In mode `hybrid`: forecast of the next slice.
     forecast: Option<Forecast>,
-    /// Whether the source has announced its end.
+    /// Whether the source has announced the end.
     pub(crate) has_ended: bool,
     /// Order `arrival`, recordings: processed slices and the following number, until published.
     pub(crate) passed: Vec<(BatchHeader, u64)>,
@@ -51,7 +51,7 @@ pub(crate) struct SourceInput<S: Transport> {
     publisher: Option<u64>,
 }
 
-/// Slice that stays in shared memory while its reports are processed one at a time, in turn with other sources'.
+/// Slice that stays in shared memory while its reports are processed singly, in turn with other sources' reports.
 #[derive(Debug)]
 struct InHand<S: Transport> {
     slice: Slice<S, SensorTrack>,
@@ -66,13 +66,13 @@ struct InHand<S: Transport> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct InputReport {
     pub(crate) number: ReportNumber,
-    /// Whether the report was the last of its slice.
+    /// Whether the report was the last of the slice.
     pub(crate) last: bool,
 }
 
 impl<S: Transport> SourceInput<S> {
-    /// Opens the topics of all sources, in the order of their numbers, watched by `waiter`. Recordings are replayed
-    /// at `speed`.
+    /// Opens the topics of all sources, in the order of the numbers, watched by `waiter`. Recordings are replayed at
+    /// `speed`.
     pub(crate) fn open_all(
         config: &Deployment,
         speed: Speed,
@@ -106,9 +106,9 @@ impl<S: Transport> SourceInput<S> {
         Ok(inputs)
     }
 
-    /// Takes the next slice in hand if none is, in a full look or where a publisher has given a hint. After a full look
-    /// that found something, looks stay full until the queue is empty. `false` if there is none; `true` if one is in
-    /// hand now, or if so many unusable ones were passed over that it is time to look elsewhere first.
+    /// Takes the next slice in hand if none is, in a full look or after a publisher's hint. After a full look with a
+    /// find, looks stay full until the queue is empty. `false` without a slice. `true` with a slice in hand, or after
+    /// so many unusable slices that other sources must have a turn first.
     #[inline]
     pub(crate) fn reach(&mut self, clock: fn() -> i64, look: Look) -> anyhow::Result<bool> {
         if self.in_hand.is_some() {
@@ -152,7 +152,7 @@ impl<S: Transport> SourceInput<S> {
                         self.pass(&header);
                         continue;
                     }
-                    // Read here, not before: until the slice is in hand it may not have been published.
+                    // Read here, not before: a slice not yet in hand may still be unpublished.
                     let taken_ns = clock();
                     self.in_hand = Some(InHand {
                         slice,
@@ -167,7 +167,7 @@ impl<S: Transport> SourceInput<S> {
         Ok(true)
     }
 
-    /// How many reports of a slice the fusion before this one had worked off.
+    /// Number of the slice's reports that the previous fusion had worked off.
     fn count_done(&self, header: &BatchHeader, reports: usize) -> usize {
         match self.done {
             Some(done) if header.incarnation == done.incarnation => {
@@ -234,8 +234,8 @@ impl<S: Transport> SourceInput<S> {
         self.time.known(ahead_s).filter(|_| is_heard)
     }
 
-    /// Writes the next report of the slice in hand into `report`, stamped with its source and its time; `now` has the
-    /// engine's time. The last report releases the slice, whose watermark then holds.
+    /// Writes the next report of the slice in hand into `report`, stamped with source and time; `now` has the engine's
+    /// time. The last report releases the slice; then the slice's watermark holds.
     #[inline]
     pub(crate) fn next_report(
         &mut self,
@@ -267,7 +267,7 @@ impl<S: Transport> SourceInput<S> {
         Some(InputReport { number, last })
     }
 
-    /// Order `time`: a slice of `publisher` was taken; its reports are new from number `first` on.
+    /// Order `time`: a slice of `publisher` was taken; the reports are new from number `first` on.
     pub(crate) fn came_from(&mut self, publisher: u64, first: u64) {
         if self.publisher != Some(publisher) {
             self.publisher = Some(publisher);
@@ -287,7 +287,7 @@ impl<S: Transport> SourceInput<S> {
         }
     }
 
-    /// Takes a slice, if available. Each report is stamped with the time by `clock` and its source, and passed to
+    /// Takes a slice, if available. Each report is stamped with the time by `clock` and the source, and passed to
     /// `visit` before the header.
     pub(crate) fn take_slice(
         &mut self,
@@ -331,6 +331,6 @@ impl<S: Transport> SourceInput<S> {
 #[inline]
 fn stamp(report: &mut SensorTrack, source: u16, taken_ns: i64) {
     report.stages.taken_ns = taken_ns;
-    // A topic is its source: what a report says of its source is not believed.
+    // The topic determines the source: the report's own source is not believed.
     report.source = source;
 }

@@ -7,11 +7,11 @@
 
 //! # The loop
 //!
-//! Fusion responds within microseconds, so that its thread does nothing else: a second thread publishes counters and
-//! receives orders (`runtime::housekeeping`), and a third one smooths on request (`smoothing`). Each turn takes one
-//! report of each source with waiting reports, fuses it, and publishes the result. With `wait = "spin"` on a core of
-//! its own, a turn makes no system call, takes no lock and allocates nothing (tests/allocation.rs; docs/real-time.md
-//! has the trace).
+//! Fusion responds within microseconds, so that the fusing thread does nothing else: a second thread publishes counters
+//! and receives orders (`runtime::housekeeping`), and a third thread smooths on request (`smoothing`). Each turn takes
+//! a report of each source with waiting reports, fuses the report, and publishes the result. With `wait = "spin"` on a
+//! separate core, a turn makes no system call, takes no lock and allocates nothing (tests/allocation.rs;
+//! docs/real-time.md has the trace).
 
 mod agent;
 mod clocks;
@@ -61,7 +61,7 @@ pub fn run(process: &Process, settings: &Settings) -> anyhow::Result<()> {
     let limit_us = config.machine.cpu_dma_latency_us;
     let _limit = (limit_us.map(WakeUpLimit::request).transpose()).map_err(anyhow::Error::msg)?;
     let queues = Queues::new(config.decision_use());
-    // One entry for the process as a whole, and one for each source.
+    // An entry for the process as a whole, and an entry for each source.
     let entries_max = 1 + config.sources.len();
     let has_standby = config.has_standby();
     let lock = has_standby.then(|| LeadLock::open(process)).transpose()?;
@@ -73,7 +73,7 @@ pub fn run(process: &Process, settings: &Settings) -> anyhow::Result<()> {
         },
         false => Placement::from(fusion),
     };
-    // Before this thread takes its core: threads inherit core and priority.
+    // Before this thread takes the core: threads inherit core and priority.
     let housekeeper = Housekeeper::start(process, fusion.core, entries_max, Arc::clone(&queues))?;
     let start = |lag_ns| {
         let root = process.bus.root().clone();

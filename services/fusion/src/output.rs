@@ -1,4 +1,4 @@
-//! The system tracks and decisions on their way out.
+//! Output of system tracks and decisions.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use runtime::housekeeping::Queues;
 
 use crate::smoothing::SmoothingQueue;
 
-/// System-track states that wait to be sent as one slice.
+/// System-track states that wait to be sent as a single slice.
 #[derive(Debug)]
 pub(crate) struct TrackOutput<S: Transport> {
     states: BatchWriter<S, SystemTrack>,
@@ -124,7 +124,7 @@ impl<S: Transport> TrackOutput<S> {
         })
     }
 
-    /// A turn begins at `now_ns`, monotonic: what time alone makes due is due at the latest now.
+    /// A turn begins at `now_ns`, monotonic: states due by time alone are due at this time at the latest.
     #[inline]
     pub(crate) fn begin_turn(&mut self, now_ns: i64) {
         self.turn_ns = now_ns;
@@ -137,7 +137,7 @@ impl<S: Transport> TrackOutput<S> {
         self.taken_ns = taken_ns;
     }
 
-    /// A state of a report that has waited for its scan: it could not be answered before this turn.
+    /// Adds a state of a report that has waited for its scan: an answer before this turn was impossible.
     #[cold]
     fn push_held(&mut self, track: &SystemTrack) {
         let held_us = (self.turn_ns - track.stages.taken_ns) / 1000;
@@ -147,7 +147,7 @@ impl<S: Transport> TrackOutput<S> {
         });
     }
 
-    /// Passes what the engine emits on to `queue`, too.
+    /// Passes the engine's output on to `queue`, too.
     pub(crate) fn smooth_into(&mut self, queue: Arc<SmoothingQueue>) {
         self.smoothing = Some(queue);
     }
@@ -168,7 +168,7 @@ impl<S: Transport> TrackOutput<S> {
         (self.states.publisher().epoch(), self.states.publisher().next_sequence())
     }
 
-    /// Whether another slice's worth may be worked off: consumers that must not miss anything have room for it.
+    /// Whether a further slice's worth may be worked off: all consumers that must not miss anything have room.
     pub(crate) fn has_room(&mut self) -> anyhow::Result<bool> {
         if !self.can_smooth() {
             return Ok(false);
@@ -179,7 +179,7 @@ impl<S: Transport> TrackOutput<S> {
         Ok(flow.may_send(sent))
     }
 
-    /// Whether the smoothing thread has room, if there is one.
+    /// Whether the smoothing thread has room, if any.
     pub(crate) fn can_smooth(&self) -> bool {
         self.smoothing.as_ref().is_none_or(|queue| queue.has_room())
     }

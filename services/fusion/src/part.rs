@@ -38,7 +38,7 @@ enum RoleState {
 }
 
 impl<'a> FusionPart<'a> {
-    /// Opens the inputs of fusion. With a configured standby, the process starts as standby; else it leads.
+    /// Opens the inputs of fusion. With a configured standby, the process starts as standby; else as leader.
     ///
     /// # Errors
     /// If a setting is invalid, or a topic cannot be opened.
@@ -90,7 +90,7 @@ impl<'a> FusionPart<'a> {
         let start = kept.map(look);
         let epoch = start.as_ref().map_or(incarnation, |start| start.epoch);
         if let Some(whole) = start.as_ref().and_then(|start| start.whole(now)) {
-            // There is one start, and room for it.
+            // There is a single start, and room for this entry.
             let _ = self.queues.restored.push(whole);
         }
         let agent = FusionAgent::begin(ready, config, bus, (incarnation, epoch), Arc::clone(&self.queues))?;

@@ -1,13 +1,13 @@
-//! Smoothed states beside the loop: a thread of its own publishes those of some seconds ago.
+//! Smoothed states beside the loop: a separate thread publishes the states of some seconds ago.
 //!
-//! Smoothing allocates, and takes some milliseconds a second for each track. The loop therefore only copies what it
-//! emits into a bounded queue without locks. The thread takes the queue, smooths, and publishes on `system/smoothed`:
+//! Smoothing allocates, and takes some milliseconds a second for each track. The loop therefore only copies its output
+//! into a bounded queue without locks. The thread takes the queue, smooths, and publishes on `system/smoothed`:
 //!
 //! ```text
 //!   loop ── inputs of filters, states ──▶ queue ──▶ thread, every 10 ms ──▶ topic `system/smoothed`
 //! ```
 //!
-//! If the thread is too slow, the queue fills; what no longer fits is dropped and counted (`smoothing_dropped`). With
+//! If the thread is too slow, the queue fills; entries without room are dropped and counted (`smoothing_dropped`). With
 //! recorded inputs nothing is dropped: the loop waits, so a recording gives the same states at any speed.
 
 use std::sync::Arc;
@@ -24,7 +24,7 @@ use messages::SystemTrack;
 use runtime::clock::{boot_identity, mono_ns};
 use runtime::cores;
 
-/// Least number of inputs and states that may wait for the thread: those of many of its pauses.
+/// Least number of inputs and states that may wait for the thread: the output during many of the thread's pauses.
 const EMITTED_MIN: usize = 8192;
 /// States of each system track that may wait at least.
 const PER_TRACK: usize = 4;
@@ -33,7 +33,7 @@ const TOGETHER: usize = 64;
 /// Period of the thread.
 const PAUSE: Duration = Duration::from_millis(10);
 
-/// What the loop emits.
+/// Output of the loop.
 #[derive(Clone, Copy, Debug)]
 // The loop may not allocate, so a state is not in a box.
 #[allow(clippy::large_enum_variant)]
@@ -66,7 +66,7 @@ impl SmoothingQueue {
         })
     }
 
-    /// Whether there is room for what a turn of the loop emits; without a reader nothing waits for it.
+    /// Whether there is room for the output of a turn of the loop; without a reader nothing waits for room.
     pub(crate) fn has_room(&self) -> bool {
         self.emitted.len() < self.emitted.capacity() / 2 || self.ended.load(Ordering::Acquire)
     }
@@ -99,14 +99,14 @@ pub struct SmoothingWorker<'a, S: Transport> {
     smoother: LagSmoother,
     bus: &'a Bus<S>,
     incarnation: u64,
-    /// Once fusion leads: its epoch is then known.
+    /// Present once fusion leads: the epoch is then known.
     publisher: Option<Publisher<S, SystemTrack>>,
     progress_ns: i64,
     smoothed: Vec<SystemTrack>,
 }
 
 impl<'a, S: Transport> SmoothingWorker<'a, S> {
-    /// Publishes on `bus`; states leave when they are `lag_ns` old.
+    /// Publishes on `bus`; states leave at the age `lag_ns`.
     pub fn new(queue: Arc<SmoothingQueue>, lag_ns: i64, bus: &'a Bus<S>, incarnation: u64) -> Self {
         Self {
             queue,
@@ -119,7 +119,7 @@ impl<'a, S: Transport> SmoothingWorker<'a, S> {
         }
     }
 
-    /// Works off what waits.
+    /// Works off the queue.
     ///
     /// # Errors
     /// If a state cannot be published.
@@ -195,7 +195,7 @@ impl Drop for Ending {
     }
 }
 
-/// The thread, for the loop that started it.
+/// The thread, for the loop that started the thread.
 #[derive(Debug)]
 pub(crate) struct SmoothingThread {
     queue: Arc<SmoothingQueue>,
@@ -222,7 +222,7 @@ impl SmoothingThread {
             let bus: Bus<SharedMemory> = Bus::open(&root, &name)?;
             let mut worker = SmoothingWorker::new(Arc::clone(&taken), lag_ns, &bus, incarnation);
             loop {
-                // Read before the queue is emptied: what was queued before the close is published.
+                // Read before the queue is emptied: all entries queued before the close are published.
                 let closing = taken.closing.load(Ordering::Acquire);
                 worker.turn()?;
                 if closing {
@@ -243,7 +243,7 @@ impl SmoothingThread {
         Arc::clone(&self.queue)
     }
 
-    /// Ends the thread, once it has published what waits.
+    /// Ends the thread, once all queued entries are published.
     ///
     /// # Errors
     /// Why the thread has ended before.

@@ -1,11 +1,11 @@
 //! Time in order `arrival`: judges of the sources' clocks, and the passage of time.
 //!
-//! Time passes by the engine's clock ([`crate::clocks`]), never by what a report claims. The offset of a live source is
-//! measured against times of receipt: by its adapter, which has the kernel's stamps and states the offset in its
-//! slices, or here, where a process of somebody's own publishes the topic. A source far from the host offset is
-//! isolated. A recording that is replayed is of another day, and has a clock of its own: it began with the recording's
-//! first time when the first slice was sent, and runs as fast as the replay. At the greatest speed there is none; then
-//! time passes to where all recordings say that they have got.
+//! Time passes by the engine's clock ([`crate::clocks`]), never by the claim of a report. The offset of a live source
+//! is measured against times of receipt. The source's adapter measures, with the kernel's stamps, and states the offset
+//! in slices; for a topic published by an external process, the measurement is here. A source far from the host offset
+//! is isolated. A replayed recording is of another day, and has a separate clock. This clock began with the recording's
+//! first time when the first slice was sent, and runs as fast as the replay. At the greatest speed there is no such
+//! clock; then time passes to the point that all recordings report to have reached.
 
 use deployment::{Input, Source};
 use estimation::SourceClock;
@@ -25,12 +25,12 @@ pub(crate) struct CommonOffsets {
     pub(crate) ahead_s: f64,
 }
 
-/// One source's time.
+/// Time of a source.
 #[derive(Clone, Debug)]
 pub(crate) enum SourceTime {
-    /// Judged by the offset in each slice, stated by its adapter.
+    /// Judged by the offset in each slice, as stated by the adapter.
     Stated {
-        /// Offset against the machine's UTC, seconds; `None` while it is not known.
+        /// Offset against the machine's UTC, seconds; `None` while unknown.
         offset_s: Option<f64>,
         /// Greatest distance from the host offset, seconds.
         step_s: f64,
@@ -46,7 +46,7 @@ pub(crate) enum SourceTime {
         clock: SourceClock,
         /// Seconds of the recording per second.
         factor: f64,
-        /// Time of the recording (UTC) and of the machine (monotonic) when it began, nanoseconds.
+        /// Time of the recording (UTC) and of the machine (monotonic) at the begin, nanoseconds.
         began: Option<(i64, i64)>,
     },
     /// By nothing: a replay as fast as can be.
@@ -72,10 +72,10 @@ impl SourceTime {
         }
     }
 
-    /// Its slice states this offset of the source's clock, milliseconds; 0: not known.
+    /// Takes the offset of the source's clock stated in a slice, milliseconds; 0: unknown.
     pub(crate) fn state(&mut self, offset_ms: i32) {
         if let Self::Stated { offset_s, .. } = self {
-            // A publisher beside the adapter states none: that is no reason to believe it more.
+            // A publisher beside the adapter states no offset: that is no reason for more trust in the source.
             *offset_s = if offset_ms == 0 {
                 *offset_s
             } else {
@@ -84,8 +84,8 @@ impl SourceTime {
         }
     }
 
-    /// The source's clock against the engine's time, which is `ahead_s` ahead of the machine's UTC; `None` while it is
-    /// not known, and of recordings.
+    /// The source's clock against the engine's time, which is `ahead_s` ahead of the machine's UTC; `None` while
+    /// unknown, and for recordings.
     pub(crate) fn known(&self, ahead_s: f64) -> Option<ClockReading> {
         let (offset_s, step_s) = match self {
             Self::Stated { offset_s, step_s } => (offset_s.map(|offset_s| offset_s - ahead_s), *step_s),
@@ -95,7 +95,7 @@ impl SourceTime {
         offset_s.map(|offset_s| ClockReading { offset_s, step_s })
     }
 
-    /// Returns whether the clock is that of a recording, which waits for its readers.
+    /// Returns whether the clock is a recording's, which waits for the readers.
     pub(crate) fn is_of_recording(&self) -> bool {
         matches!(self, Self::Paced { .. } | Self::Unpaced)
     }
@@ -107,13 +107,13 @@ impl SourceTime {
         }
     }
 
-    /// Returns whether a report's time `time_ns` is valid; its slice states the time of sending `sent_ns`
-    /// (monotonic). `now` has the engine's time, and `clocks` the offset of sound clocks.
+    /// Returns whether a report's time `time_ns` is valid; `sent_ns` is the slice's time of sending (monotonic). `now`
+    /// has the engine's time, and `clocks` the offset of sound clocks.
     pub(crate) fn believes(&mut self, time_ns: i64, sent_ns: i64, now: Now, clocks: CommonOffsets) -> bool {
         match self {
             Self::Unpaced => return true,
             Self::Stated { step_s, .. } => {
-                // A clock that is not known yet is taken for a sound one.
+                // An unknown clock is taken for a sound clock.
                 let sound = ClockReading {
                     offset_s: clocks.host_offset_s,
                     step_s: *step_s,
@@ -144,7 +144,7 @@ impl SourceTime {
         }
     }
 
-    /// Returns the present time of a replay; `None` before its start, or without a replay.
+    /// Returns the present time of a replay; `None` before the start, or without a replay.
     pub(crate) fn paced_ns(&self, now: Now) -> Option<i64> {
         let Self::Paced { factor, began, .. } = self else {
             return None;
@@ -155,8 +155,9 @@ impl SourceTime {
         Some(data_ns.saturating_add(passed_ns as i64))
     }
 
-    /// Offset of the source's clock against the machine's UTC, of which the engine's time is `ahead_s` ahead, and its
-    /// standard deviation from report to report, seconds; `None` while it is not known, or known elsewhere.
+    /// Offset of the source's clock against the machine's UTC, and the offset's standard deviation from report to
+    /// report, seconds. The engine's time is `ahead_s` ahead of UTC. `None` while the offset is unknown, or known
+    /// elsewhere.
     pub(crate) fn clock_offset(&self, ahead_s: f64) -> Option<(f64, f64)> {
         match self {
             Self::Received { clock, .. } => clock.offset().map(|(offset_s, sigma_s)| (offset_s + ahead_s, sigma_s)),

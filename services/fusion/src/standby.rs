@@ -1,8 +1,9 @@
 //! Standby of fusion, and take-over.
 //!
-//! Of two fusion processes one *leads*: it holds the leader lock, fuses and publishes. The other is the *standby*:
-//! its tables are allocated and its topics are open. It reads from the leader's checkpoint how many reports of each
-//! source are finished, and keeps the others in its queues. It publishes no track and never spins.
+//! Of two fusion processes, a single process *leads*: the leader holds the leader lock, fuses and publishes. The other
+//! is the *standby*, with allocated tables and open topics. The standby reads from the leader's checkpoint how many
+//! reports of each source are finished, and keeps the others in its queues. The standby publishes no track and never
+//! spins.
 //!
 //! ```text
 //!   leader  ──▶ checkpoint: tracks, numbers, positions, a sign of life each millisecond (idle: every 20 ms)
@@ -16,9 +17,9 @@
 //!         resumes from the checkpoint, as a new epoch, with the remaining reports
 //! ```
 //!
-//! There are never two leaders: the kernel releases the lock at the end of the process, however it ends. A hung
-//! leader is killed before it can continue, and its epoch separates any late state from those of the successor. A
-//! former leader that is restarted becomes the standby; the lead does not return to it.
+//! There are never two leaders: the kernel releases the lock at any end of the process. A hung leader is killed before
+//! continuing, and its epoch separates any late state from the successor's states. A restarted former leader becomes
+//! the standby; the lead does not return.
 //!
 //! A stall of the whole machine stops both processes. The leader's sign of life therefore counts as old only if this
 //! process has looked again after a long look: see [`StandbyLooks`].
@@ -46,9 +47,9 @@ use crate::standby_looks::StandbyLooks;
 const BRIEF: Duration = Duration::from_millis(1);
 /// Time for which a process that starts as standby leaves the lead to another process.
 const COURTESY: Duration = Duration::from_secs(3);
-/// Permitted silence of a leader that has just begun: it fills its tables while other processes start.
+/// Permitted silence of a leader that has just begun: the leader fills tables while other processes start.
 const BEGINS: Duration = Duration::from_secs(1);
-/// Time in which a leader has taken the reports sent to it, nanoseconds: far longer than needed.
+/// Time in which a leader has taken all reports sent, nanoseconds: far longer than needed.
 const TAKEN_NS: i64 = 1_000_000_000;
 /// Slices between two looks from which on the next look is soon, so that no queue of 256 slices overflows. The pause
 /// doubles at most after a look, and so does this number.
@@ -60,7 +61,7 @@ pub(crate) const NAME: &str = "standby";
 #[derive(Debug)]
 pub(crate) struct LeadLock(File);
 
-/// Leader lock, which the kernel gives to one process at a time.
+/// Leader lock, which the kernel gives to a single process at a time.
 #[derive(Debug)]
 pub(crate) struct Lead {
     _lock: File,
@@ -155,7 +156,7 @@ impl StandbyFusion {
         self.ready
     }
 
-    /// Looks at the leader. Returns the lead, if it belongs to this process now, and the way in which it was
+    /// Looks at the leader. Returns the lead, if it belongs to this process now, and the way in which the lead was
     /// obtained.
     ///
     /// # Errors
@@ -208,7 +209,7 @@ impl StandbyFusion {
         Ok(())
     }
 
-    /// Returns the leading process, once it has written its number.
+    /// Finds the leading process, once its number has been written.
     fn find(&mut self, process: &Process, now: Now) {
         self.leader = None;
         let Ok(Some(memory)) = process.bus.root().outlasting(CHECKPOINT) else {
@@ -220,9 +221,9 @@ impl StandbyFusion {
         };
         let pid = i32::try_from(clock.process_id).ok().and_then(Pid::from_raw);
         let opened = pid.and_then(|pid| pidfd_open(pid, PidfdFlags::empty()).ok());
-        // The number may belong to another process by now. A process that still writes signs of life to the
-        // checkpoint is the leader, since it holds the lock. A leader that hung before it was ever observed writes
-        // none: then the kernel's list of locks decides.
+        // The number may belong to another process by now. A process that still writes signs of life to the checkpoint
+        // is the leader, since only the lock's holder writes. A leader that hung before any observation writes none:
+        // then the kernel's list of locks decides.
         let lives = |memory: &Outlasting| {
             let noted = clock_of(memory.words(), &self.layout).map_or(0, |clock| clock.turn_ns);
             mono_ns().saturating_sub(noted) < self.takeover_ns

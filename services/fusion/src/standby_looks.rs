@@ -1,9 +1,9 @@
 //! Looks of the standby at the leader: when the next look is due, and when the leader counts as hung.
 //!
-//! The leader's *silence* is the time since its last sign of life. A stall of the whole machine also makes a silence:
-//! neither process runs during it, and the standby's look is late. Therefore a silence of sufficient length is not
-//! enough. After a *long* look the standby must look again, for some 30 ms in short looks. A leader that lives gives
-//! a sign of life every 20 ms, also without work.
+//! The leader's *silence* is the time since the last sign of life. A stall of the whole machine also makes a silence:
+//! neither process runs during the stall, and the standby's look is late. Therefore a silence of sufficient length is
+//! not enough. After a *long* look the standby must look again, for some 30 ms in short looks. A leader that lives
+//! gives a sign of life every 20 ms, also without work.
 //!
 //! Each look wakes the machine, so looks are as rare as the take-over time permits: the next look is due while there is
 //! still time for the short looks, counted from the last sign of life.
@@ -22,7 +22,7 @@ const SURE_NS: i64 = 30_000_000;
 /// overloaded machine may be late.
 const LONG_LOOKS: u32 = 8;
 
-/// Looks of the standby at one leader after another.
+/// Looks of the standby at leader after leader.
 #[derive(Debug)]
 pub(crate) struct StandbyLooks {
     takeover_ns: i64,
@@ -43,7 +43,7 @@ pub(crate) struct StandbyLooks {
 impl StandbyLooks {
     /// Creates the looks of a standby that takes over after `takeover_ns` without a sign of life.
     pub(crate) fn new(takeover_ns: i64, now_ns: i64) -> Self {
-        // Looks are somewhat late; with a short take-over time, few of them are left to make up for it.
+        // Looks are somewhat late; with a short take-over time, few looks are left as compensation.
         let spare_ns = (takeover_ns / 20).max(SURE_NS - takeover_ns / 4);
         // A hang after the last sign of life leaves time for the short looks.
         let calm_ns = (takeover_ns - SURE_NS - spare_ns).max(LOOK.as_nanos() as i64);
@@ -66,7 +66,7 @@ impl StandbyLooks {
         (self.sure_ns, self.long_looks, self.is_still) = (0, 0, false);
     }
 
-    /// Notes a look at `now_ns`, with the time of a new `sign` of life, if there is one, and whether many reports came.
+    /// Notes a look at `now_ns`, with the time of a new `sign` of life, if any, and whether many reports came.
     pub(crate) fn note(&mut self, now_ns: i64, sign: Option<i64>, is_busy: bool) {
         self.pause.after(is_busy);
         let passed_ns = now_ns.saturating_sub(self.looked_ns);
@@ -225,7 +225,7 @@ mod tests {
     }
 
     /// Whether a leader that gives a sign of life every 20 ms counts as hung, with a stall of the machine of `stall_ns`
-    /// from `begins_ns` on, and its next sign of life 25 ms after the stall.
+    /// from `begins_ns` on, and the next sign of life 25 ms after the stall.
     fn hangs_after_stall(takeover_ns: i64, begins_ns: i64, stall_ns: i64) -> bool {
         let mut looks = idle(takeover_ns);
         let (first_ns, every_ns) = (looks.looked_ns, 20 * MS);

@@ -55,7 +55,7 @@ fn array(file: &Path) -> Result<ArraySettings, InputError> {
     })
 }
 
-/// Finds the bearings of one measurement after the other.
+/// Finds the bearings measurement by measurement.
 struct Finder<'a> {
     path: &'a Path,
     array: ArrayFinder,

@@ -23,7 +23,7 @@ use crate::recordings::{self, Depth, RecordingFindings};
 
 /// Nanoseconds in a second.
 const NS: i64 = 1_000_000_000;
-/// Logarithm of the ratio of a turn to the configured period, beyond which one of the two is wrong.
+/// Logarithm of the ratio of a turn to the configured period, beyond which either is wrong.
 const PERIOD_DOUBT: f64 = 0.15;
 
 /// Validates, and prints a summary.
@@ -202,7 +202,7 @@ fn period_s(source: &Source, config: &Config, found: Option<&RecordingFindings>)
     Some(period_ns? as f64 / NS as f64)
 }
 
-/// How often a source reports a target, and how that is known where it is not configured.
+/// Period of a source's reports of a target, with the origin of a value that is not configured.
 fn period(source: &Source, config: &Config, found: Option<&RecordingFindings>) -> String {
     let Some(period_s) = period_s(source, config, found) else {
         return "every antenna turn, with a duration measured by the adapter".to_owned();

@@ -48,7 +48,7 @@ pub(crate) fn describe_platform(platform: &Platform, reading: &PlatformReading) 
     )
 }
 
-/// Sensors whose scans come later than others wait, where no scan is open for them.
+/// Sensors with scans that come later than others wait, without an open scan.
 pub(crate) fn doubts(config: &Config) -> impl Iterator<Item = String> + '_ {
     config.sources.iter().flat_map(|source| {
         let sensors = config.sensors_of(source);
@@ -70,7 +70,7 @@ pub(crate) fn doubts(config: &Config) -> impl Iterator<Item = String> + '_ {
     })
 }
 
-/// Longest time from a detection to the completion of its scan, seconds; `None` if it is not configured.
+/// Longest time from a detection to the completion of its scan, seconds; `None` if not configured.
 fn span_s(cutter: &CutterSettings) -> Option<f64> {
     let period_s = cutter.period_ns.filter(|_| cutter.boundaries != Boundaries::Stated)? as f64 / NS_PER_S;
     let wait_s = cutter.wait_ns.map(|wait_ns| wait_ns as f64 / NS_PER_S);

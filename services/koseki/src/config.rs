@@ -6,7 +6,7 @@ use configuration::{ConfigError, ConfigWith};
 use deployment::{Deployment, Parts};
 use settings::{KeyTable, SettingsError};
 
-/// Configuration of a deployment with all its services.
+/// Configuration of a deployment with all services.
 pub(crate) type Config = ConfigWith<Services>;
 
 /// Settings of all services.

@@ -1,4 +1,4 @@
-//! Sentences on categories whose blocks do not fit the edition by which they are read.
+//! Sentences on categories with blocks that do not fit the edition in use.
 //!
 //! `decode`, `check`, `up` and `send` survey a recording in the same way ([`formats::recording`]) and name the same
 //! edition; each adds the place where the user chooses the edition.
@@ -7,7 +7,7 @@ use asterix::Edition;
 use formats::recording::CategorySurvey;
 use telemetry::table::count;
 
-/// Editions that are shown, of those that fit equally well.
+/// Maximum number of editions shown, among equally fitting editions.
 const SHOWN_MAX: usize = 4;
 
 /// Returns a note on a category with blocks that do not fit: the consequence, and a suggestion, which `choose` words.

@@ -18,7 +18,7 @@ use crate::given::GivenLine;
 
 /// Value of `FILE` that means standard input.
 const STANDARD_INPUT: &str = "-";
-/// Largest size of a block of several records, bytes: with the headers of UDP and IP it fits an Ethernet frame.
+/// Largest size of a block of several records, bytes: with the headers of UDP and IP, a block fits an Ethernet frame.
 const BLOCK_OCTETS_MAX: u16 = 1400;
 
 /// Encodes.
@@ -105,7 +105,7 @@ impl Encoder {
         encoder
     }
 
-    /// Appends the octets of the record in `line`; gives its category.
+    /// Appends the octets of the record in `line`; gives the record's category.
     fn encode(&self, line: &str, octets: &mut Vec<u8>) -> Result<u8, LatestFault> {
         let fault = |place: &str, what: String| LatestFault {
             place: place.to_owned(),
@@ -156,7 +156,7 @@ impl Encoder {
     }
 }
 
-/// Records on their way into blocks.
+/// Records waiting for blocks.
 struct BlockBuilder<W> {
     out: W,
     category: u8,
@@ -213,7 +213,7 @@ impl<W: Write> BlockBuilder<W> {
 struct EncodeCounts {
     records: u64,
     blocks: u64,
-    /// Records left out at a place, and the first of them.
+    /// Number of records left out at a place, and the first of these.
     left_out: BTreeMap<String, (u64, String)>,
 }
 

@@ -9,7 +9,7 @@ use crate::args::Generate;
 /// Writes the requested files.
 ///
 /// # Errors
-/// If it cannot be written.
+/// If the output cannot be written.
 pub(crate) fn run(generate: &Generate) -> anyhow::Result<()> {
     match generate {
         #[cfg(any(test, feature = "generate"))]
@@ -20,7 +20,7 @@ pub(crate) fn run(generate: &Generate) -> anyhow::Result<()> {
     }
 }
 
-/// What is generated from the definitions of the commands.
+/// Output generated from the definitions of the commands.
 #[cfg(any(test, feature = "generate"))]
 mod of_commands {
     use std::io::Write as _;

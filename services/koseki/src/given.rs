@@ -1,4 +1,4 @@
-//! A line of JSON from outside: readers of JSON choose one of two values for a name in silence.
+//! A line of JSON from outside: readers of JSON choose silently between two values for a name.
 
 use std::fmt;
 
@@ -10,13 +10,13 @@ use serde_json::{Map, Value};
 #[derive(Debug)]
 pub(crate) struct GivenLine {
     pub(crate) value: Value,
-    /// First name that stands more than once in an object, with the second of its values.
+    /// First name that stands more than once in an object, with the second value.
     pub(crate) twice: Option<(String, Value)>,
 }
 
 impl GivenLine {
-    /// Reads a line. The mark that some programs write at the begin of a file is passed over: a message does not show
-    /// it.
+    /// Reads a line. The mark that some programs write at the begin of a file is skipped: the mark is invisible in a
+    /// message.
     pub(crate) fn read(line: &[u8]) -> serde_json::Result<Self> {
         let line = line.strip_prefix(b"\xef\xbb\xbf").unwrap_or(line);
         let mut twice = None;

@@ -24,7 +24,7 @@ pub(crate) fn running(name: &str) -> anyhow::Result<Root> {
     Ok(root)
 }
 
-/// The running instance called `name`, or the only one that runs.
+/// The running instance called `name`, or the only running instance.
 ///
 /// # Errors
 /// As [`running`]; also if there is no name, and none or several run.

@@ -1,6 +1,6 @@
 //! `koseki bench` and `koseki torture`: executed by the program `koseki-lab`.
 //!
-//! Both measure and test deployments of this executable, which therefore passes its own path on.
+//! Both measure and test deployments of this executable, which therefore passes on the executable's path.
 
 use std::process::Command;
 

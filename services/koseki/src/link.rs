@@ -1,7 +1,7 @@
-//! `koseki link`: finds the program `koseki-link`, and executes it; `koseki check` asks it about links.
+//! `koseki link`: finds the program `koseki-link`, and executes this program, also for the links in `koseki check`.
 //!
 //! The connection of hosts needs more than a hundred further crates, which a single machine does not need; therefore
-//! it is built separately.
+//! `koseki-link` is built separately.
 
 use std::path::Path;
 use std::process::Command;
@@ -66,8 +66,8 @@ pub(crate) struct FoundLink {
     pub(crate) text: String,
 }
 
-/// Asks `koseki-link` about the links of one configuration, or of both at the ends of a link. Without the program, one
-/// configuration gets a warning.
+/// Asks `koseki-link` about the links of a single configuration, or of both at the ends of a link. Without the program,
+/// a single configuration gets a warning.
 ///
 /// # Errors
 /// If the program fails, or two configurations are given without the program.

@@ -1,14 +1,14 @@
-//! `koseki`: one executable that contains every process of a deployment (PL-1).
+//! `koseki`: a single executable that contains every process of a deployment (PL-1).
 //!
 //! The crates of the services contain the processes. This crate contains the command line ([`args`]), the check of
 //! recordings against the configuration ([`recordings`]), and commands: questions ([`check`], [`mod@doctor`],
 //! [`status`], [`top`]), orders ([`order`]), files for the machine ([`mod@generate`]), and work on files
 //! ([`mod@recording_info`], [`decode`], [`encode`], [`bearings`], [`send`]). Commands on tables are in [`offline`].
-//! What few installations need is in programs that are built apart from this one, and executed by it ([`programs`],
+//! Rarely needed functions are in programs that are built separately, and executed by this program ([`programs`],
 //! [`link`], [`lab`]).
 //!
 //! Every command ends with exit code 0, with 2 after wrong usage or configuration, or with 1 after a failure while
-//! running or with a result that is worth nothing; the latter two after one line on standard error (FM-16).
+//! running or with a result that is worth nothing; the latter two after a line on standard error (FM-16).
 
 #![forbid(unsafe_code)]
 
@@ -162,7 +162,7 @@ fn run(command: Command) -> anyhow::Result<()> {
     }
 }
 
-/// Shows a recording, runs the display of a configuration, or shows a running instance without its configuration.
+/// Shows a recording, runs the display of a configuration, or shows a running instance without a configuration.
 fn show_picture(command: args::DisplayArgs) -> anyhow::Result<()> {
     let listen = command.listen.as_deref();
     let unconfigured =
@@ -224,7 +224,7 @@ fn launch(config: &Config, options: Options, run_for: Option<Duration>, fresh: b
     launcher::run(config, config.parts.launcher(), &orders)
 }
 
-/// Runs one process of a deployment.
+/// Runs a process of a deployment.
 fn run_service(
     kind: ProcessKind,
     serve: Serve,
@@ -277,8 +277,8 @@ fn simulated_targets(config: &Config, options: &Options) -> anyhow::Result<Optio
     }))
 }
 
-/// Adapters, gateways and links have configured names; other processes may have any name, by default the name of
-/// their kind.
+/// Adapters, gateways and links have configured names; other processes may have any name, by default the name of the
+/// kind.
 fn process_name(kind: ProcessKind, given: Option<String>, config: &Config) -> Result<String, Usage> {
     let names: Vec<&str> = match kind {
         ProcessKind::Adapter => config.adapters(),

@@ -21,7 +21,7 @@ use crate::instances;
 
 /// Time to wait for the answer: with a standby, a take-over fits.
 const PATIENCE: Duration = Duration::from_secs(10);
-/// Time to wait for the list of orders: fusion publishes it twice a second, unless the list is empty.
+/// Time to wait for the list of orders: fusion publishes the list twice a second, unless the list is empty.
 const LIST_PATIENCE: Duration = Duration::from_millis(1200);
 /// Pause between two looks.
 const PAUSE: Duration = Duration::from_millis(10);
@@ -143,7 +143,7 @@ fn listed(root: &Root, patience: Duration) -> anyhow::Result<Vec<OrderState>> {
     Ok(list)
 }
 
-/// Returns one line for each order.
+/// Returns a line for each order.
 fn table(states: &[OrderState], config: &Config) -> String {
     let mut table = TextTable::new(&[
         ("number", Align::Right),
@@ -177,7 +177,7 @@ fn table(states: &[OrderState], config: &Config) -> String {
     table.to_string()
 }
 
-/// Returns the order as it is written on a command line.
+/// Returns the order as written on a command line.
 pub(crate) fn words(order: &Order, config: Option<&Config>) -> String {
     order.words(|number| Some(config?.sources.get(usize::from(number))?.name.as_str()))
 }

@@ -1,6 +1,6 @@
-//! Programs that are built apart from `koseki`, because few installations need them and they take long to build.
+//! Programs built separately from `koseki`: few installations need these programs, and the builds take long.
 //!
-//! Each has a workspace and a folder of its own. `koseki` finds the program, and becomes it.
+//! Each has a separate workspace and folder. `koseki` finds the program, and becomes it.
 
 use std::os::unix::process::CommandExt as _;
 use std::path::{Path, PathBuf};
@@ -13,9 +13,9 @@ use anyhow::Context as _;
 pub(crate) struct Program {
     /// File name.
     pub(crate) name: &'static str,
-    /// Environment variable with its path.
+    /// Environment variable with the program's path.
     pub(crate) variable: &'static str,
-    /// Folder of its workspace in the checkout.
+    /// Folder of the workspace in the checkout.
     pub(crate) workspace: &'static str,
 }
 
@@ -40,7 +40,7 @@ impl Program {
             .find(|program| program.is_file())
     }
 
-    /// Where cargo puts the program: into the target folder of its workspace, or into that of `koseki`.
+    /// Where cargo puts the program: into the target folder of the program's workspace, or of `koseki`.
     fn built(self, checkout: &Path) -> Vec<PathBuf> {
         let own = checkout.join(self.workspace).join("target");
         let folders = [own, checkout.join("target")];
@@ -58,7 +58,7 @@ impl Program {
         self.find().with_context(|| self.not_there())
     }
 
-    /// What to do if the program is nowhere.
+    /// Remedy for a missing program.
     pub(crate) fn not_there(self) -> String {
         let Self {
             name,
@@ -75,7 +75,7 @@ impl Program {
 /// Becomes the program of `command`.
 ///
 /// # Errors
-/// If it cannot be executed.
+/// If the program cannot be executed.
 pub(crate) fn execute(command: &mut Command) -> anyhow::Result<()> {
     let refusal = command.exec();
     Err(refusal).with_context(|| format!("starting {}", command.get_program().display()))

@@ -30,7 +30,7 @@ pub(crate) fn cut(cut: RecordingCut) -> anyhow::Result<()> {
     copy(&files(&cut.path)?, &part, &cut.out)
 }
 
-/// All of a recording; a copy is compressed, whatever the original is.
+/// All of a recording; a copy is always compressed.
 fn whole() -> RecordingPart {
     RecordingPart {
         compression: Compression::Zstd,
@@ -38,7 +38,7 @@ fn whole() -> RecordingPart {
     }
 }
 
-/// Copies what can be read of a damaged recording.
+/// Copies the readable part of a damaged recording.
 ///
 /// # Errors
 /// If the recording cannot be read or nothing in it is readable, or the copy cannot be written.
@@ -46,7 +46,7 @@ pub(crate) fn repair(repair: &RecordingRepair) -> anyhow::Result<()> {
     copy(&files(&repair.path)?, &whole(), &repair.out)
 }
 
-/// Copies several files into one.
+/// Copies several files into a single file.
 ///
 /// # Errors
 /// If the files belong to different recordings, a file cannot be read, or the copy cannot be written.

@@ -69,7 +69,7 @@ pub(crate) fn run(export: &RecordingExport) -> anyhow::Result<()> {
     blocks.map_or(Ok(()), |blocks| blocks.finish()?.0.finish())
 }
 
-/// Midnight from which the recorder's tables count their seconds.
+/// Midnight from which the recorder's tables count seconds.
 fn first_day_ns(facts: &Facts) -> Result<i64, Usage> {
     let said = facts.get("first_day_ns").and_then(|text| text.parse().ok());
     said.ok_or_else(|| Usage("the recording does not contain the day of its times".to_owned()))
@@ -81,7 +81,7 @@ fn blocks(config: &Config, path: &Path) -> anyhow::Result<TrackBlocks<OutputFile
     TrackBlocks::new(OutputFile::begin(path)?, &form, config.frame, &config.sources)
 }
 
-/// Form of the data blocks of a recording: as given, else as its gateway sends, if present.
+/// Form of the data blocks of a recording: as given, else in the form of its gateway, if present.
 pub(crate) fn block_form(
     config: &Config,
     sac: Option<u8>,

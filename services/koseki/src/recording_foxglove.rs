@@ -2,7 +2,7 @@
 //!
 //! Each second of the data gives two messages: `foxglove.LocationFixes`, positions and covariances of the tracks, and
 //! `foxglove.SceneUpdate`, the tracks in the system frame with velocities and labels. Both are JSON in an MCAP file;
-//! viewers recognise them by the names of their schemas.
+//! viewers recognise both by the names of the schemas.
 
 use std::collections::BTreeMap;
 
@@ -30,7 +30,7 @@ const COASTED: [f64; 3] = [0.9, 0.6, 0.0];
 /// Name of the frame.
 const FRAME: &str = "system";
 
-/// Pictures, written one after the other.
+/// Pictures, written in sequence.
 pub(crate) struct PictureWriter {
     file: mcap::Writer<OutputFile>,
     places: u16,
@@ -47,7 +47,7 @@ impl PictureWriter {
     /// Begins a file of the pictures of a deployment of `config`.
     ///
     /// # Errors
-    /// If it cannot be written.
+    /// If the output cannot be written.
     pub(crate) fn begin(config: &Config, out: OutputFile) -> anyhow::Result<Self> {
         let options = WriteOptions::new().library("koseki").compression(None);
         let mut file = options.create(out)?;
@@ -85,7 +85,7 @@ impl PictureWriter {
         let time_ns = state.reference_time_ns;
         let next_ns = (time_ns.div_euclid(PERIOD_NS) + 1) * PERIOD_NS;
         if self.due_ns.is_some_and(|due_ns| time_ns >= due_ns) {
-            // After a gap one picture is enough.
+            // After a gap, a single picture is enough.
             self.tell(next_ns - PERIOD_NS)?;
             self.due_ns = Some(next_ns);
         }
@@ -144,7 +144,7 @@ impl PictureWriter {
     /// Writes the last picture and the end of the file.
     ///
     /// # Errors
-    /// If it cannot be written.
+    /// If the output cannot be written.
     pub(crate) fn finish(mut self) -> anyhow::Result<()> {
         if let Some(due_ns) = self.due_ns {
             self.tell(due_ns)?;

@@ -20,7 +20,7 @@ const GAPS_SHOWN: usize = 10;
 /// Prints the summary of a recording.
 ///
 /// # Errors
-/// If there is none, or it cannot be read.
+/// Without a recording, or if the recording cannot be read.
 pub(crate) fn run(info: &RecordingInfo) -> anyhow::Result<()> {
     // The summary states which files have no end.
     let files = all_files(&info.path)?;
@@ -73,7 +73,7 @@ pub(crate) fn note_damage(path: &Path, item: &Item<'_>) {
     }
 }
 
-/// The files of a recording, in their order. One that is still written is noted on standard error.
+/// The files of a recording, in order. A file still being written is noted on standard error.
 ///
 /// # Errors
 /// If a file cannot be read, or is no recording: a wrong path on the command line.
@@ -94,7 +94,7 @@ fn all_files(path: &Path) -> anyhow::Result<Vec<PathBuf>> {
     };
     for file in &files {
         let opened = offline::open(file)?;
-        // The last file of a killed recorder may be empty, but then it does not stand alone.
+        // The last file of a killed recorder may be empty, but then other files precede.
         if files.len() == 1 && opened.metadata()?.len() == 0 {
             return Err(InputError::new(file, "is no recording of all topics: the file is empty").into());
         }

@@ -1,12 +1,12 @@
 //! Check of the recordings against the configuration, before the start of processes.
 //!
-//! A missing recording, a recording of another sensor, or a truncated recording would otherwise appear only as a
-//! source that is silent, or falls silent early. Therefore each file is read, its data blocks are compared with their
-//! editions, and its first target report is decoded; `koseki check` decodes everything. An error is one line: file,
-//! byte, found value, expected value, and remedy.
+//! A missing recording, a recording of another sensor, or a truncated recording would otherwise appear only as a source
+//! that is silent, or falls silent early. Therefore each file is read, the data blocks are compared with the editions,
+//! and the first target report is decoded; `koseki check` decodes everything. An error is a single line: file, byte,
+//! found value, expected value, and remedy.
 //!
-//! Limit: of damage within blocks, only a count is given, as long as most blocks of the category fit their edition.
-//! The adapter skips and counts undecodable bytes.
+//! Limit: of damage within blocks, only a count is given, as long as most blocks of the category fit the edition. The
+//! adapter skips and counts undecodable bytes.
 
 use std::fs;
 use std::io;
@@ -46,7 +46,7 @@ pub(crate) enum Depth {
     Records,
 }
 
-/// Findings in the recording of one source.
+/// Findings in the recording of a source.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct RecordingFindings {
     /// Number of the source.
@@ -57,17 +57,17 @@ pub(crate) struct RecordingFindings {
     pub(crate) bytes: usize,
     /// Data blocks.
     pub(crate) blocks: usize,
-    /// Records that could be decoded; only those up to the first target report if no more were looked at.
+    /// Records that could be decoded; only records up to the first target report without a further examination.
     pub(crate) records: u64,
-    /// Bytes of those blocks that could not.
+    /// Undecodable bytes of the blocks.
     pub(crate) skipped: u64,
     /// Time of day of the first target report, nanoseconds.
     pub(crate) first_time_ns: Option<i64>,
     /// Time of day of the last target report that was looked at, nanoseconds.
     pub(crate) last_time_ns: Option<i64>,
-    /// Duration of the antenna turn in the data, for a source tracked from its plots, if every record was decoded.
+    /// Duration of the antenna turn in the data, for a source tracked from plots, if every record was decoded.
     pub(crate) turn: Option<TurnEstimate>,
-    /// Sentences on blocks that fit another edition better than the one by which they are read.
+    /// Sentences on blocks that fit another edition better than the edition in use.
     pub(crate) doubts: Vec<String>,
 }
 
@@ -84,7 +84,7 @@ pub(crate) struct UnusableRecording {
 struct RecordingOwner {
     /// `source "radar"`.
     whose: Box<str>,
-    /// Place of its configuration: `source[0].recorded`.
+    /// Place of the configuration: `source[0].recorded`.
     place: Box<str>,
 }
 
@@ -268,7 +268,7 @@ pub(crate) fn tables(recorded: &Recorded) -> StatedTables {
     StatedTables::new(&recorded.asterix.editions, recorded.asterix.is_strict)
 }
 
-/// Compares the blocks with the editions by which the source's adapter reads them.
+/// Compares the blocks with the editions that the source's adapter uses.
 fn survey(bytes: &[u8], recorded: &Recorded) -> RecordingSurvey {
     let stated = tables(recorded);
     let recording = RecordingBytes::new(bytes).with_mode(stated.mode());
@@ -340,7 +340,7 @@ fn count_blocks(
 /// Returns a sentence for each category of which a small part fits another edition better.
 ///
 /// # Errors
-/// The sentence on the first category of which most blocks do not fit: what is left of it fits by accident.
+/// The sentence on the first category with mostly unfitting blocks: any remaining fit is accidental.
 fn doubts(survey: &RecordingSurvey, recorded: &Recorded, key: &RecordingOwner) -> Result<Vec<String>, String> {
     let expected = expected_categories(recorded);
     let mut doubts = Vec::new();
@@ -388,7 +388,7 @@ fn decode(bytes: &[u8], recorded: &Recorded, depth: Depth) -> RecordingFindings 
     found
 }
 
-/// Turn of the antenna that a recording shows, found as the source's adapter finds it.
+/// Turn of the antenna in a recording, found in the same way as by the source's adapter.
 fn turn(
     bytes: &[u8],
     recorded: &Recorded,
@@ -455,7 +455,7 @@ fn read_lines(bytes: &[u8], key: &RecordingOwner) -> Result<RecordingFindings, S
     Ok(found)
 }
 
-/// Reads a table of sensor tracks. A row that cannot be read makes all of it doubtful.
+/// Reads a table of sensor tracks. An unreadable row makes the whole table doubtful.
 fn read_rows(bytes: &[u8], key: &RecordingOwner) -> Result<RecordingFindings, String> {
     let table = |error| key.no_table(&error, "sensor tracks");
     let mut found = RecordingFindings::default();
@@ -555,7 +555,7 @@ mod tests {
         assert!(refused.starts_with("no line has a time (values 7 to 10)"), "{refused}");
     }
 
-    /// A CAT010 block with one target report: source, message type and time of day.
+    /// A CAT010 block with a target report: source, message type and time of day.
     fn report(seconds: u32) -> Vec<u8> {
         let time = (seconds * 128).to_be_bytes();
         // FSPEC: I010/010, /000, (/020 absent), /140.
@@ -578,7 +578,7 @@ mod tests {
             line.starts_with("byte 0: found blocks of category 034 and 048 only, expected 010 for source \"radar\"")
         );
         assert!(line.contains("source[0].recorded.file"), "{line}");
-        // The same, where it is cut as well: that does not matter any more.
+        // The same blocks, cut as well: the cut does not matter any more.
         let line = outcome(&[48, 0, 4, 0, 34, 0, 9], &[]).unwrap_err();
         assert!(line.contains("category 048"), "{line}");
     }

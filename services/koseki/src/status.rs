@@ -1,4 +1,4 @@
-//! `koseki status`: what runs on this machine.
+//! `koseki status`: the instances on this machine.
 //!
 //! The command joins each running instance as a reader, takes the messages of two rounds of health messages, and
 //! leaves. Rates are the differences between the two rounds.
@@ -27,10 +27,10 @@ const PAUSE: Duration = Duration::from_millis(20);
 /// Name under which this command joins an instance.
 const OWN_NAME: &str = "status";
 
-/// Prints every instance, or the one that is named.
+/// Prints every instance, or the named instance.
 ///
 /// # Errors
-/// If the named one does not run, the instances cannot be listed, or shared memory fails.
+/// If the named instance does not run, the instances cannot be listed, or shared memory fails.
 pub(crate) fn run(status: &Status) -> anyhow::Result<()> {
     let instances = match &status.instance {
         Some(name) => {
@@ -60,11 +60,11 @@ pub(crate) fn run(status: &Status) -> anyhow::Result<()> {
     crate::print(&found.iter().map(InstanceStatus::text).collect::<String>())
 }
 
-/// What is known of one instance.
+/// Known facts about an instance.
 #[derive(Debug, Serialize)]
 struct InstanceStatus {
     instance: String,
-    /// Where it lives.
+    /// Folder of the instance.
     folder: PathBuf,
     state: InstanceState,
     /// Address of the picture for a browser; `None` without a display.
@@ -96,13 +96,13 @@ struct OrderStatusLine {
 enum InstanceState {
     Runs,
     StartsOrStops,
-    /// Running, and what is in its shared memory cannot be meant.
+    /// Running, with implausible content in the shared memory.
     Unreadable,
-    /// It does not run, and the run before was killed.
+    /// Not running; the previous run was killed.
     Killed,
-    /// It does not run, and a start was refused.
+    /// Not running; a start was refused.
     Refused,
-    /// It has ended in order, and the next start goes on.
+    /// Ended in order; the next start continues.
     Ended,
 }
 
@@ -142,14 +142,14 @@ impl InstanceStatus {
             orders: Vec::new(),
         };
         if !instance.runs {
-            // A start that is refused leaves its lock at most, a run its folder.
+            // A refused start leaves its lock at most, a run leaves its folder.
             status.state = match instance.root.path().exists() {
                 true => InstanceState::Killed,
                 false => InstanceState::Refused,
             };
             return Ok(status);
         }
-        // Reading memory that somebody has overwritten may end in a panic of the library that lies beneath.
+        // Reading overwritten memory may end in a panic of the underlying library.
         let Ok(listened) = without_panic(|| listen(&instance.root)) else {
             status.state = InstanceState::Unreadable;
             return Ok(status);
@@ -291,7 +291,7 @@ const LOSSES: [(Counter, &str); 6] = [
     (Counter::RequestsRejected, "connections refused"),
 ];
 
-/// Result of `work`; `Err` if it panicked, which nobody is told of.
+/// Result of `work`; `Err` after a panic, which is not printed.
 fn without_panic<T>(work: impl FnOnce() -> T) -> Result<T, ()> {
     let told = panic::take_hook();
     panic::set_hook(Box::new(|_| ()));
@@ -300,7 +300,7 @@ fn without_panic<T>(work: impl FnOnce() -> T) -> Result<T, ()> {
     result.map_err(drop)
 }
 
-/// Returns the state of a running instance, and the processes that have joined it.
+/// Returns the state of a running instance, and the processes that have joined.
 fn listen(root: &Root) -> Result<(Deployment, Vec<bus::MemberProcess>), BusError> {
     let bus = Bus::<SharedMemory>::open(root, OWN_NAME)?;
     let now_ns = || mono_ns() as u64;
@@ -323,7 +323,7 @@ fn listen(root: &Root) -> Result<(Deployment, Vec<bus::MemberProcess>), BusError
     Ok((observed, joined))
 }
 
-/// Returns the rows of the launcher and its children, then of other processes that have joined the instance.
+/// Returns the rows of the launcher and its children, then of other processes in the instance.
 fn rows(book: &HealthBook, joined: &[bus::MemberProcess], now_ns: i64) -> Vec<StatusRow> {
     let processes = book.processes(&[], now_ns);
     let is_launcher = |process: &&ObservedProcess| process.kind == Some(ProcessKind::Launcher);
@@ -360,9 +360,9 @@ fn rows(book: &HealthBook, joined: &[bus::MemberProcess], now_ns: i64) -> Vec<St
     rows
 }
 
-/// One line per process.
+/// A line per process.
 fn table(rows: &[StatusRow]) -> String {
-    // Numbers have room for eight digits, so that columns stay where they are from one look to the next.
+    // Numbers have room for eight digits, so that columns keep their places between two looks.
     let mut table = TextTable::new(&[
         ("process", Align::Left),
         ("     pid", Align::Right),
@@ -378,17 +378,17 @@ fn table(rows: &[StatusRow]) -> String {
     table.to_string().lines().map(|line| format!("  {line}\n")).collect()
 }
 
-/// One process.
+/// A process.
 #[derive(Debug, Default, Serialize)]
 struct StatusRow {
     name: String,
     pid: Option<u32>,
     state: Option<String>,
-    /// `None` for a process that nobody restarts.
+    /// `None` for a process without restarts by a launcher.
     restarts: Option<u32>,
-    /// Samples or records taken per second; `None` if there were none, or it is not known.
+    /// Samples or records taken per second; `None` without any, or if unknown.
     taken_per_s: Option<f64>,
-    /// The same of what it published, wrote or sent.
+    /// The same for published, written or sent samples or records.
     published_per_s: Option<f64>,
     note: String,
 }
@@ -409,7 +409,7 @@ impl StatusRow {
         ]
     }
 
-    /// Row of a child of the launcher with its own row, if it publishes health messages.
+    /// Row of a child of the launcher, with the child's `own` row for a child with health messages.
     fn of_child(child: &ChildState<'_>, own: Option<Self>) -> Self {
         let own = own.unwrap_or_default();
         Self {
@@ -422,7 +422,7 @@ impl StatusRow {
         }
     }
 
-    /// Row of a process by its own messages.
+    /// Row of a process from the process's own messages.
     fn of_process(process: &ObservedProcess, latest: LatestHealth<'_>, book: &HealthBook) -> Self {
         let (taken, published) = match process.kind {
             Some(ProcessKind::Adapter) => (Counter::Records, Counter::Published),
@@ -453,7 +453,7 @@ impl StatusRow {
     }
 }
 
-/// Returns the notes of a link about its peers, with its losses and refusals; empty without peers.
+/// Returns the notes of a link about peers, with losses and refusals; empty without peers.
 fn of_peers(book: &HealthBook, link: LatestHealth<'_>) -> String {
     let mut notes: Vec<String> = book
         .parts(ProcessKind::Link, link.name())

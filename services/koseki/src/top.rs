@@ -1,4 +1,4 @@
-//! `koseki top`: which deployment is meant. How it is looked at is the monitor's business ([`monitor::top`]).
+//! `koseki top`: choice of the deployment. The display is in the monitor ([`monitor::top`]).
 
 use bus::{InstanceEntry, Root};
 use monitor::top::{Form, Settings, run as look_on};

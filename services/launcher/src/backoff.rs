@@ -1,13 +1,12 @@
 //! When to start a child again that has ended: deciding only, apart from doing.
 //!
 //! An immediate restart is right for the first end of a child, because most ends are accidents. A child that always
-//! fails at its start would then be started hundreds of times a second. Therefore the pause doubles with each end, up
+//! fails at the start would then be started hundreds of times a second. Therefore the pause doubles with each end, up
 //! to a limit, and is reset after a child has lived for a while. Restarts never stop: a port in use may be free
 //! tomorrow, and until then the other processes work.
 //!
-//! Fusion is different: its tracks are terminated if it is absent for longer than their greatest age. The pause of
-//! fusion has a separate limit, and a fusion process that had come up is restarted at once while no other process can
-//! lead.
+//! Fusion is different: an absence longer than the greatest age of tracks terminates the tracks. The pause of fusion
+//! has a separate limit, and a fusion process that had come up is restarted at once while no other process can lead.
 
 use std::time::Duration;
 
@@ -15,10 +14,10 @@ use std::time::Duration;
 const FIRST_PAUSE: Duration = Duration::from_millis(100);
 /// Longest pause.
 const LONGEST_PAUSE: Duration = Duration::from_secs(30);
-/// Life time after which a child counts as healthy, and its earlier ends are forgotten.
+/// Life time after which a child counts as healthy, and earlier ends are forgotten.
 const WELL: Duration = Duration::from_secs(10);
 
-/// The history of one child, as far as it matters for the next start.
+/// The history of a child, as far as relevant for the next start.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Backoff {
     pause: Duration,
@@ -47,7 +46,7 @@ impl Backoff {
         self.failures
     }
 
-    /// The child has ended after having lived so long. Returns the pause before its next start.
+    /// Notes the end of the child after the life time `lived`. Returns the pause before the next start.
     pub(crate) fn ended(&mut self, lived: Duration, came_up: bool) -> Duration {
         if came_up && lived >= WELL {
             *self = Self::with_longest(self.longest);

@@ -1,4 +1,4 @@
-//! Child process through all its restarts.
+//! Child process through all restarts.
 
 use std::os::fd::OwnedFd;
 use std::os::unix::process::CommandExt as _;
@@ -25,38 +25,38 @@ const KILL_PAUSE: Duration = Duration::from_millis(1);
 /// have run either.
 const LOOKED_AWAY: Duration = Duration::from_secs(1);
 
-/// Process of the deployment, with its present operating system process.
+/// Process of the deployment, with the present operating system process.
 #[derive(Debug)]
 pub(crate) struct Child {
     part: ProcessPart,
     state: ChildPhase,
     backoff: Backoff,
     restarts: u32,
-    /// Whether a process of this child has ever reported that it runs.
+    /// Whether a process of this child has ever reported running.
     was_up: bool,
     last_end: Option<End>,
 }
 
 #[derive(Debug)]
 enum ChildPhase {
-    /// Waits for its stage of the first start or of a rebuild.
+    /// Waits for the child's stage of the first start or of a rebuild.
     Unborn { gap_since: Option<Instant> },
     /// Has a process.
     Alive {
         process: std::process::Child,
         since: Instant,
-        /// Whether the process has reported that it runs.
+        /// Whether the process has reported running.
         running: bool,
-        /// End of the predecessor, until the process reports that it runs.
+        /// End of the predecessor, until the process reports running.
         gap_since: Option<Instant>,
         /// Latest sign of life, monotonic, nanoseconds, by the process itself.
         moved_ns: i64,
         /// Time without a sign of life, as far as the keeper looked.
         still: Duration,
-        /// Whether the process was killed because it hung.
+        /// Whether the process was killed because of a hang.
         condemned: bool,
     },
-    /// Has ended, and waits for its restart.
+    /// Has ended, and waits for the restart.
     Waiting {
         ended: Instant,
         until: Instant,
@@ -74,14 +74,14 @@ pub(crate) enum Sequel {
     Finished,
     /// Restart after this time.
     RestartIn(Duration),
-    /// End of the deployment: the child refuses its configuration.
+    /// End of the deployment: the child refuses the configuration.
     Refused,
     /// End of the deployment: the child is needed and does not come up.
     GiveUp,
 }
 
 impl Child {
-    /// Creates a child that waits for its stage, with pauses before restarts by `backoff`.
+    /// Creates a child that waits for a stage, with pauses before restarts by `backoff`.
     pub(crate) fn new(part: ProcessPart, backoff: Backoff) -> Self {
         Self {
             part,
@@ -97,7 +97,7 @@ impl Child {
         &self.part
     }
 
-    /// Exchanges names with another child of its kind after an exchange of their roles.
+    /// Exchanges names with another child of the same kind after an exchange of roles.
     pub(crate) fn exchange_names(&mut self, other: &mut Self) {
         std::mem::swap(&mut self.part.name, &mut other.part.name);
     }
@@ -161,7 +161,7 @@ impl Child {
         }
     }
 
-    /// Returns the time of the next start, if one is due.
+    /// Returns the time of the next start, if any is due.
     pub(crate) fn restart_due(&self) -> Option<Instant> {
         match self.state {
             ChildPhase::Waiting { until, .. } => Some(until),
@@ -185,7 +185,7 @@ impl Child {
         }
     }
 
-    /// Starts the process with `input` as its standard input. An error counts as an end.
+    /// Starts the process with `input` as standard input. An error counts as an end.
     pub(crate) fn start(&mut self, command: &mut Command, input: Option<OwnedFd>) -> Option<Sequel> {
         let gap_since = match self.state {
             ChildPhase::Waiting { ended, .. } => Some(ended),
@@ -193,8 +193,8 @@ impl Child {
             _ => None,
         };
         self.restarts += u32::from(gap_since.is_some());
-        // Only the monitor writes to standard output. In a process group of its own, the child does not receive
-        // Ctrl-C: the launcher decides the order of the stop.
+        // Only the monitor writes to standard output. In a separate process group, the child does not receive Ctrl-C:
+        // the launcher decides the order of the stop.
         let output = match self.part.kind {
             ProcessKind::Monitor => Stdio::inherit(),
             _ => Stdio::null(),
@@ -243,8 +243,8 @@ impl Child {
         gap_since.take().map(|ended| now.duration_since(ended))
     }
 
-    /// Notes a look for signs of life, `passed` after the look before. A process without a sign of life for `limit`
-    /// is killed; [`Self::reap`] reports its end.
+    /// Notes a look for signs of life, `passed` after the look before. A process without a sign of life for `limit` is
+    /// killed; [`Self::reap`] reports the end.
     pub(crate) fn looked(&mut self, elapsed: Duration, limit: Duration) {
         let ChildPhase::Alive {
             process,
@@ -291,7 +291,7 @@ impl Child {
             Ok(None) => return None,
             Ok(Some(_)) if *condemned => End::StoodStill(*still),
             Ok(Some(status)) => End::from(status),
-            // Possible only if another waiter has collected the process: the kind of its end is unknown.
+            // Possible only if another waiter has collected the process: the kind of end is unknown.
             Err(error) => End::NotStarted(error.to_string()),
         };
         let (lived, came_up) = (now.duration_since(*since), *running);
@@ -310,7 +310,7 @@ impl Child {
         }
         let pause = self.backoff.ended(lived, came_up);
         let give_up = match self.part.kind {
-            // The fault may recur in new memory; the successor of a killed process may complain about its remains.
+            // The fault may recur in new memory; the successor of a killed process may complain about the remains.
             ProcessKind::Keeper => !self.was_up && !killed && (self.failures() == 1 || self.failures() >= CHANCES),
             ProcessKind::Fusion => !self.was_up && self.failures() >= CHANCES,
             _ => self.part.required && self.failures() >= CHANCES,
@@ -326,7 +326,7 @@ impl Child {
         Sequel::RestartIn(pause)
     }
 
-    /// Kills the process for a rebuild of the deployment: the child starts again with its stage.
+    /// Kills the process for a rebuild of the deployment: the child starts again in the child's stage.
     pub(crate) fn tear_down(&mut self, now: Instant) {
         let gap_since = match self.state {
             ChildPhase::Alive { gap_since, .. } => Some(gap_since.unwrap_or(now)),
@@ -370,8 +370,8 @@ impl Child {
         if well { Ok(true) } else { Err(problem) }
     }
 
-    /// Kills the process and waits for its end, for a limited time: the kernel can hold back a process that waits for
-    /// a disk or is stopped by a debugger.
+    /// Kills the process and waits for the end, for a limited time: the kernel can hold back a process that waits for a
+    /// disk or is stopped by a debugger.
     pub(crate) fn kill(&mut self) {
         if let ChildPhase::Alive { process, .. } = &mut self.state {
             signal(process, Signal::KILL);
@@ -385,13 +385,13 @@ impl Child {
     }
 }
 
-/// Whether the kernel neither runs nor kills the process's first thread: state D, behind its name in brackets.
+/// Whether the kernel neither runs nor kills the process's first thread: state D, behind the name in brackets.
 fn waits_for_disk(process: &std::process::Child) -> bool {
     let stat = std::fs::read_to_string(format!("/proc/{}/stat", process.id()));
     stat.is_ok_and(|stat| stat.rsplit(") ").next().is_some_and(|rest| rest.starts_with('D')))
 }
 
-/// A process that has not been collected keeps its number, so that the signal cannot reach another process.
+/// A process that has not been collected keeps the process number, so that the signal cannot reach another process.
 fn signal(process: &std::process::Child, signal: Signal) {
     // Fails only if the process has ended, as intended.
     let _ = kill_process(Pid::from_child(process), signal);
@@ -554,7 +554,7 @@ mod tests {
             child.looked(second, limit);
         }
         assert_eq!(child.reap(Instant::now()), None);
-        // A starting process may wait for the disk at that moment: it gets the time again.
+        // A starting process may wait for the disk at that moment: the process gets the time again.
         let start = Instant::now();
         let sequel = loop {
             child.looked(second, limit);

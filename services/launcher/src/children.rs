@@ -1,4 +1,4 @@
-//! All children of a deployment: what they are together, and what happens to several of them.
+//! All children of a deployment: the state of the whole, and operations on several children.
 
 use std::ops::{Deref, DerefMut};
 use std::time::{Duration, Instant};
@@ -17,7 +17,7 @@ const STOP_PATIENCE: Duration = Duration::from_secs(5);
 /// The longest pause of fusion is this fraction of `checkpoint.max_age_s`.
 const PAUSES_PER_AGE: u32 = 5;
 
-/// Children of one deployment, in the order of its parts.
+/// Children of a deployment, in the order of the parts.
 #[derive(Debug)]
 pub(crate) struct Children(Vec<Child>);
 
@@ -49,7 +49,7 @@ impl Children {
     }
 
     /// Ends the pauses of fusion processes if no fusion can lead: tracks end after a long time without a leader.
-    /// Returns whether the pause of the child at `index` is among them.
+    /// Returns whether the pause of the child at `index` is among these.
     pub(crate) fn hasten_fusion(&mut self, now: Instant, index: usize) -> bool {
         let is_fusion = |child: &Child| child.part().kind == ProcessKind::Fusion;
         if self.iter().any(|child| is_fusion(child) && child.is_up()) {
@@ -104,7 +104,7 @@ impl Children {
         format!("{services}, and {count} ({})", adapters.join(", "))
     }
 
-    /// Returns one line for the service manager; `is_started` after the last stage of the start.
+    /// Returns a line for the service manager; `is_started` after the last stage of the start.
     pub(crate) fn status(&self, is_started: bool) -> String {
         let down: Vec<String> = self
             .iter()
@@ -121,7 +121,7 @@ impl Children {
         }
     }
 
-    /// Stops the children of one kind; SIGKILL ends the wait. Each problem is a sentence.
+    /// Stops the children of a kind; SIGKILL ends the wait. Each problem is a sentence.
     pub(crate) fn stop(&mut self, kind: ProcessKind, wake: &Wake, problems: &mut Vec<String>) {
         let mut waited_for: Vec<&mut Child> = self.iter_mut().filter(|child| child.part().kind == kind).collect();
         waited_for.retain_mut(|child| child.ask_to_stop());
@@ -166,7 +166,7 @@ impl DerefMut for Children {
     }
 }
 
-/// Returns the pauses before restarts of `part`: those of fusion stay below a quarter of the age at which its tracks
+/// Returns the pauses before restarts of `part`: the pauses of fusion stay below a quarter of the age at which tracks
 /// end.
 fn backoff(part: &ProcessPart, config: &Deployment) -> Backoff {
     match (part.kind, config.checkpoint.max_age_ns()) {

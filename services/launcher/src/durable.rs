@@ -1,7 +1,7 @@
 //! Copies on disk of the memory that outlasts the processes, to survive a reboot.
 //!
-//! The keeper makes copies in a separate thread, every few seconds, from memory still in use. At its start, the
-//! launcher restores missing memory from the copies. An orderly end replaces them by the last state
+//! The keeper makes copies in a separate thread, every few seconds, from memory still in use. At the start, the
+//! launcher restores missing memory from the copies. An orderly end replaces the copies by the last state
 //! ([`crate::last_end`]).
 
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ use bus::Root;
 
 use crate::say;
 
-/// Why the latest copy failed; `None` if it did not.
+/// Reason for the failure of the latest copy; `None` without a failure.
 type Failure = Arc<Mutex<Option<String>>>;
 
 /// Copying, as long as this lives.
@@ -28,10 +28,10 @@ pub(crate) struct CheckpointCopier {
 }
 
 impl CheckpointCopier {
-    /// Copies what the processes at `root` keep into `folder`, once in the time `every`.
+    /// Copies the memory kept by the processes at `root` into `folder`, once in the time `every`.
     ///
     /// # Errors
-    /// If there is no thread for it.
+    /// If the thread cannot be started.
     pub(crate) fn start(root: Root, folder: PathBuf, every: Duration) -> anyhow::Result<Self> {
         let (end, ended) = channel();
         let failure = Failure::default();
@@ -56,7 +56,7 @@ impl CheckpointCopier {
         })
     }
 
-    /// Returns why the latest copy failed; `None` if it did not.
+    /// Returns the reason for the failure of the latest copy; `None` without a failure.
     pub(crate) fn failure(&self) -> Option<String> {
         self.failure.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }

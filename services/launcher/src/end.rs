@@ -29,12 +29,12 @@ pub(crate) enum End {
 }
 
 impl End {
-    /// Whether the process had finished its work.
+    /// Whether the process had finished the work.
     pub(crate) fn is_finished(&self) -> bool {
         *self == Self::Code(0)
     }
 
-    /// Whether the process refused its arguments or configuration: a restart would end in the same way.
+    /// Whether the process refused the arguments or configuration: a restart would end in the same way.
     pub(crate) fn is_refused(&self) -> bool {
         *self == Self::Code(CODE_REFUSED)
     }
@@ -49,12 +49,12 @@ impl End {
         }
     }
 
-    /// Whether another process killed it.
+    /// Whether another process killed the process.
     pub(crate) fn is_killed(&self) -> bool {
         *self == Self::Signal(signal_hook::consts::SIGKILL)
     }
 
-    /// Whether a stop request ended the process before it could catch requests.
+    /// Whether a stop request ended the process before requests could be caught.
     pub(crate) fn is_request_to_stop(&self) -> bool {
         *self == Self::Signal(SIGTERM)
     }

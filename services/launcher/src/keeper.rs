@@ -1,14 +1,14 @@
 //! Keeper: the launcher's access to shared memory.
 //!
-//! A process that maps memory written by others can be killed by its contents. The launcher must outlive all of its
-//! children, so that it maps no such memory, and a child does this work: it holds every topic, reclaims the memory of
-//! dead processes, receives the children's health messages, and publishes the launcher's facts about the children.
-//! The keeper is restarted like any other child. Meanwhile the topics continue to exist, since other processes have
-//! opened them, and the successor opens them before it removes the memory of the dead keeper.
+//! A process that maps memory written by others can be killed by the contents. The launcher must outlive all children,
+//! and therefore maps no such memory. A child does this work: the keeper holds every topic, reclaims the memory of dead
+//! processes, receives the children's health messages, and publishes the launcher's facts about the children. The
+//! keeper is restarted like any other child. Meanwhile the topics continue to exist, since other processes have opened
+//! all topics, and the successor opens the topics before removing the memory of the dead keeper.
 //!
-//! The launcher's health messages are of kind `launcher`: one entry for the launcher and one for each child, with the
-//! child's name, process number, source, number of restarts and last end. A child's own message cannot contain these
-//! facts, and a dead child publishes none. After the end of all children, the launcher's entry has the state
+//! The launcher's health messages are of kind `launcher`: an entry for the launcher and an entry for each child, with
+//! the child's name, process number, source, number of restarts and last end. A child's own message cannot contain
+//! these facts, and a dead child publishes none. After the end of all children, the launcher's entry has the state
 //! `finished`: readers outside the deployment then leave.
 
 use std::time::Duration;
@@ -24,7 +24,7 @@ use crate::durable::CheckpointCopier;
 use crate::link::{ChildFacts, HealthByProcess, KeeperLink, LauncherFacts, ProcessHealth};
 
 /// Time between two looks while a child starts, and while all run. Nothing here is urgent: the launcher itself observes
-/// the ends of its children, and its message about an end wakes the keeper.
+/// the ends of children, and the launcher's message about an end wakes the keeper.
 const PAUSE: Duration = Duration::from_millis(50);
 const CALM_PAUSE: Duration = Duration::from_millis(200);
 /// Time between two messages about the children, nanoseconds.
@@ -54,8 +54,8 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
         copier,
         launcher: process.options.launcher.unwrap_or_default(),
         subscriber: process.bus.subscriber(&topic, || process.incarnation)?,
-        // An epoch other than that of the process's own health messages on the same topic: readers on other hosts
-        // identify publishers by it.
+        // The epoch differs from the epoch of the process's own health messages on the same topic: readers on other
+        // hosts identify publishers by the epoch.
         publisher: process.bus.publisher(&topic, process.incarnation + 1)?,
         facts: None,
         heard: HealthByProcess::default(),
@@ -69,7 +69,7 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
 struct Keeper<'a> {
     bus: &'a Bus<SharedMemory>,
     link: KeeperLink,
-    /// Copies to disk, if they are made.
+    /// Copies to disk, if configured.
     copier: Option<CheckpointCopier>,
     /// Process number of the launcher.
     launcher: u32,

@@ -1,13 +1,14 @@
 //! Files of an orderly end, from which the next start goes on.
 //!
-//! A kill of all processes leaves the memory that outlasts them in shared memory, and the next start resumes from it. A
-//! planned stop must preserve as much: users follow targets by number, whatever the reason for the pause. But it must
-//! also leave no shared memory. So the last state of each such memory becomes a compressed file beside the instance's
-//! folder, `<base>/<instance>.<name>.end`, and with durable copies another one in their folder. The next start
-//! publishes the contents again, and removes the files: a later death of this run must not find them.
+//! A kill of all processes leaves the outlasting memory in shared memory, and the next start resumes from this memory.
+//! A planned stop must preserve as much: users follow targets by number, for any reason of the pause. But a planned
+//! stop must also leave no shared memory. So the last state of each such memory becomes a compressed file beside the
+//! instance's folder, `<base>/<instance>.<name>.end`, and with durable copies another file in the copies' folder. The
+//! next start publishes the contents again, and removes the files: these must not exist at a later death of this run.
 //!
-//! A damaged file is published as one blank word: fusion then begins numbers by the time of day. The same holds for a
-//! missing file. An empty file, `<base>/<instance>.numbered`, states that numbers were given under the instance's name.
+//! A damaged file is published as a single blank word: fusion then begins numbers by the time of day. The same holds
+//! for a missing file. An empty file, `<base>/<instance>.numbered`, states that numbers were given under the instance's
+//! name.
 //!
 //! Age is judged by the readers of the contents, as after a kill.
 
@@ -25,10 +26,10 @@ use crate::say;
 
 /// Compression: the first level that leaves blank memory without weight.
 const LEVEL: i32 = 1;
-/// Most octets of one memory: far more than any has.
+/// Maximum number of octets of a memory: far more than any has.
 const OCTETS_MAX: u64 = 1 << 32;
 
-/// An instance that does not run, and has a file of its last end.
+/// An instance that does not run, and has a file of the last end.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EndedInstance {
     /// Name.
@@ -75,11 +76,11 @@ pub(crate) fn keep(root: &Root, folders: &[PathBuf]) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Publishes the contents of the files of the last end, those of the first folder that has any, and removes all.
+/// Publishes the contents of the files of the last end, taken from the first folder with such files, and removes all.
 /// Memory that a killed run has left is newer than any file.
 ///
 /// # Errors
-/// If there is no memory for them.
+/// If there is no memory for the contents.
 pub(crate) fn take_up(root: &Root, folders: &[PathBuf]) -> anyhow::Result<()> {
     let found = folders.iter().map(|folder| end_files(root, folder));
     for (name, path) in found.into_iter().find(|files| !files.is_empty()).unwrap_or_default() {
@@ -102,11 +103,11 @@ pub(crate) fn take_up(root: &Root, folders: &[PathBuf]) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Notes that numbers are given under the instance's name. If they were before, and what fusion kept is gone, a blank
-/// checkpoint is published.
+/// Notes that numbers are given under the instance's name. If numbers were given before, and fusion's kept memory is
+/// gone, a blank checkpoint is published.
 ///
 /// # Errors
-/// If there is no memory for it, or the note cannot be written.
+/// If there is no memory for the checkpoint, or the note cannot be written.
 pub(crate) fn note_numbers(root: &Root) -> anyhow::Result<()> {
     let note = root.base().join(format!("{}.{NUMBERED}", root.instance()));
     if !note.exists() {
@@ -131,7 +132,7 @@ fn end_file(root: &Root, folder: &Path, name: &str) -> PathBuf {
     folder.join(format!("{}.{name}{SUFFIX}", root.instance()))
 }
 
-/// Files of the last end in `folder`, with the names of their memory.
+/// Files of the last end in `folder`, with the names of the memory.
 fn end_files(root: &Root, folder: &Path) -> Vec<(String, PathBuf)> {
     let prefix = format!("{}.", root.instance());
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
@@ -143,7 +144,7 @@ fn end_files(root: &Root, folder: &Path) -> Vec<(String, PathBuf)> {
     entries.filter_map(|entry| named(entry.path())).collect()
 }
 
-/// Compresses the file at `memory` into `path`, whole or not at all. The memory is read, not mapped: its contents
+/// Compresses the file at `memory` into `path`, whole or not at all. The memory is read, not mapped: the contents
 /// cannot harm this process.
 fn write(memory: &Path, path: &Path) -> io::Result<()> {
     let new = path.with_extension("new");

@@ -1,35 +1,35 @@
 //! Start, supervision, restart and stop of the processes of a deployment (PL-1, PL-11).
 //!
-//! The processes of a deployment are separate, so that a fault of one process does not end the others. Their
-//! supervisor must keep all of them running. A shell script starts them once. A general service manager does not
-//! reclaim the places and memory that dead processes leave in shared memory and that their successors need. The
-//! launcher works in four steps:
+//! The processes of a deployment are separate, so that a fault of one process does not end the others. A supervisor
+//! must keep all processes running. A shell script starts each process only once. A general service manager does not
+//! reclaim the places and memory that dead processes leave in shared memory and that the successors need. The launcher
+//! works in four steps:
 //!
-//! 1. **Claim of the instance** (`runtime::instance`): no second launcher runs it. The launcher removes remains of a
-//!    killed run, checks the size of shared memory, and reports defects of the machine (`preflight`).
+//! 1. **Claim of the instance** (`runtime::instance`): no second launcher runs the instance. The launcher removes
+//!    remains of a killed run, checks the size of shared memory, and reports defects of the machine (`preflight`).
 //! 2. **Start of the processes** (`part`, `child`), in stages: first the [`keeper`], which creates and holds every
-//!    topic; then the monitor and the recorder, so that they miss nothing, with fusion and the gateways; when these
+//!    topic; then the monitor and the recorder, so that both miss nothing, with fusion and the gateways; when these
 //!    run, the adapters; last the simulator. All are children of the same executable.
-//! 3. **Supervision** (`supervisor`): a child with exit code 0 has finished. After any other end, its shared memory
-//!    is reclaimed at once and the child is restarted, without limit of number, after pauses that grow with each
-//!    failure (`backoff`); the others work meanwhile. A child without a sign of life has hung; it is killed and
-//!    replaced. If several children fail one after the other, their common memory is suspect (`suspicion`): the
-//!    deployment is rebuilt in new shared memory. Only faults that no restart can cure end the deployment with an
-//!    error: a refused configuration, or a fusion or required source that never comes up.
-//! 4. **Stop**: sources first, the monitor last, since its final report covers all others; then the keeper. The
+//! 3. **Supervision** (`supervisor`): a child with exit code 0 has finished. After any other end, the child's shared
+//!    memory is reclaimed at once and the child is restarted, without limit of number, after pauses that grow with each
+//!    failure (`backoff`); the others work meanwhile. A child without a sign of life has hung, and is killed and
+//!    replaced. If several children fail in succession, the common memory is suspect (`suspicion`): the deployment is
+//!    rebuilt in new shared memory. Only faults that no restart can cure end the deployment with an error: a refused
+//!    configuration, or a fusion or required source that never comes up.
+//! 4. **Stop**: sources first, the monitor last, since the final report covers all others; then the keeper. The
 //!    instance is cleared.
 //!
-//! **The launcher maps no shared memory**: bytes written by others cannot harm it. The kernel reports ends of
-//! children, and the keeper passes on health messages over a socket (`link`). A child's loop makes its health
-//! message; its housekeeping thread publishes the message where the loop must not make a system call, so that a new
-//! message is a sign of life of both. A child has hung when the keeper has looked for `launcher.watchdog_s` without a
-//! new message. Time in which the launcher or the keeper did not run does not count, since a stall of the machine
-//! stops all processes. Unfinished shared memory of a killed process stops no child for long: the launcher removes
-//! such files ([`bus::Unborn`]).
+//! **The launcher maps no shared memory**: bytes written by others cannot harm the launcher. The kernel reports ends of
+//! children, and the keeper passes on health messages over a socket (`link`). A child's loop makes the health message;
+//! the housekeeping thread publishes the message where the loop must not make a system call, so that a new message is a
+//! sign of life of both. A child has hung when the keeper has looked for `launcher.watchdog_s` without a new message.
+//! Time in which the launcher or the keeper did not run does not count, since a stall of the machine stops all
+//! processes. Unfinished shared memory of a killed process stops no child for long: the launcher removes such files
+//! ([`bus::Unborn`]).
 //!
 //! Number of restarts, reasons and state of each child are part of the launcher's health messages, which the keeper
-//! publishes for monitors and status displays. Standard error receives one line per event; standard output belongs to
-//! the monitor. A service manager (systemd) receives the state of the deployment and signs of life of the launcher
+//! publishes for monitors and status displays. Standard error receives a line per event; standard output belongs to the
+//! monitor. A service manager (systemd) receives the state of the deployment and signs of life of the launcher
 //! (`service_manager`).
 //!
 //! Limits: if the launcher itself is killed, the kernel requests the children to stop, and the deployment ends; the
@@ -79,15 +79,16 @@ pub struct RunOptions {
     pub fresh: bool,
 }
 
-/// Runs the deployment until a stop request, the end of its time, or the end of all recordings.
+/// Runs the deployment until a stop request, the end of the run time, or the end of all recordings.
 ///
 /// The calling thread must live longest: children end with the thread that started them.
 ///
 /// # Errors
 /// If the instance already runs, the machine refuses an operation, a needed child cannot be kept running
-/// ([`ChildRefused`] for its configuration), or a child did not stop as requested.
+/// ([`ChildRefused`] for a refused configuration), or a child did not stop as requested.
 pub fn run(config: &Deployment, settings: &Settings, orders: &RunOptions) -> anyhow::Result<()> {
-    // All children inherit it. Recordings hold what shared memory holds, which is this user's alone.
+    // All children inherit the mask. Recordings have the same content as shared memory, which belongs to this user
+    // alone.
     rustix::process::umask(rustix::fs::Mode::from_raw_mode(settings.file_mode.mask()));
     let stop = Stop::on_signals().context("catching signals")?;
     let wake = wake::Wake::on_signals().context("catching signals")?;
@@ -96,7 +97,7 @@ pub fn run(config: &Deployment, settings: &Settings, orders: &RunOptions) -> any
     let root = instance.root().clone();
     let copies = config.checkpoint.copies().map(|(folder, _)| folder);
     let keeps = config.checkpoint.enabled && !config.is_recorded();
-    // The file of the last end is read before copies: it has the last state, and copies may lack it.
+    // The file of the last end is read before copies: the file has the last state, and copies may lack this state.
     let ends: Vec<PathBuf> = [root.base().to_owned()].into_iter().chain(copies.clone()).collect();
     let begin = || {
         if orders.fresh {
@@ -127,7 +128,7 @@ pub fn run(config: &Deployment, settings: &Settings, orders: &RunOptions) -> any
     result.and(kept).and(cleared)
 }
 
-/// Removes what earlier runs have left for this one.
+/// Removes files that earlier runs have left for this run.
 fn forget(root: &Root, copies: Option<&Path>, ends: &[PathBuf]) {
     root.remove_outlasting();
     if let Some(folder) = copies {
@@ -151,7 +152,7 @@ pub fn needed_bytes(config: &Deployment) -> u64 {
     instance::needed_bytes(config, part::parts(config).len())
 }
 
-/// Reports one event. A closed standard error does not end a deployment.
+/// Reports an event. A closed standard error does not end a deployment.
 fn say(line: &str) {
     runtime::notice(format_args!("koseki: {line}"));
 }

@@ -1,7 +1,7 @@
-//! Socket between the launcher and its keeper.
+//! Socket between the launcher and the keeper.
 //!
 //! The keeper is connected to shared memory and the launcher is not. The keeper publishes the launcher's facts about
-//! its children (`LauncherFacts`) and passes on the children's health messages (`HealthByProcess`). Facts are the whole
+//! the children (`LauncherFacts`) and passes on the children's health messages (`HealthByProcess`). Facts are the whole
 //! state each time, so that only the latest message matters. Neither side waits for the other: a message without room
 //! is sent again later.
 
@@ -36,28 +36,28 @@ pub(crate) struct LauncherFacts {
     pub(crate) children: Vec<ChildFacts>,
 }
 
-/// Facts about one child.
+/// Facts about a child.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct ChildFacts {
     /// Name.
     pub(crate) name: String,
     /// Process number; 0 without a process.
     pub(crate) process_id: u32,
-    /// Number of the source, for an adapter of one source.
+    /// Number of the source, for an adapter of a single source.
     pub(crate) source: u16,
     /// Code of the `LifeState`.
     pub(crate) life: u8,
     /// Number of restarts.
     pub(crate) restarts: u32,
-    /// Last unexpected end; empty without one.
+    /// Last unexpected end; empty without such an end.
     pub(crate) last_end: String,
 }
 
-/// Health messages since the keeper's last message: the latest of each process, by process number. An empty one is a
+/// Health messages since the keeper's last message: the latest of each process, by process number. An empty map is a
 /// sign of life of the keeper.
 pub(crate) type HealthByProcess = BTreeMap<u32, ProcessHealth>;
 
-/// Health message of a process, as far as the launcher needs it.
+/// Health message of a process, as far as needed by the launcher.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct ProcessHealth {
     /// Code of the `LifeState`.
@@ -68,7 +68,7 @@ pub(crate) struct ProcessHealth {
     pub(crate) has_reports: bool,
 }
 
-/// One end of the socket.
+/// An end of the socket.
 #[derive(Debug)]
 pub(crate) struct KeeperLink(UnixDatagram);
 

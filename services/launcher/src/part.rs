@@ -1,4 +1,4 @@
-//! Processes of a deployment and their command lines.
+//! Processes of a deployment and command lines.
 
 use std::ffi::OsString;
 use std::path::Path;
@@ -15,7 +15,7 @@ pub(crate) struct ProcessPart {
     /// Name, also in health messages: the name of the source or receiver for an adapter, an own name for a gateway,
     /// else the name of the kind.
     pub(crate) name: String,
-    /// Number of the source, for an adapter of one source.
+    /// Number of the source, for an adapter of a single source.
     pub(crate) source: u16,
     /// Whether the deployment ends if the process cannot be kept running.
     pub(crate) required: bool,
@@ -127,7 +127,7 @@ impl ProcessPart {
             Speed::Max => "max".to_owned(),
         };
         let mut arguments: Vec<OsString> = vec![self.kind.word().into()];
-        // One word for each option and its value, so that no value is taken for an option.
+        // A single word for each option with the value, so that no value is taken for an option.
         let mut give = |option: &str, value: OsString| {
             let mut argument = OsString::from(option);
             argument.push("=");
@@ -158,7 +158,7 @@ mod tests {
     #[test]
     fn keeper_and_monitor_start_first_and_stop_last() {
         let mut config = Config::read(Path::new(BUILT_IN_DEMO), &[]).unwrap().deployment;
-        // As the keys of recorder and display would say.
+        // As set by the keys of recorder and display.
         (config.services.recorder, config.services.display) = (true, true);
         let kinds: Vec<ProcessKind> = parts(&config).iter().map(|part| part.kind).collect();
         use ProcessKind::{Adapter, Display, Fusion, Keeper, Monitor, Recorder};

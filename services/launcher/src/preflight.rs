@@ -1,8 +1,8 @@
 //! Checks of the machine before the start: open files, free ports and existing interfaces.
 //!
-//! A process without its socket reports the fault itself, many times, among the messages of all other processes. A
-//! check before the start gives one line with a remedy. A failed check does not prevent the start, since another
-//! program may hold the port only for a moment, and an interface may come up; a required source is the exception.
+//! A process without a socket reports the fault itself, many times, among the messages of all other processes. A check
+//! before the start gives a single line with a remedy. A failed check does not prevent the start, since another program
+//! may hold the port only for a moment, and an interface may come up; a required source is the exception.
 
 use anyhow::{bail, ensure};
 use deployment::{Deployment, ReceiverTransport};
@@ -24,7 +24,7 @@ const FILES_MOST: u64 = 65_536;
 pub(crate) fn check(config: &Deployment) -> anyhow::Result<()> {
     open_files()?;
     for receiver in &config.receivers {
-        // Ports at the deployment's own loopback address are its own; a server may start at any time.
+        // Ports at the deployment's own loopback address belong to the deployment; a server may start at any time.
         let ReceiverTransport::Udp(input) = &receiver.transport else {
             continue;
         };
@@ -54,9 +54,10 @@ pub(crate) fn check(config: &Deployment) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Lets this process and its children have as many files open as they may ever need, if this user may permit it.
+/// Permits this process and all children the largest number of open files ever needed, if this user may permit that
+/// many.
 ///
-/// Without, the ports of a process fail one by one, and the deployment goes on without some of its processes.
+/// Without, the ports of a process fail in succession, and the deployment continues without some processes.
 fn open_files() -> anyhow::Result<()> {
     let Rlimit { current, maximum } = getrlimit(Resource::Nofile);
     let Some(limit) = current.filter(|current| *current < FILES_MOST) else {

@@ -1,8 +1,8 @@
-//! Folder of a start: files of one start are never touched by another start.
+//! Folder of a start: files of a start are never touched by another start.
 //!
-//! The requested folder contains one folder per start, named after the time of the start (UTC), as in
-//! `20261122T231500Z`, so that names sort by age. The link `latest` beside them points to the newest. Processes that
-//! are restarted within the deployment continue in its folder; the next start of the deployment has its own folder.
+//! The requested folder contains a folder per start, named after the time of the start (UTC), as in `20261122T231500Z`,
+//! so that names sort by age. The link `latest` beside these folders points to the newest. Processes that are restarted
+//! within the deployment continue in the same folder; the next start of the deployment has a new folder.
 
 use std::fs::create_dir;
 use std::io::ErrorKind;
@@ -14,11 +14,10 @@ use jiff::Timestamp;
 
 /// Name of the link to the newest folder.
 const LATEST: &str = "latest";
-/// Maximum number of starts within one second.
+/// Maximum number of starts within a second.
 const STARTS_MAX: u32 = 1000;
 
-/// Creates the folder of a start at `utc_ns` (nanoseconds since 1970) in `out`, which is created if it does not
-/// exist.
+/// Creates the folder of a start at `utc_ns` (nanoseconds since 1970) in `out`, which is created if missing.
 ///
 /// # Errors
 /// If a folder cannot be created.
@@ -44,7 +43,7 @@ pub(crate) fn begin(out: &Path, utc_ns: i64) -> anyhow::Result<PathBuf> {
     anyhow::bail!("{} has a thousand folders of {time}; name another", out.display())
 }
 
-/// Points the link to the folder `name`, in one step. The link is a convenience: a file system without links, or
+/// Points the link to the folder `name`, in a single step. The link is a convenience: a file system without links, or
 /// another file of this name, does not prevent the start.
 fn link_latest(out: &Path, name: &str) {
     let latest = out.join(LATEST);

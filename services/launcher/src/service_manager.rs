@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use runtime::clock::instant;
 use sd_notify::NotifyState;
 
-/// Variables for the launcher alone, not for its children.
+/// Variables for the launcher alone, not for children.
 pub(crate) const VARIABLES: [&str; 3] = ["NOTIFY_SOCKET", "WATCHDOG_PID", "WATCHDOG_USEC"];
 /// Number of signs of life within the interval that the manager permits.
 const SIGNS: u32 = 4;
@@ -38,7 +38,7 @@ impl ServiceManager {
         tell(&[NotifyState::Stopping]);
     }
 
-    /// Sends a sign of life if one is due, and the state of the deployment if the state has changed.
+    /// Sends a sign of life if due, and the state of the deployment if the state has changed.
     pub(crate) fn sign(&mut self, status: String) {
         if status != self.status {
             tell(&[NotifyState::Status(&status)]);

@@ -1,4 +1,4 @@
-//! Supervision of the children: when they start, restart and stop, and when the deployment is rebuilt.
+//! Supervision of the children: times of start, restart and stop, and of a rebuild of the deployment.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -23,17 +23,16 @@ use crate::suspicion::Suspicion;
 use crate::wake::Wake;
 use crate::{RunOptions, say};
 
-/// Time for the processes of one stage of the start to report that they run. The next stage starts in any case after
-/// this time.
+/// Time for the processes of a stage of the start to report running. The next stage starts in any case after this time.
 const START_PATIENCE: Duration = Duration::from_secs(10);
-/// Time for the recorder to stop before a rebuild, so that it can write its data.
+/// Time for the recorder to stop before a rebuild, so that all data can be written.
 const RECORDER_PATIENCE: Duration = Duration::from_secs(1);
 /// Time for fusion's last health message to arrive.
 const LAST_WORD_PATIENCE: Duration = Duration::from_millis(500);
 /// Time between two messages to the keeper without a change.
 const TELL_PERIOD: Duration = Duration::from_millis(200);
 
-/// Exit code of a child that refuses its configuration or arguments: 2, as of the launcher.
+/// Exit code of a child that refuses the configuration or arguments: 2, as of the launcher.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{child} refuses its configuration (exit code 2), for the reason it has given above")]
 pub struct ChildRefused {
@@ -41,7 +40,7 @@ pub struct ChildRefused {
     pub child: String,
 }
 
-/// Children of one deployment.
+/// Children of a deployment.
 #[derive(Debug)]
 pub(crate) struct Supervisor<'a> {
     config: &'a Deployment,
@@ -68,7 +67,7 @@ pub(crate) struct Supervisor<'a> {
     unborn: Unborn,
     swept: Instant,
     suspicion: Suspicion,
-    /// Reason for a rebuild of the deployment, if there is one.
+    /// Reason for a rebuild of the deployment, if any.
     corrupt: Option<String>,
     rebuilding: Backoff,
     start: StartProgress,
@@ -156,7 +155,7 @@ impl<'a> Supervisor<'a> {
         watched.and(stopped)
     }
 
-    /// Starts all children and watches them until there is a reason to stop.
+    /// Starts all children and watches the children until there is a reason to stop.
     fn watch(&mut self) -> anyhow::Result<()> {
         loop {
             let now = instant();
@@ -182,7 +181,7 @@ impl<'a> Supervisor<'a> {
         }
     }
 
-    /// One round: collects ended children, reads messages, checks signs of life, restarts, and reports.
+    /// A round: collects ended children, reads messages, checks signs of life, restarts, and reports.
     fn tick(&mut self, now: Instant) -> anyhow::Result<()> {
         let mut urgent = false;
         for index in 0..self.children.len() {
@@ -224,7 +223,7 @@ impl<'a> Supervisor<'a> {
         for child in self.children.iter_mut() {
             let is_keeper = child.part().kind == ProcessKind::Keeper;
             let said = match is_keeper {
-                // The keeper's message is its own sign of life.
+                // The keeper's message is the keeper's sign of life.
                 true => has_looked.then_some(own),
                 false => child.pid().and_then(|pid| heard.get(&pid).copied()),
             };
@@ -264,7 +263,7 @@ impl<'a> Supervisor<'a> {
         }
     }
 
-    /// Sends the facts to the keeper, if they are due or `urgent`.
+    /// Sends the facts to the keeper, if due or `urgent`.
     fn tell(&mut self, now: Instant, urgent: bool) {
         if urgent || now.duration_since(self.told) >= TELL_PERIOD {
             self.tell_facts(now, false);
@@ -286,7 +285,7 @@ impl<'a> Supervisor<'a> {
         }
     }
 
-    /// Starts the next stage, if the present stage is up or its time is over.
+    /// Starts the next stage, if the present stage is up or the stage's time is over.
     fn start_more(&mut self, now: Instant) -> anyhow::Result<()> {
         if now < self.start.stage_begun {
             return Ok(());
@@ -294,7 +293,7 @@ impl<'a> Supervisor<'a> {
         let missing: Vec<&Child> = self.children.iter().filter(|child| is_waited_for(child)).collect();
         let is_keeper = |child: &&Child| child.part().kind == ProcessKind::Keeper;
         let is_over = now.duration_since(self.start.stage_begun) >= START_PATIENCE;
-        // No process can work without its topics.
+        // No process can work without topics.
         if !missing.is_empty() && (!is_over || missing.iter().any(is_keeper)) {
             return Ok(());
         }
@@ -399,8 +398,7 @@ impl<'a> Supervisor<'a> {
         let child = &self.children[index];
         let Some(end) = child.last_end() else { return };
         let is_keeper = child.part().kind == ProcessKind::Keeper;
-        // Only shared memory can disturb the keeper: by its contents, or by the fault of which the keeper before it
-        // died.
+        // Only shared memory can disturb the keeper: by the contents, or by the fault that ended the previous keeper.
         let keeper_cannot_use_it = is_keeper && !end.is_killed();
         // A hang may have a cause outside; a hang of the successor as well has not.
         let was_stopped = matches!(end, End::StoodStill(_)) && child.failures() == 1;
@@ -416,7 +414,7 @@ impl<'a> Supervisor<'a> {
         }
     }
 
-    /// Kills all children, and restarts them in new shared memory.
+    /// Kills all children, and restarts all in new shared memory.
     fn rebuild(&mut self, reason: &str, now: Instant) -> anyhow::Result<()> {
         if self.children.readers().any(Child::is_finished) {
             anyhow::bail!("{reason} near the end of the recordings: the remaining work is missing");
@@ -447,8 +445,8 @@ impl<'a> Supervisor<'a> {
         Ok(())
     }
 
-    /// Whether no work is left: the readers of the adapters have finished. Adapters of recordings stay until they are
-    /// stopped, so that a restarted reader finds them.
+    /// Whether no work is left: the readers of the adapters have finished. Adapters of recordings stay until stopped,
+    /// for restarted readers.
     fn is_finished(&self) -> bool {
         self.start.is_complete && self.children.readers().all(Child::is_finished)
     }
@@ -467,7 +465,7 @@ impl<'a> Supervisor<'a> {
         self.start.is_complete && self.children.iter().all(Child::is_up)
     }
 
-    /// Stops all children, one kind after the other.
+    /// Stops all children, kind by kind.
     ///
     /// # Errors
     /// If a child did not stop well, or if the work was in vain: `down` names children that were missing in the end,
@@ -482,7 +480,7 @@ impl<'a> Supervisor<'a> {
             if kind == ProcessKind::Keeper && self.complete.is_some() && !self.has_come() {
                 in_vain.push((ProcessKind::Fusion, "fusion did not receive a single report".to_owned()));
             }
-            // The monitor's final report covers the kinds before it; the keeper's last message covers all others.
+            // The monitor's final report covers the preceding kinds; the keeper's last message covers all others.
             self.tell_facts(instant(), kind == ProcessKind::Keeper);
             self.children.stop(kind, &self.wake, &mut problems);
         }
@@ -501,7 +499,7 @@ impl<'a> Supervisor<'a> {
         Ok(())
     }
 
-    /// Whether fusion has taken a report; its last message may still be on the way.
+    /// Whether fusion has taken a report; fusion's last message may still be under way.
     fn has_come(&mut self) -> bool {
         let start = instant();
         while !self.has_reports && instant() - start < LAST_WORD_PATIENCE {
@@ -512,8 +510,8 @@ impl<'a> Supervisor<'a> {
     }
 }
 
-/// Whether the next stage of the start waits for this child. A failed child waits for its own next start, and other
-/// children do not wait for it, except for keeper and fusion.
+/// Whether the next stage of the start waits for this child. A failed child waits for its own next start. Other
+/// children do not wait for a failed child, except for keeper and fusion.
 fn is_waited_for(child: &Child) -> bool {
     let has_failed = child.restart_due().is_some();
     let is_needed = matches!(child.part().kind, ProcessKind::Keeper | ProcessKind::Fusion);

@@ -1,9 +1,9 @@
-//! Suspicion of shared memory: the decision alone, apart from its consequence.
+//! Suspicion of shared memory: the decision alone, apart from the consequence.
 //!
-//! A child that crashes or hangs is replaced while the others continue: the right response to a fault of its own. If
-//! several different children end like this within a short time, their common memory is suspect, and replacing them
-//! one by one would never end. If one child alone ends like this several times in a row, the cause may be memory that
-//! only this child reads. New memory is then tried once; if the child fails again, the fault is its own.
+//! A child that crashes or hangs is replaced while the others continue: the right response to a fault of the child. If
+//! several different children end like this within a short time, the common memory is suspect, and single replacements
+//! would never end. If a single child ends like this several times in a row, the cause may be memory that only this
+//! child reads. New memory is then tried once; if the child fails again, the fault is the child's.
 
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
@@ -12,14 +12,14 @@ use std::time::{Duration, Instant};
 const MOMENTS: Duration = Duration::from_secs(15);
 /// Minimum number of different children for a common cause.
 const CHILDREN_MIN: usize = 2;
-/// Number of failures in a row of one child that raises the suspicion.
+/// Number of failures in a row of a single child that raises the suspicion.
 const IN_A_ROW_MIN: u32 = 5;
 
 /// Recent ends that corrupt memory could explain.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Suspicion {
     recent: Vec<(Instant, usize)>,
-    /// Children that have had new memory for their sake.
+    /// Children that new memory has been tried for.
     tried: BTreeSet<usize>,
 }
 

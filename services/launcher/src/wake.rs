@@ -22,7 +22,7 @@ impl Wake {
     /// Catches ends of children and stop requests from now on.
     pub(crate) fn on_signals() -> io::Result<Self> {
         let mut signals = Signals::new([SIGCHLD, SIGINT, SIGTERM])?;
-        // One place: several signals without a waiter cause one wake-up.
+        // A single place: several signals without a waiter cause a single wake-up.
         let (sender, receiver) = sync_channel(1);
         thread::Builder::new().name("signals".to_owned()).spawn(move || {
             for _ in signals.forever() {

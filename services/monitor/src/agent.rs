@@ -20,14 +20,14 @@ use crate::settings::{MonitorWait, Settings};
 use crate::survey::DeploymentSurvey;
 use crate::truth_watch::SimulatedTargets;
 
-/// Maximum number of slices taken in one turn: the length of the queue.
+/// Maximum number of slices taken in a turn: the length of the queue.
 const SLICES_PER_TURN: usize = 256;
 /// Turns at the end in which waiting slices are still taken, in case a publisher continues.
 const TURNS_AT_CLOSE: usize = 1000;
 /// Number of looks for the other processes' last messages at the end, and the pause between two looks.
 const LOOKS_FOR_LAST_WORDS: usize = 50;
 const PAUSE_BETWEEN_LOOKS: Duration = Duration::from_millis(10);
-/// Longest sleep: no health message may wait until its place in the queue is needed.
+/// Longest sleep: no health message may wait until another message needs the place in the queue.
 const SLEEP_MAX_NS: i64 = 100_000_000;
 
 /// Period of messages about the origin of the system frame, nanoseconds.
@@ -103,7 +103,7 @@ impl<S: Transport> MonitorAgent<S> {
     /// Creates a monitor called `name` on `bus`.
     ///
     /// The monitor called `monitor` writes its files to the deployment's folder; an additional monitor writes to a
-    /// folder of its own name there.
+    /// subfolder of the same name.
     ///
     /// # Errors
     /// If a topic cannot be opened or a file cannot be created.
@@ -168,13 +168,13 @@ impl<S: Transport> MonitorAgent<S> {
         self.survey.compare_with(targets);
     }
 
-    /// Returns the address of the metrics, or the reason for their absence; `None` if no metrics are configured.
+    /// Returns the address of the metrics, or the reason for their absence; `None` without configured metrics.
     pub fn metrics(&self) -> Option<Result<String, &str>> {
         let metrics = self.metrics.as_ref()?;
         Some(metrics.as_ref().map(Metrics::url).map_err(String::as_str))
     }
 
-    /// Publishes the origin of the system frame, if it is due.
+    /// Publishes the origin of the system frame when due.
     fn say_origin(&mut self, now: Now) -> anyhow::Result<()> {
         if now.mono_ns < self.origin_due_ns {
             return Ok(());
@@ -213,7 +213,7 @@ impl<S: Transport> MonitorAgent<S> {
         Ok(())
     }
 
-    /// Closes the present interval. Returns its length, nanoseconds.
+    /// Closes the present interval. Returns the interval's length, nanoseconds.
     ///
     /// With many sources this takes longer than the queue of system tracks lasts. The interval is therefore closed in
     /// parts, and waiting slices are taken in between.
@@ -224,7 +224,7 @@ impl<S: Transport> MonitorAgent<S> {
         self.log_interval(now)
     }
 
-    /// Writes the closed interval and begins the next. Returns its length, nanoseconds.
+    /// Writes the closed interval and begins the next. Returns the closed interval's length, nanoseconds.
     fn log_interval(&mut self, now: Now) -> anyhow::Result<i64> {
         let length_ns = now.mono_ns - self.begun.mono_ns;
         if self.files.is_some() {
@@ -261,7 +261,7 @@ impl<S: Transport> MonitorAgent<S> {
             .collect()
     }
 
-    /// Returns the monitor's fault in a few words; empty without one.
+    /// Returns the monitor's fault in a few words; empty without a fault.
     fn note(&self) -> String {
         let of_files = self.files.as_ref().map(Files::note).filter(|note| !note.is_empty());
         let of_metrics = || match &self.metrics {
@@ -271,7 +271,7 @@ impl<S: Transport> MonitorAgent<S> {
         of_files.or_else(of_metrics).unwrap_or_default()
     }
 
-    /// Waits for the processes that end together with the monitor: they may need a moment longer.
+    /// Waits for the processes that end together with the monitor, perhaps a moment later.
     fn wait_for_last_words(&mut self) -> anyhow::Result<()> {
         for _ in 0..LOOKS_FOR_LAST_WORDS {
             self.take_all()?;

@@ -1,9 +1,9 @@
 //! Conditions of alarms, evaluated on health messages and on the room left on the machine.
 //!
-//! Each function evaluates one kind of condition (a source's silence, counters that should not grow, the processes,
-//! …) and reports its findings for the round. The board decides on raising and clearing. This module has conditions
-//! of processes, links and the machine; `sources` has those of the sources, `counters` those of counters, `feeding`
-//! those of publishers from outside, `refused` those of data that are refused.
+//! Each function evaluates one kind of condition (a source's silence, counters that should not grow, the processes, …)
+//! and reports its findings for the round. The board decides on raising and clearing. This module has the conditions of
+//! processes, links and the machine. The submodules have the others: `sources` of sources, `counters` of counters,
+//! `feeding` of publishers from outside, `refused` of refused data.
 
 mod counters;
 mod feeding;
@@ -25,7 +25,7 @@ use sources::{COMPANIONS_NS, SourceWatch};
 
 const MB: f64 = 1e6;
 
-/// View of a deployment in one round.
+/// View of a deployment in a round.
 #[derive(Clone, Copy)]
 pub(crate) struct RoundView<'a> {
     pub(crate) observed: &'a Deployment,
@@ -36,7 +36,7 @@ pub(crate) struct RoundView<'a> {
     pub(crate) now: Now,
 }
 
-/// All conditions, with their memory.
+/// All conditions, with memory.
 #[derive(Debug)]
 pub(crate) struct Conditions {
     limits: Limits,
@@ -199,7 +199,7 @@ impl Conditions {
         }
     }
 
-    /// Conditions of states whose time differs from the machine's.
+    /// Conditions of states with a time that differs from the machine's.
     fn data_off(&self, sight: RoundView<'_>, round: &mut Round<'_>) {
         let now_ns = sight.now.mono_ns;
         let offset_ns = sight.observed.data_offset_ns(now_ns).filter(|_| !self.is_recorded);

@@ -1,10 +1,10 @@
-//! Counters of one process or source, in reports.
+//! Counters of a process or source, in reports.
 
 use messages::{Counter, Counters};
 use serde::Serializer;
 
-/// Writes an object with one member per counter, by label, in the order of the codes; an absent counter is 0. A process
-/// or source has some 160 counters, of which few count anything.
+/// Writes an object with a member per counter, by label, in the order of the codes; an absent counter is 0. A process
+/// or source has some 160 counters, mostly 0.
 pub(crate) fn serialize<S: Serializer>(counters: &Counters, serializer: S) -> Result<S::Ok, S::Error> {
     let values = Counter::ALL.iter().map(|counter| (counter.label(), counters[*counter]));
     serializer.collect_map(values.filter(|(_, value)| *value != 0))

@@ -3,7 +3,7 @@
 //! Latencies are histograms, not summaries. Quantiles of each process cannot be combined over sources, instances or
 //! times; counts in common buckets can (`histogram_quantile`).
 //!
-//! All names begin with `koseki_`. Every counter of `messages::Counter` is a family of its own, with the counter's
+//! All names begin with `koseki_`. Every counter of `messages::Counter` is a separate family, with the counter's
 //! sentence as help text. The label `source` is empty for counts of no source, so that sums contain every count once.
 
 use std::fmt;
@@ -47,11 +47,11 @@ pub(crate) struct StageSample {
     pub(crate) stage: Stage,
     pub(crate) source: String,
     pub(crate) buckets: Buckets,
-    /// Number of missed deadlines of the stage, if it has a deadline.
+    /// Number of missed deadlines of the stage, if the stage has a deadline.
     pub(crate) late: Option<u64>,
 }
 
-/// Counts of one process for a source; with an empty source, for none.
+/// Counts of a process for a source; with an empty source, for none.
 #[derive(Clone, Debug)]
 pub(crate) struct ProcessCounts {
     pub(crate) kind: ProcessKind,

@@ -1,9 +1,9 @@
-//! Who feeds the sources: second publishers, refused or not, and lines that were refused.
+//! Feeders of the sources: second publishers, refused or not, and refused lines.
 //!
-//! The client library refuses a second publisher of a source ([`koseki_client::refusals`]). A link, or an adapter, asks
-//! nobody: where it starts after a publisher from outside, both publish. The lines of a topic's publishers show this
-//! ([`bus::PublisherLine`]): of two that live, both go on sending. A killed one lives by its line for some seconds, but
-//! sends nothing.
+//! The client library refuses a second publisher of a source ([`koseki_client::refusals`]). A link or an adapter makes
+//! no such check: when started after a publisher from outside, both publish. The lines of a topic's publishers show
+//! this ([`bus::PublisherLine`]): two live publishers both keep sending. A killed publisher is live by its line for
+//! some seconds, but sends nothing.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -14,15 +14,15 @@ use messages::{Outgoing, PlatformState, SensorDetection, SensorTrack, WideArea};
 use runtime::Now;
 use telemetry::table::count;
 
-/// Age of a refusal beyond which it is of the past for a monitor that starts, nanoseconds.
+/// Maximum age of a refusal that a starting monitor takes for a present refusal, nanoseconds.
 const RECENT_NS: i64 = 5_000_000_000;
-/// Looks in a row in which two publishers have both sent: in the first one, the earlier of two may just have ended.
+/// Looks in a row in which two publishers have both sent: at the first look, the earlier publisher may just have ended.
 const LOOKS_MIN: u32 = 2;
 
 /// Findings about the feeding of sources, since the last round.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct FeedFindings {
-    /// Sources with a second publisher, and what is known of it.
+    /// Sources with a second publisher, and a description of this publisher.
     pub(crate) second: BTreeMap<String, String>,
     /// Sources of refused lines (empty: of several), with all refused so far, by reason, and the latest in words.
     pub(crate) refused: BTreeMap<String, String>,
@@ -63,7 +63,7 @@ impl FeederWatch {
         })
     }
 
-    /// Returns what has happened since the last call.
+    /// Returns the findings since the last call.
     pub(crate) fn look(&mut self, now: Now) -> FeedFindings {
         let mut findings = FeedFindings::default();
         for refusal in self.refusals.take(now.mono_ns - RECENT_NS) {
@@ -120,7 +120,7 @@ struct WatchedTopic {
     lines: LineReader,
     /// Incarnations and latest sends of the publishers that live.
     sent: BTreeSet<(u64, i64)>,
-    /// Looks in a row in which two of them had sent.
+    /// Looks in a row in which two publishers had sent.
     looks: u32,
 }
 

@@ -1,11 +1,11 @@
-//! Files of the monitor, in one folder:
+//! Files of the monitor, in a single folder:
 //!
 //! - `latency.hlog`: every interval's latencies, per stage and source, in the standard HdrHistogram log format;
 //! - `latency_<stage>.hgrm` and `latency_<stage>_<source>.hgrm`: at the end, the distribution of each stage, of all
 //!   sources together and of each source with reports, in microseconds, for HdrHistogram's plotter;
 //! - `report.json`: at the end, the report; a counter that is absent is 0.
 //!
-//! After a failed write (a full disk) the log ends; the monitor continues and reports the error at its end.
+//! After a failed write (a full disk) the log ends; the monitor continues and reports the error at the end.
 
 use std::fs::{self, File};
 use std::io::{BufWriter, Write as _};
@@ -26,7 +26,7 @@ pub(crate) struct Files {
 }
 
 impl Files {
-    /// Creates the folder and begins the log; its times count from `begun_utc_ns`.
+    /// Creates the folder and begins the log; the log's times count from `begun_utc_ns`.
     ///
     /// # Errors
     /// If the folder or the log cannot be created.
@@ -42,7 +42,7 @@ impl Files {
         })
     }
 
-    /// Logs the latest closed interval of one source, or of all together (`None`). The lines are flushed at once: the
+    /// Logs the latest closed interval of a source, or of all together (`None`). The lines are flushed at once: the
     /// process may be killed.
     pub(crate) fn log_interval<N: AsRef<str>>(
         &mut self,
@@ -61,7 +61,7 @@ impl Files {
         }
     }
 
-    /// Returns the fault in a few words; empty without one.
+    /// Returns the fault in a few words; empty without a fault.
     pub(crate) fn note(&self) -> String {
         let error = self.log.as_ref().err();
         error.map_or_else(String::new, |error| format!("{error:#}"))

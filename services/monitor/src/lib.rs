@@ -7,34 +7,34 @@
 //! | module | purpose |
 //! |---|---|
 //! | [`MonitorAgent`] | decides *when*: takes messages, closes intervals, shows, writes, ends |
-//! | `survey` | all that is known, and the summaries drawn from it: an overview per interval, and the [`Report`] |
+//! | `survey` | all observations, and the derived summaries: an overview per interval, and the [`Report`] |
 //! | `conditions` | detect alarm conditions in these data: of sources (clocks, biases, silence), counters, processes |
 //! | `shares` | detects sources that fusion uses too little: isolated, contradicted, or with impossible times |
 //! | `machine` | detects alarm conditions in the machine's resources |
-//! | `alarm_desk` | raises and clears alarms, and publishes those that stand |
+//! | `alarm_desk` | raises and clears alarms, and publishes the standing alarms |
 //! | `truth_watch` | compares the picture with the truth, where the world is simulated |
 //! | `display` | an overview as text, on a screen or in a line: pure functions |
 //! | `report_text`, `verdict` | turn the report into text: pure functions |
 //! | `screen`, `files` | where text and files go |
 //! | [`top`] | `koseki top`: the same in another terminal |
-//! | `exposition`, `metrics` | the same for Prometheus, served on a thread of its own |
+//! | `exposition`, `metrics` | the same for Prometheus, served on a separate thread |
 //!
 //! # How loss is proved
-//! Loss is a difference of counters that different processes keep: what a publisher says it has published, what a
-//! reader says it has taken, and what that reader found missing in the sequence ("lost"). What is left is *unread*:
-//! published when the reader was not there, because it had not started, was being restarted, or had stopped. Only if
-//! both are 0 has everything arrived. Limit: a process that is killed takes up to 0.2 s of its counts with it, the time
-//! between two of its health messages. And a monitor that was restarted itself does not know what others had counted
-//! before they were.
+//! Loss is a difference of counters that different processes keep: the publisher's count of published samples, the
+//! reader's count of taken samples, and the reader's count of samples missing in the sequence ("lost"). The remainder
+//! is *unread*: published in the absence of the reader, which had not started, was being restarted, or had stopped.
+//! Everything has arrived only if both are 0. Limit: a killed process loses up to 0.2 s of counts, the time between two
+//! health messages. A restarted monitor does not have the counts that other processes kept before their own restarts.
 //!
 //! # What the latencies are
 //! The monitor is a subscriber like any other. There are two ways to wait, and `[monitor] wait` chooses between them:
 //!
-//! - **event**: it sleeps until it is notified, and what it measures from fusion to "received" is what a subscriber
-//!   sees. The price is paid by what is measured: fusion wakes one more reader, some ten microseconds per slice.
-//! - **poll**: it listens to nobody, and looks every few milliseconds at what has come. Fusion does not notice it. But
-//!   from fusion to "received" it would measure its own pause. So that stage is not measured then, and end to end and
-//!   age are taken to the moment at which fusion published. `koseki bench` measures the rest.
+//! - **event**: the monitor sleeps until notified, and measures the same time from fusion to "received" as any
+//!   subscriber. Fusion pays the price, by waking a further reader: some ten microseconds per slice.
+//! - **poll**: the monitor waits for no notification, and checks for new slices every few milliseconds, at no cost to
+//!   fusion. The time from fusion to "received" would then measure the monitor's own pause. Therefore that stage is not
+//!   measured, and end to end and age are taken to the moment at which fusion published. `koseki bench` measures the
+//!   rest.
 //!
 //! If fusion spins for low latency, poll is the default. A queue of 256 slices holds 30 ms of data at half a million
 //! states per second in slices of 64, so that the default pause of 5 ms leaves room for the work at the end of an
@@ -42,10 +42,10 @@
 //!
 //! In a replay at the highest speed, reports wait in full queues all the time. Such latencies do not occur in
 //! operation, so that none are recorded then. The adapters wait for fusion and the recorder, but not for the monitor:
-//! it may miss states, counts them, and no other process is affected.
+//! the monitor may miss states, counts the missed states, and affects no other process.
 //!
-//! Architecture invariant: the monitor only reads data. No action of the monitor can delay a publisher. Its own
-//! topics are for users: alarms, and the origin of the system frame.
+//! Architecture invariant: the monitor only reads data. No action of the monitor can delay a publisher. The monitor's
+//! own topics are for users: alarms, and the origin of the system frame.
 
 #![forbid(unsafe_code)]
 

@@ -10,7 +10,7 @@ use rustix::process::{Pid, test_kill_process};
 const SHARED_MEMORY: &str = "/dev/shm";
 const KIB: u64 = 1024;
 
-/// Room left, bytes; `None` if the machine does not state it.
+/// Room left, bytes; `None` if not stated by the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Room {
     /// On the disk of the files.
@@ -52,7 +52,7 @@ pub(crate) fn is_gone(pid: u32) -> bool {
 }
 
 fn free(folder: &Path) -> Option<u64> {
-    // The parent of a relative path of one part is empty and means the present folder.
+    // The parent of a relative path of a single part is empty and means the present folder.
     let folder = if folder == Path::new("") {
         Path::new(".")
     } else {

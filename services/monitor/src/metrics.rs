@@ -1,4 +1,4 @@
-//! Server of metrics on a thread of its own.
+//! Server of metrics on a separate thread.
 //!
 //! At the end of each interval, the monitor hands over a page; the server returns the latest page. Frequent, slow or
 //! malformed requests therefore do not affect the monitor: both share a pointer, locked only for a copy.
@@ -39,10 +39,10 @@ impl LatestMetrics {
 }
 
 impl Metrics {
-    /// Serves at `address`, which requests may also name as one of `hosts`; the first page is `begin`.
+    /// Serves at `address`, which requests may also name by any of `hosts`; the first page is `begin`.
     ///
     /// # Errors
-    /// If the address cannot be opened, for example because another monitor uses it.
+    /// If the address cannot be opened, for example because of use by another monitor.
     pub(crate) fn serve(address: SocketAddr, hosts: &[String], begin: MetricsSnapshot) -> anyhow::Result<Self> {
         let latest = Arc::new(LatestMetrics(Mutex::new(Arc::new(begin))));
         let of_server = Arc::clone(&latest);

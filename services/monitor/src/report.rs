@@ -1,8 +1,7 @@
 //! Final report: processes, arrivals, latencies, and quality of the picture.
 //!
-//! The same structure is printed for people (`report_text`) and written as JSON. All members are always present: a
-//! run without data has zeros and empty lists, so that programs need no special cases. Counters alone are left out
-//! where they are 0.
+//! The same structure is printed for people (`report_text`) and written as JSON. All members are always present: a run
+//! without data has zeros and empty lists, so that programs need no special cases. Only counters are left out where 0.
 
 use std::collections::BTreeMap;
 
@@ -34,14 +33,14 @@ pub struct Report {
     pub sources: Vec<SourceReport>,
     /// Arrival of the samples.
     pub losses: Losses,
-    /// Remark on a stage that is not measured, if there is one.
+    /// Remark on a stage that is not measured, if any.
     pub latency_remark: Option<String>,
     /// Latencies of all sources together, by stage.
     #[serde(serialize_with = "by_key")]
     pub stages: Vec<(Stage, StageReport)>,
     /// System tracks.
     pub picture: TrackCounts,
-    /// Comparison with the truth, if it is known.
+    /// Comparison with the truth, if known.
     pub accuracy: Option<AccuracyReport>,
     /// Number of restarts.
     pub restarts: Restarts,
@@ -52,9 +51,9 @@ pub struct Report {
     /// Counters of fusion in total.
     #[serde(serialize_with = "crate::counters::serialize")]
     pub fusion: Counters,
-    /// Counters of each other process (recorder, gateways, simulator, adapters) for none of its sources.
+    /// Counters of each other process (recorder, gateways, simulator, adapters) that belong to no source.
     pub others: Vec<ProcessCounters>,
-    /// Counters of the monitor itself for the system tracks it read.
+    /// Counters of the monitor itself for the system tracks read.
     #[serde(serialize_with = "crate::counters::serialize")]
     pub monitor: Counters,
     /// Counters of the processes with a socket.
@@ -70,7 +69,7 @@ pub struct Report {
 pub struct Verdict {
     /// Whether nothing needs attention.
     pub fine: bool,
-    /// One sentence: the first matter that needs attention, or that none does.
+    /// A sentence: the first matter that needs attention, or the absence of such a matter.
     pub sentence: String,
 }
 
@@ -79,7 +78,7 @@ pub struct Verdict {
 pub struct AlarmReport {
     /// Word for the kind of the alarm.
     pub alarm: &'static str,
-    /// Word for its severity.
+    /// Word for the severity.
     pub severity: &'static str,
     /// Source concerned; empty for none.
     pub source: String,
@@ -93,14 +92,14 @@ pub struct AlarmReport {
     pub remedy: &'static str,
     /// Number of times that the alarm was raised.
     pub times: u32,
-    /// Time at which it was raised last, UTC, nanoseconds.
+    /// Time of the last raising, UTC, nanoseconds.
     pub raised_utc_ns: i64,
     /// Time of clearing, UTC, nanoseconds; `None` for a present alarm.
     pub cleared_utc_ns: Option<i64>,
 }
 
 impl AlarmReport {
-    /// Creates the report on an alarm; `name` returns the names of its sources.
+    /// Creates the report on an alarm; `name` returns the name of a source.
     pub(crate) fn new(alarm: AlarmHistory, name: impl Fn(u16) -> String) -> Self {
         let (kind, subject) = (alarm.kind, alarm.subject);
         let name = |source| match source {
@@ -125,7 +124,7 @@ impl AlarmReport {
     }
 }
 
-/// Counters of a process for none of its sources.
+/// Counters of a process that belong to no source.
 #[derive(Clone, Debug, Serialize)]
 pub struct ProcessCounters {
     /// Process, as named in text.
@@ -158,49 +157,49 @@ pub struct RunSettings {
     pub speed: Option<String>,
     /// Whether latencies mean anything: not if a recording is replayed as fast as possible.
     pub latencies_measured: bool,
-    /// Seed of the simulated world, if there is one.
+    /// Seed of the simulated world, if any.
     pub seed: Option<u64>,
-    /// Targets of the simulated world, if there is one.
+    /// Targets of the simulated world, if any.
     pub targets: Option<u32>,
     /// Time between two tables, seconds.
     pub interval_s: f64,
     /// Time that a report may take through fusion, microseconds.
     pub deadline_us: f64,
-    /// How the monitor waited: "event", or "poll" if it looked now and then.
+    /// The monitor's way of waiting: "event", or "poll".
     pub monitor_wait: &'static str,
     /// Time between two looks of a monitor that polls, milliseconds.
     pub monitor_poll_ms: Option<f64>,
 }
 
-/// One source.
+/// A source.
 #[derive(Clone, Debug, Serialize)]
 pub struct SourceReport {
     /// Number of the source.
     pub number: u16,
     /// Name of the source.
     pub name: String,
-    /// Number of the source whose tracker takes its detections, if it is a sensor of a tracker: then fusion takes none
-    /// of its samples.
+    /// Number of the tracker that takes this source's detections, if the source is a tracker's sensor: then fusion
+    /// takes none of the source's samples.
     pub sensor_of: Option<u16>,
-    /// Counters of its adapter.
+    /// Counters of the source's adapter.
     #[serde(serialize_with = "crate::counters::serialize")]
     pub adapter: Counters,
-    /// Counters of fusion for its reports.
+    /// Counters of fusion for the source's reports.
     #[serde(serialize_with = "crate::counters::serialize")]
     pub fusion: Counters,
-    /// Counters of the recorder for its reports.
+    /// Counters of the recorder for the source's reports.
     #[serde(serialize_with = "crate::counters::serialize")]
     pub recorder: Counters,
-    /// Systematic errors, as fusion has estimated them.
+    /// Systematic errors, as estimated by fusion.
     #[serde(serialize_with = "as_learned")]
     pub registration: Registration,
-    /// Time between two scans, as the adapter has measured it, seconds; `None` if it has not.
+    /// Time between two scans, as measured by the adapter, seconds; `None` if not measured.
     pub scan_period_s: Option<f64>,
     /// States of system tracks that a report of the source led to and the monitor saw.
     pub states: u64,
     /// States among these to which another source contributes, too.
     pub joint_states: u64,
-    /// Latencies of its reports, by stage.
+    /// Latencies of the source's reports, by stage.
     #[serde(serialize_with = "by_key")]
     pub stages: Vec<(Stage, SourceStageReport)>,
 }
@@ -211,14 +210,14 @@ pub struct SourceStageReport {
     /// The latencies.
     #[serde(flatten)]
     pub summary: Summary,
-    /// How often the stage took longer than its deadline.
+    /// Number of times the stage exceeded the deadline.
     pub deadline_misses: u64,
 }
 
-/// [`Registration`] as it is written: words for the codes and bits, nothing for what is not known.
+/// [`Registration`] as written: words for the codes and bits, nothing for unknown values.
 #[derive(Serialize)]
 struct LearnedErrors {
-    /// All of it in one sentence.
+    /// The whole in a single sentence.
     text: String,
     comparisons: f64,
     offset_m: [f64; 3],
@@ -244,7 +243,7 @@ struct LearnedErrors {
     measured_sigma_m: Option<[f32; 3]>,
 }
 
-/// [`Bias`](messages::Bias) with a word for its kind.
+/// [`Bias`](messages::Bias) with a word for the kind.
 #[derive(Serialize)]
 struct GrossErrorReport {
     kind: &'static str,
@@ -306,7 +305,7 @@ fn as_learned<S: Serializer>(known: &Registration, serializer: S) -> Result<S::O
     LearnedErrors::of(known).serialize(serializer)
 }
 
-/// Latencies of one stage, and stamps that are no latencies.
+/// Latencies of a stage, and stamps that are no latencies.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct StageReport {
     /// The latencies.
@@ -314,15 +313,15 @@ pub struct StageReport {
     pub summary: Summary,
     /// Reports that lack a stamp.
     pub missing: u64,
-    /// Reports whose stage ended before it began.
+    /// Reports with a stage that ended before its begin.
     pub negative: u64,
-    /// Reports whose stage took more than ten minutes.
+    /// Reports with a stage of more than ten minutes.
     pub too_long: u64,
     /// Whether the stage was measured: a polling monitor cannot measure stages after fusion.
     pub measured: bool,
     /// Deadline of the stage, microseconds, if configured.
     pub deadline_us: Option<f64>,
-    /// How often it took longer, among the states that the monitor saw.
+    /// Number of exceeded deadlines, among the states that the monitor saw.
     pub deadline_misses: u64,
 }
 
@@ -346,7 +345,7 @@ impl StageReport {
         }
     }
 
-    /// The latencies, if they were measured.
+    /// The latencies, if measured.
     pub(crate) fn latencies(&self) -> Option<Summary> {
         self.measured.then_some(self.summary)
     }
@@ -355,20 +354,21 @@ impl StageReport {
 /// Whether every sample arrived.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Losses {
-    /// Whether the monitor has watched from the start. After a restart, counts of processes restarted before it are
+    /// Whether the monitor has watched from the start. After a restart, counts of processes restarted earlier are
     /// unknown, and appear as unread.
     pub complete: bool,
     /// Reports lost on the way from the adapters to fusion.
     pub reports_lost: u64,
-    /// Reports that were published when fusion was not there to read them.
+    /// Reports published in the absence of fusion.
     pub reports_unread: u64,
     /// Each way from a publisher to a reader.
     pub hops: Vec<Hop>,
-    /// System-track states that only the monitor missed: its figures rest on fewer samples, nothing else is affected.
+    /// System-track states that only the monitor missed: the monitor's figures rest on fewer samples, nothing else is
+    /// affected.
     pub monitor_missed: u64,
 }
 
-/// One way from a publisher to a reader, in samples.
+/// A way from a publisher to a reader, in samples.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Hop {
     /// Name of the publishing process.
@@ -379,7 +379,7 @@ pub struct Hop {
     pub published: u64,
     /// By the reader's own count.
     pub taken: u64,
-    /// Missing from the sequence that the reader saw: it fell behind.
+    /// Missing from the sequence that the reader saw: the reader fell behind.
     pub lost: u64,
     /// Published, and neither taken nor missed: the reader was not there.
     pub unread: u64,
@@ -393,7 +393,7 @@ impl Hop {
             published,
             taken,
             lost,
-            // Less than nothing if the publisher was killed before it could state its last count.
+            // 0 instead of a negative number if the publisher was killed before stating its last count.
             unread: published.saturating_sub(taken + lost),
         }
     }
@@ -404,11 +404,11 @@ impl Hop {
 pub struct Restarts {
     /// All together.
     pub total: u64,
-    /// By process, those that were.
+    /// By process, the restarted processes.
     pub by_process: BTreeMap<String, u32>,
 }
 
-/// An object with one member per stage, in the order of the journey.
+/// An object with a member per stage, in the order of the journey.
 fn by_key<T: Serialize, S: Serializer>(stages: &[(Stage, T)], serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_map(stages.iter().map(|(stage, figures)| (stage.key(), figures)))
 }

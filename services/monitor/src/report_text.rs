@@ -1,7 +1,7 @@
 //! The final report as text.
 //!
-//! Read by people who have never seen it: every table says in a sentence what it shows, and what is 0 in a good run
-//! is said in words instead of columns of zeros.
+//! For readers who see a report for the first time: a sentence describes each table, and values that are 0 in a good
+//! run appear as words instead of columns of zeros.
 
 use messages::{Counter, CounterClass, Counters};
 use scoring::AccuracyReport;
@@ -170,7 +170,7 @@ impl Report {
         }
     }
 
-    /// Other counts, if there are any: nothing that a process says is kept back.
+    /// Other counts, if any: no count of a process is kept back.
     fn also_counted(&self) -> Option<String> {
         use CounterClass::{AdapterRemark, FusionRejection, FusionRemark, Process, Tracking};
         let mut rows = CounterRows::new("of");
@@ -294,7 +294,7 @@ impl Report {
         text
     }
 
-    /// How often stages took longer than they may, where latencies were measured.
+    /// Numbers of exceeded deadlines, where latencies were measured.
     fn deadlines(&self) -> Option<String> {
         if !self.settings.latencies_measured {
             return None;
@@ -441,7 +441,7 @@ impl CounterRows {
         listed.for_each(|counter| self.row(of, by, counter, counters[counter]));
     }
 
-    /// The one flow that is no step of a report's way.
+    /// The only flow that is no step of a report's way.
     fn waited(&mut self, of: &str, by: &str, counters: &Counters) {
         let counter = Counter::WaitedForConsumers;
         self.row(of, by, counter, counters[counter]);
@@ -459,7 +459,7 @@ impl CounterRows {
     }
 }
 
-/// A line, in several if it is prose and too long. Columns of tables are two blanks apart, words of prose are one.
+/// A line, or several lines for long prose. Columns of tables are two blanks apart, words of prose a single blank.
 fn fitted(line: &str, width: usize) -> String {
     if line.chars().count() <= width || line.contains("  ") {
         format!("{line}\n")

@@ -12,7 +12,7 @@ use crate::display::overview::Overview;
 use crate::display::pages;
 use crate::report::Report;
 
-/// Columns and rows of a terminal that does not say how many it has.
+/// Columns and rows of a terminal of unknown size.
 const USUAL_SIZE: (u16, u16) = (80, 24);
 /// Longest line of prose where there is room, characters.
 const PROSE_WIDTH: u16 = 110;
@@ -27,9 +27,9 @@ pub struct Screen {
     drawn: Option<(u16, u16)>,
     looks: ScreenStyle,
     errors: Box<dyn Write>,
-    /// Whoever read has gone (`| head`, a closed terminal). That is no reason to stop watching.
+    /// The reader has gone (`| head`, a closed terminal). That is no reason to stop watching.
     gone: bool,
-    /// What else kept text from being written: a full disk, say.
+    /// Other failure to write text: a full disk, for example.
     failure: Option<io::Error>,
 }
 
@@ -41,7 +41,7 @@ impl Screen {
         Self::new(Box::new(out), terminal)
     }
 
-    /// Text goes to `out`, which can move its cursor if it is a `terminal`.
+    /// Text goes to `out`, with a movable cursor if `out` is a `terminal`.
     pub fn new(out: Box<dyn Write>, terminal: bool) -> Self {
         Self {
             out: CrosstermBackend::new(out),
@@ -54,19 +54,19 @@ impl Screen {
         }
     }
 
-    /// This screen, with another place for what is said on standard error.
+    /// This screen, with another place for the lines of standard error.
     #[must_use]
     pub fn with_errors(self, errors: Box<dyn Write>) -> Self {
         Self { errors, ..self }
     }
 
-    /// Says a line on standard error.
+    /// Writes a line to standard error.
     pub(crate) fn say(&mut self, line: &str) {
-        // Nobody may be listening; that is no reason to stop watching.
+        // A failed write (no reader) is no reason to stop watching.
         let _ = writeln!(self.errors, "koseki: {line}");
     }
 
-    /// Shows what is known now: tables on a terminal, else one line.
+    /// Shows the overview: tables on a terminal, else a line.
     pub(crate) fn show(&mut self, overview: &Overview) {
         if self.terminal {
             self.attempt(|screen| screen.draw(overview, size()));
@@ -75,10 +75,10 @@ impl Screen {
         }
     }
 
-    /// Every cell is written, so that what others have written on the terminal is gone; erasing first would flicker.
+    /// Every cell is written, so that text of other writers on the terminal disappears; erasing first would flicker.
     fn draw(&mut self, overview: &Overview, size: (u16, u16)) -> io::Result<()> {
         let (width, height) = size;
-        // The last line is left to what others say on standard error.
+        // The last line is left for other writers on standard error.
         let mut buffer = Buffer::empty(Rect::new(0, 0, width, height.saturating_sub(1)));
         draw_unattended(&mut buffer, overview, self.looks);
         if self.drawn.replace(size) != Some(size) {
@@ -107,7 +107,7 @@ impl Screen {
         self.write(&report.text(usize::from(width)));
     }
 
-    /// Reason for which text was not written, unless nobody wanted to read it.
+    /// Reason of unwritten text, except for the absence of a reader.
     pub(crate) fn failure(&mut self) -> Option<io::Error> {
         self.failure.take()
     }

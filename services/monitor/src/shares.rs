@@ -1,8 +1,8 @@
-//! Sources of whose reports too large a share is of no use: they claim times that cannot be, come too late, give false
-//! positions, or make no tracks.
+//! Sources with too large a share of useless reports: impossible times, late arrival, false positions, or no resulting
+//! tracks.
 //!
-//! Every sensor errs now and then, and one report in a thousand is no alarm: it is counted, and that is enough. So each
-//! of these looks at a share of what has come lately, and at a least number.
+//! Every sensor errs now and then. A single report in a thousand is no alarm, and only counted. Therefore each
+//! condition here needs a share of recent data, and a minimum number.
 
 use alarms::{AlarmKind, Finding, Lately, Round, Subject, above};
 use deployment::SourceFacts;
@@ -27,10 +27,10 @@ const BAD_MIN: u64 = 5;
 /// Detections and scans from which a tracker makes tracks, if there is a target.
 const DETECTIONS_MIN: u64 = 200;
 const SCANS_MIN: u64 = 10;
-/// A tracker that has less than one track in so many scans has none to speak of.
+/// A tracker with less than a single track in so many scans has practically no tracks.
 const SCANS_PER_REPORT: u64 = 10;
 
-/// All sources' shares, with the memory that finding them takes.
+/// All sources' shares, with the necessary memory.
 #[derive(Debug)]
 pub(crate) struct SourceShares {
     reports: Lately<2>,
@@ -47,7 +47,7 @@ impl SourceShares {
         }
     }
 
-    /// Looks at all of them at `now_ns` (monotonic, nanoseconds).
+    /// Evaluates all shares at `now_ns` (monotonic, nanoseconds).
     pub(crate) fn look(&mut self, observed: &Deployment, now_ns: i64, round: &mut Round<'_>) {
         let book = observed.book();
         for SourceFacts {
@@ -124,8 +124,8 @@ impl SourceShares {
     }
 }
 
-/// Concerns that a source's counts of a whole run leave, for the final report: a recording may be over before a share
-/// of it has become an alarm.
+/// Concerns from a source's counts of a whole run, for the final report: a recording may end before a share becomes an
+/// alarm.
 pub(crate) fn concerns(name: &str, adapter: &Counters, is_sensor: bool) -> impl Iterator<Item = (AlarmKind, String)> {
     let late = adapter[Counter::RejectedLate];
     let share = late as f64 / (adapter[Counter::Reports] + late).max(1) as f64;
@@ -149,7 +149,7 @@ pub(crate) fn concerns(name: &str, adapter: &Counters, is_sensor: bool) -> impl 
     are_late.into_iter().chain(idle)
 }
 
-/// Detections, scans, and reports of tracks that were made of them. A recorded source is ahead of what it publishes.
+/// Detections, scans, and reports of the resulting tracks. A recorded source is ahead of its publishing.
 fn work(adapter: &Counters) -> [u64; 3] {
     let reports = adapter[Counter::Published] + adapter[Counter::ReportsAhead];
     [adapter[Counter::Detections], adapter[Counter::Scans], reports]

@@ -1,4 +1,4 @@
-//! All that the monitor knows, and the summaries drawn from it.
+//! All observations of the monitor, and the derived summaries.
 //!
 //! Pure: messages and times go in, summaries come out. The agent decides when.
 
@@ -36,7 +36,8 @@ pub(crate) struct DeploymentSurvey {
     truth: Option<TruthWatch>,
     tracks_max: usize,
     scenario_start_ns: i64,
-    /// By the number of a source: states that its reports led to, and those of them to which others contribute.
+    /// By the number of a source: states that the source's reports led to, and states among these with other
+    /// contributors.
     states: BTreeMap<u16, [u64; 2]>,
 }
 
@@ -89,7 +90,8 @@ impl DeploymentSurvey {
         }
     }
 
-    /// Forgets processes that have joined the deployment and left without a word, if `is_gone` says so of their number.
+    /// Forgets processes that have joined the deployment and left without a last message, if `is_gone` holds for the
+    /// process number.
     pub(crate) fn forget_guests(&mut self, now: Now, is_gone: impl Fn(u32) -> bool) {
         self.observed.forget_guests(&self.expected, now.mono_ns, is_gone);
     }
@@ -111,7 +113,7 @@ impl DeploymentSurvey {
         self.observed.known_name(number).unwrap_or("others")
     }
 
-    /// Whether those whose last words the final report waits for have said them, or will not.
+    /// Whether the processes with last messages for the final report have sent these messages, or will not.
     pub(crate) fn others_have_ended(&self, now: Now) -> bool {
         let watching = [ProcessKind::Monitor, ProcessKind::Keeper, ProcessKind::Launcher];
         self.processes(now).iter().all(|process| {
@@ -201,7 +203,7 @@ impl DeploymentSurvey {
             }
             let whole = self.apart_from_sources(kind, latest.name());
             let mut all = vec![counted("", whole.unwrap_or_default())];
-            // The messages of an adapter with one source are about that source.
+            // The messages of an adapter with a single source are about that source.
             let sources = self.observed.configured_sources().iter();
             let sources = sources.filter(|source| kind == ProcessKind::Adapter && source.adapter == latest.name());
             let sources = sources.filter(|source| book.about(kind, latest.name(), source.number).is_none());
@@ -259,7 +261,7 @@ impl DeploymentSurvey {
 
     fn losses(&self, sources: &[SourceReport], own: SubscriberCounts, processes: &[ObservedProcess]) -> Losses {
         let hop = |from: &str, to: ProcessKind, published, read: &Counters| {
-            // A recorder knows by its files what died with its predecessors, counted by them or not.
+            // A recorder derives from its files the losses of its predecessors, counted by the predecessors or not.
             let (taken, lost) = (
                 read[Counter::Taken],
                 read[Counter::Lost].max(read[Counter::MissingRows]),
@@ -272,7 +274,7 @@ impl DeploymentSurvey {
         let published = |source: &SourceReport| source.adapter[Counter::Published];
         let to_fusion =
             |source: &SourceReport| hop(&source.name, ProcessKind::Fusion, published(source), &source.fusion);
-        // The detections of a tracker's sensor go to its tracker.
+        // The detections of a tracker's sensor go to the tracker.
         let reporting = sources.iter().filter(|source| source.sensor_of.is_none());
         let mut hops: Vec<Hop> = reporting.map(to_fusion).collect();
         let reports_lost = hops.iter().map(|hop| hop.lost).sum();
@@ -323,7 +325,7 @@ impl DeploymentSurvey {
         counters
     }
 
-    /// The same, source by source: which deadlines their reports have missed.
+    /// The same, source by source: deadlines that the source's reports have missed.
     pub(crate) fn own_counters_by_source(&self) -> impl Iterator<Item = (u16, Counters)> + '_ {
         let numbers = self.observed.stages().sources().filter(|number| *number != NO_SOURCE);
         numbers.map(|number| {
@@ -341,13 +343,13 @@ impl DeploymentSurvey {
         counters[Counter::StagesLate] = self.late(source);
     }
 
-    /// Stages that took longer than their deadlines, of one source's reports or (`None`) of all.
+    /// Stages that exceeded the deadlines, of a source's reports or (`None`) of all.
     fn late(&self, source: Option<u16>) -> u64 {
         let misses = |stage| self.observed.stages().deadline_misses(stage, source, Span::Total);
         Stage::ALL.into_iter().map(misses).sum()
     }
 
-    /// Counters of a process for none of its sources.
+    /// Counters of a process that belong to no source.
     fn apart_from_sources(&self, kind: ProcessKind, name: &str) -> Option<Counters> {
         let mut sources = self.observed.configured_sources().iter();
         let has_source = sources.any(|source| source.adapter == name);
@@ -355,7 +357,7 @@ impl DeploymentSurvey {
         self.observed.book().apart_from_sources(kind, name, stands_for_source)
     }
 
-    /// Counters of the processes but fusion and the monitor, for none of their sources.
+    /// Counters of the processes but fusion and the monitor that belong to no source.
     fn others(&self) -> Vec<ProcessCounters> {
         let apart = [ProcessKind::Fusion, ProcessKind::Monitor];
         let others = self.expected.iter().filter(|(kind, _)| !apart.contains(kind));
@@ -379,7 +381,7 @@ impl DeploymentSurvey {
     }
 }
 
-/// Stages that are measured, and how far they go.
+/// Measured stages, and the end of the journey.
 fn journey(config: &deployment::Deployment, monitor: &Settings) -> Journey {
     Journey {
         end: match monitor.waiting(&config.fusion) {
@@ -435,7 +437,7 @@ fn is_simulated(config: &deployment::Deployment, sensor: &Source) -> bool {
 }
 
 fn run_settings(config: &deployment::Deployment, monitor: &Settings, options: &Options) -> RunSettings {
-    // A tracker stands for its sensors; operators' orders are none.
+    // A tracker stands for its sensors; operators' orders are no sources.
     let sources = config
         .sources
         .iter()

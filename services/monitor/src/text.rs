@@ -43,7 +43,7 @@ pub(crate) fn times(count: u64) -> String {
     }
 }
 
-/// `text` in lines of at most `width` characters, broken at blanks; the last one has its line feed too.
+/// `text` in lines of at most `width` characters, broken at blanks; the last line ends with a line feed too.
 pub(crate) fn wrapped(text: &str, width: usize) -> String {
     let mut lines = String::with_capacity(text.len() + 2);
     let mut length = 0;
@@ -61,7 +61,7 @@ pub(crate) fn wrapped(text: &str, width: usize) -> String {
     lines
 }
 
-/// A share from 0 to 1 as a percentage. What is not quite all, or not quite nothing, is not rounded to it.
+/// A share from 0 to 1 as a percentage. A share just under 1, or just over 0, is not rounded to 100 or 0.
 pub(crate) fn percent(share: f64) -> String {
     let shown = (share * 1000.0).round() / 10.0;
     if share < 1.0 && shown >= 100.0 {

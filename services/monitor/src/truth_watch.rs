@@ -1,11 +1,11 @@
 //! Compares the picture with the truth, where the world is simulated.
 //!
-//! At every whole second of UTC, the latest state of each system track that has arrived by then is carried to that
-//! second along its velocity, and held against the targets that some configured sensor can see. That is what a display
-//! would show at that moment, delays and coasting included, which is harsher than comparing states at their own times.
+//! At every whole second of UTC, the latest arrived state of each system track is carried to that second along its
+//! velocity. The result is compared with the targets that some configured sensor can see. A display would show the same
+//! at that moment, delays and coasting included, which is harsher than comparing states at their own times.
 //!
 //! The first ten seconds are left out: radars need several turns until their targets are confirmed. If fusion is
-//! restarted, its picture begins anew, and what is missing until it is complete again does count.
+//! restarted, the picture starts again empty, and targets missing until the picture is complete again do count.
 
 use std::fmt;
 
@@ -23,7 +23,7 @@ const SECOND_NS: i64 = 1_000_000_000;
 pub struct SimulatedTargets {
     /// Number of all targets.
     pub count: u32,
-    /// Those that some sensor can see; `None` where no sensor sees targets.
+    /// Targets that some sensor can see; `None` where no sensor sees targets.
     pub visible: Option<VisibleAt>,
 }
 
@@ -67,7 +67,7 @@ impl TruthWatch {
         }
     }
 
-    /// Takes received states; `is_another`: their publisher is not that of the states before.
+    /// Takes received states; `is_another`: the publisher differs from the publisher of the states before.
     pub(crate) fn take(&mut self, is_another: bool, tracks: &[SystemTrack]) {
         if is_another {
             self.states.clear();
@@ -129,7 +129,7 @@ mod tests {
         TruthWatch::new(VisibleAt(Box::new(seen)), (START_NS, START_NS + 1), 100)
     }
 
-    /// Confirmed states of every target at a time, one second old.
+    /// Confirmed states of every target at a time, a second old.
     fn perfect(at_ns: i64) -> Vec<SystemTrack> {
         let time_s = (at_ns - START_NS) as f64 / SECOND_NS as f64;
         let state = |target: PictureTarget| SystemTrack {

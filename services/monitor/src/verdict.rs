@@ -1,4 +1,4 @@
-//! One sentence: whether there is something to worry about.
+//! The verdict: a sentence on the need for attention.
 
 use alarms::AlarmKind;
 use messages::{Counter, LifeState, ProcessKind};
@@ -13,10 +13,10 @@ use observed::ProcessState;
 const UNREAD_SHARE_MAX: f64 = 0.01;
 /// Share of reports that may take longer through fusion than configured.
 const DEADLINE_MISS_SHARE_MAX: f64 = 0.01;
-/// Share of the targets in view that should be held by exactly one system track.
+/// Share of the targets in view that should be held by a single system track.
 const HELD_ONCE_SHARE_MIN: f64 = 0.95;
 
-/// Judges everything in `report` but its verdict.
+/// Judges everything in `report` but the verdict.
 pub(crate) fn on(report: &Report) -> Verdict {
     let concerns = concerns(report);
     let sentence = if concerns.is_empty() {
@@ -46,7 +46,7 @@ fn concerns(report: &Report) -> Vec<String> {
 fn about_processes(report: &Report, concerns: &mut Vec<String>) {
     for process in &report.processes {
         let title = process.title();
-        // The monitor is there, or nobody would read this; and it ends before its launcher and the keeper do.
+        // The monitor is present, as the writer of this report, and ends before the launcher and the keeper.
         let is_watching = matches!(
             process.kind,
             Some(ProcessKind::Monitor | ProcessKind::Keeper | ProcessKind::Launcher)
@@ -96,7 +96,7 @@ fn about_reports(report: &Report, concerns: &mut Vec<String>) {
     let recorded = report.settings.simulated_sources + report.settings.live_sources == 0;
     let allowed = if recorded { 0.0 } else { UNREAD_SHARE_MAX * taken as f64 };
     if losses.complete && losses.reports_unread as f64 > allowed {
-        // Of a killed fusion process, nobody knows what it took in its last moment.
+        // The reports that a killed fusion process took in its last moment are unknown.
         let up_to = if report.restarts.by_process.contains_key(ProcessKind::Fusion.word()) {
             "up to "
         } else {
@@ -174,7 +174,7 @@ fn about_fusion(report: &Report, concerns: &mut Vec<String>) {
     }
 }
 
-/// Deadlines of stages other than fusion's own, which counts its misses itself.
+/// Deadlines of stages other than fusion's own; fusion counts its own misses.
 fn about_stages(report: &Report, concerns: &mut Vec<String>) {
     for (stage, figures) in report.stages.iter().filter(|(stage, _)| *stage != Stage::TakenToFused) {
         let (count, misses) = (figures.summary.count, figures.deadline_misses);

@@ -1,8 +1,8 @@
 //! Input and output files of commands.
 //!
-//! An output file appears complete or not at all: a command writes it under another name in the same folder and
-//! renames it when it is complete. A command that fails or is killed leaves no partial table under the final name,
-//! and the result of an earlier run remains until a new result replaces it. `-` is standard output.
+//! An output file appears complete or not at all: a command writes the file under another name in the same folder and
+//! renames the complete file. A command that fails or is killed leaves no partial table under the final name, and the
+//! result of an earlier run remains until a new result replaces it. `-` is standard output.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Read as _, Write};
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 
-/// Size of read and write buffers, bytes. What is written in pieces of this size is not copied into one.
+/// Size of read and write buffers, bytes. Data written in pieces of this size are not copied together.
 pub const BUFFER_OCTETS: usize = 1 << 18;
 
 /// Output that is standard output.
@@ -31,7 +31,7 @@ pub struct InputError {
 }
 
 impl InputError {
-    /// Creates the error of a file and its fault.
+    /// Creates the error of a file with a fault.
     pub fn new(file: &Path, what: impl std::fmt::Display) -> Self {
         Self {
             file: file.to_owned(),
@@ -57,7 +57,7 @@ impl InputError {
 /// Opens an input file.
 ///
 /// # Errors
-/// If it cannot be read.
+/// If the file cannot be read.
 pub fn open(file: &Path) -> Result<File, InputError> {
     let failed = |error| InputError::unreadable(file, &error);
     let opened = File::open(file).map_err(failed)?;
@@ -70,7 +70,7 @@ pub fn open(file: &Path) -> Result<File, InputError> {
 /// Reads a whole input file.
 ///
 /// # Errors
-/// If it cannot be read.
+/// If the file cannot be read.
 pub fn read(file: &Path) -> Result<Vec<u8>, InputError> {
     let mut octets = Vec::new();
     let read = open(file)?.read_to_end(&mut octets);
@@ -81,13 +81,13 @@ pub fn read(file: &Path) -> Result<Vec<u8>, InputError> {
 /// Reads a whole input file of text.
 ///
 /// # Errors
-/// If it cannot be read, or is no text.
+/// If the file cannot be read, or is no text.
 pub fn read_text(file: &Path) -> Result<String, InputError> {
     let as_text = |error: std::string::FromUtf8Error| io::Error::new(io::ErrorKind::InvalidData, error);
     String::from_utf8(read(file)?).map_err(|error| InputError::unreadable(file, &as_text(error)))
 }
 
-/// Returns the name of an output in a message: its path, or that it is standard output.
+/// Returns the name of an output in a message: the path, or the words for standard output.
 pub(crate) fn output_name(path: &Path) -> std::path::Display<'_> {
     let is_standard = path == Path::new(STANDARD_OUTPUT);
     if is_standard {
@@ -106,7 +106,7 @@ pub fn is_same_file(one: &Path, other: &Path) -> bool {
 /// Rejects outputs that would overwrite an input or another output.
 ///
 /// # Errors
-/// The option and the file it names.
+/// The option and the named file.
 pub fn check_outputs<'a>(
     inputs: impl IntoIterator<Item = &'a PathBuf> + Clone,
     outputs: &[(&str, Option<&PathBuf>)],
@@ -140,15 +140,15 @@ pub(crate) fn check_answer(json: bool, outputs: &[(&str, Option<&PathBuf>)]) -> 
     }
 }
 
-/// Output file that appears when it is complete.
+/// Output file that appears when complete.
 #[derive(Debug)]
 pub struct OutputFile {
     path: PathBuf,
     /// Path written until completion; `None` for a device, a pipe or standard output, which are written directly.
     unfinished: Option<PathBuf>,
-    /// `None` once the file is complete, or the reader of standard output has closed it.
+    /// `None` once the file is complete, or standard output is closed by the reader.
     writer: Option<BufWriter<File>>,
-    /// Whether the reader of standard output has closed it, as `| head` does.
+    /// Whether the reader has closed standard output, as `| head` does.
     is_closed: bool,
 }
 
@@ -190,7 +190,7 @@ impl OutputFile {
         &self.path
     }
 
-    /// Moves the complete file to its place.
+    /// Moves the complete file to the final place.
     ///
     /// # Errors
     /// If the file cannot be completed or moved.
@@ -209,11 +209,11 @@ impl OutputFile {
 }
 
 impl OutputFile {
-    /// What became of a write to a file, or to standard output: a closed reader is no failure.
+    /// Result of a write to a file, or to standard output: a closed reader is no failure.
     fn written<T>(&mut self, outcome: io::Result<T>, all: T) -> io::Result<T> {
         match outcome {
             Err(error) if error.kind() == io::ErrorKind::BrokenPipe && self.unfinished.is_none() => {
-                // What the buffer holds is not written again when it is dropped.
+                // The buffer's content is not written again on dropping.
                 let _ = self.writer.take().map(BufWriter::into_parts);
                 self.is_closed = true;
                 Ok(all)
@@ -265,8 +265,8 @@ pub fn unwritable(path: &Path, error: &io::Error) -> Usage {
     ))
 }
 
-/// Returns a name beside `path`, so that a rename suffices. It contains the process number, so that two processes
-/// do not share it.
+/// Returns a name beside `path`, so that a rename suffices. The name contains the process number, so that two processes
+/// do not share a name.
 fn unfinished_name(path: &Path) -> PathBuf {
     let mut name = std::ffi::OsString::from(".");
     name.push(path.file_name().unwrap_or_default());

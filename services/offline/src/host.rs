@@ -8,7 +8,7 @@ use configuration::{Config, ConfigError};
 
 use crate::files::InputError;
 
-/// Environment of a command: provides its tables, receives its output and messages, and tracks its progress.
+/// Environment of a command: provides tables, receives output and messages, and tracks progress.
 pub trait Host {
     /// Opens an input.
     ///
@@ -46,7 +46,7 @@ pub trait Host {
     /// Reports the end of a pass.
     fn passed(&self);
 
-    /// Reads `text` as the file `path` of a deployment. By default, the keys of services are ignored: they do not
+    /// Reads `text` as the file `path` of a deployment. By default, the keys of services are ignored: these keys do not
     /// change the results, and a host need not contain the services.
     ///
     /// # Errors
@@ -96,7 +96,7 @@ pub struct TableInput {
 }
 
 impl TableInput {
-    /// Creates an input from bytes and their number.
+    /// Creates an input from bytes and the number of bytes.
     pub fn new(octets: impl Read + Seek + 'static, length: u64) -> Self {
         Self {
             octets: Box::new(octets),
@@ -117,9 +117,9 @@ impl Seek for TableInput {
     }
 }
 
-/// Output table that appears when it is complete.
+/// Output table that appears when complete.
 pub trait TableOutput: Write + Debug {
-    /// Moves the table to its place.
+    /// Moves the table to the final place.
     ///
     /// # Errors
     /// If the table cannot be stored.

@@ -1,8 +1,8 @@
 //! Commands on tables, shared by the executable (on files) and the Python package (on columns in memory).
 //!
 //! [`TableCommand`] holds the parsed words of a command, with the help of the command line. A command opens tables,
-//! writes tables and prints messages only through its [`Host`]. The same engine, driven in the same way, therefore
-//! gives the same results for all hosts.
+//! writes tables and prints messages only through a [`Host`]. The same engine, driven in the same way, therefore gives
+//! the same results for all hosts.
 
 #![forbid(unsafe_code)]
 

@@ -11,7 +11,7 @@ use plotters::prelude::*;
 
 use crate::files::OutputFile;
 
-/// Margin around the places, as a share of their extent.
+/// Margin around the places, as a share of the extent.
 const ROOM: f64 = 0.06;
 /// Extent of coinciding places.
 const EXTENT_MIN: f64 = 1e-3;
@@ -66,7 +66,7 @@ pub(crate) fn map_chart<'a, 'b>(
     Ok(chart)
 }
 
-/// Ends a chart with its legend.
+/// Ends a chart with the legend.
 pub(crate) fn draw_legend<'a, 'b: 'a>(chart: &mut MapChart<'a, 'b>) -> Drawn {
     chart
         .configure_series_labels()

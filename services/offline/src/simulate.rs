@@ -1,10 +1,9 @@
 //! `koseki simulate`: observations of simulated sensors in a simulated world, as files (FM-9).
 //!
-//! The world and its sensors are those of the demonstration (`scenario`), without a clock: the command requests one
+//! The world and its sensors come from the demonstration (`scenario`), without a clock: the command requests one
 //! delivery after another from each sensor. A run of an hour takes seconds, and the same seed gives the same bytes.
-//! Direction finders write a table of bearings (FM-7), in which a transmitter has the number of its target, or the
-//! snapshots of their antenna arrays (EL-1).
-//! Wide-area sensors write a table of counts (FM-6).
+//! Direction finders write a table of bearings (FM-7), in which a transmitter has the target's number, or the snapshots
+//! of the antenna arrays (EL-1). Wide-area sensors write a table of counts (FM-6).
 
 mod on_board;
 
@@ -31,7 +30,7 @@ use crate::args::Simulate;
 use crate::files::{InputError, Usage, unwritable};
 use crate::host::{Host, TableOutput};
 
-/// Scenarios by name: the underlying deployment, and the changes to it.
+/// Scenarios by name: the underlying deployment, and the changes to the deployment.
 const NAMED: [(&str, &str, &[&str]); 5] = [
     ("demo", DEMO, &[]),
     (
@@ -148,7 +147,7 @@ fn config(host: &dyn Host, scenario: &Path, set: &[String]) -> anyhow::Result<Co
     }
 }
 
-/// Writes the reports and detections of one sensor up to `end_s`; returns their numbers. A sensor that delivers
+/// Writes the reports and detections of a sensor up to `end_s`; returns the numbers of both. A sensor that delivers
 /// plots reports no tracks.
 fn write_sensor(
     host: &dyn Host,
@@ -191,7 +190,7 @@ fn write_sensor(
     Ok((report_count, u64::from(plot_count)))
 }
 
-/// Table of detections: with the columns of replies if the sensor receives any, so that other tables stay as they were.
+/// Table of detections: with the columns of replies if the sensor receives any, so that other tables stay unchanged.
 enum DetectionTable {
     Plain(DetectionWriter<Box<dyn TableOutput>>),
     Replied(RepliedDetectionWriter<Box<dyn TableOutput>>),
@@ -220,7 +219,7 @@ impl DetectionTable {
     }
 }
 
-/// Writes the messages of one sensor up to `end_s`: bare data blocks in the order of sending.
+/// Writes the messages of a sensor up to `end_s`: bare data blocks in the order of sending.
 fn write_asterix(
     host: &dyn Host,
     folder: &Path,
@@ -244,7 +243,7 @@ fn write_asterix(
     out.finish()
 }
 
-/// Writes the bearings of one direction finder up to `end_s`; returns their number.
+/// Writes the bearings of a direction finder up to `end_s`; returns the number of bearings.
 fn write_bearings(
     host: &dyn Host,
     folder: &Path,
@@ -270,7 +269,7 @@ fn write_bearings(
     Ok(count)
 }
 
-/// Writes the snapshots of one direction finder's array up to `end_s`; returns the number of measurements.
+/// Writes the snapshots of a direction finder's array up to `end_s`; returns the number of measurements.
 fn write_snapshots(
     host: &dyn Host,
     folder: &Path,
@@ -297,7 +296,7 @@ fn write_snapshots(
     Ok(count)
 }
 
-/// Writes the counts of one wide-area sensor up to `end_s`, in the order of arrival; returns the number of reports.
+/// Writes the counts of a wide-area sensor up to `end_s`, in the order of arrival; returns the number of reports.
 fn write_counts(
     host: &dyn Host,
     folder: &Path,
@@ -323,7 +322,7 @@ fn write_counts(
     Ok(count)
 }
 
-/// Instruments that can locate a target. Wide-area counts are excluded: they locate no single target.
+/// Instruments that can locate a target. Wide-area counts are excluded: such counts locate no single target.
 #[derive(Default)]
 struct Observers {
     sensors: Vec<SimulatedSensor>,

@@ -21,7 +21,7 @@ pub struct Terminal {
     read: ReadDeployment,
 }
 
-/// Reader of a deployment's file, from its path, text and replaced values.
+/// Reader of a deployment's file, from path, text and replaced values.
 type ReadDeployment = fn(&Path, &str, &[String]) -> Result<Config, ConfigError>;
 
 impl Default for Terminal {

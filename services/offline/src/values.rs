@@ -35,7 +35,7 @@ pub fn refresh(text: &str) -> Result<Duration, String> {
     Err("it must lie between 0.001 and 3600".to_owned())
 }
 
-/// Parses a place on the Earth: latitude and longitude in degrees, and a height in metres if it is not 0.
+/// Parses a place on the Earth: latitude and longitude in degrees, and a height in metres if not 0.
 ///
 /// # Errors
 /// If `text` is no place; the message describes valid values.

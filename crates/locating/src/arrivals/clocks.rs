@@ -1,6 +1,6 @@
 //! Clocks of the receivers.
 //!
-//! Only differences of clocks matter, so each pair of receivers has its own estimate: exact where all receivers take
+//! Only differences of clocks matter, so each pair of receivers has a separate estimate: exact where all receivers take
 //! the reference emitter's transmissions, and independent of the emitters that each pair can receive. A pair without
 //! common reference is compared over a third receiver.
 
@@ -8,7 +8,7 @@ use observations::ReceiverName;
 
 use super::pair_clock::{ClockModel, ClockReading, PairClock};
 
-/// Most receivers with a clock of their own.
+/// Most receivers with a separate clock.
 pub(crate) const RECEIVERS_MAX: usize = 32;
 const PAIRS: usize = RECEIVERS_MAX * (RECEIVERS_MAX - 1) / 2;
 

@@ -1,19 +1,19 @@
 //! Arrival times (FM-11): from rows to hyperbolas.
 //!
-//! The time of a transmission is unknown, so the n arrival times of one transmission contain n − 1 differences of
-//! distances. The obvious n − 1 differences from one of the receivers share its error; taken as independent, they
-//! locate worse than possible and state a wrong covariance. Here all n(n − 1)/2 pairs become lines, each with the
-//! information wᵢwⱼ/Σw, w being the inverse variances. The sum over all pairs of wᵢwⱼ(eᵢ − eⱼ)²/Σw is that of
+//! The time of a transmission is unknown, so the n arrival times of a single transmission contain n − 1 differences of
+//! distances. The obvious n − 1 differences from the same receiver share that receiver's error; taken as independent,
+//! they locate worse than possible and state a wrong covariance. Here all n(n − 1)/2 pairs become lines, each with the
+//! information wᵢwⱼ/Σw, w being the inverse variances. The sum over all pairs of wᵢwⱼ(eᵢ − eⱼ)²/Σw equals the sum of
 //! wᵢ(eᵢ − ē)²: exactly the likelihood of the arrival times with the time of transmission estimated. So lines that are
-//! treated one by one give the estimate and covariance of all together. And a wrong arrival time spoils only its own
-//! pairs.
+//! treated singly give the estimate and covariance of all together. And a wrong arrival time spoils only the pairs with
+//! this arrival.
 //!
-//! Differences that a row states itself (`tdoa`) count as independent; their common errors are not known here.
+//! Differences that a row states itself (`tdoa`) count as independent; common errors are not known here.
 //!
-//! Transmissions of reference emitters, whose place is known, show the receivers' clocks ([`clocks`]). All differences
-//! of two receivers have the error of their clocks in common. So the filters keep differences as they were measured,
-//! correct them by the newest estimate of the clocks, and take as many lines as there are of two receivers as no better
-//! than these clocks.
+//! Transmissions of reference emitters, with a known place, show the receivers' clocks ([`clocks`]). All differences of
+//! two receivers have the error of these clocks in common. So the filters keep differences as measured, correct the
+//! differences by the newest estimate of the clocks, and take all lines of the same two receivers as no better than
+//! these clocks.
 
 mod clocks;
 mod pair_clock;
@@ -38,14 +38,14 @@ const IMPOSSIBLE_SIGMAS: f64 = 8.0;
 /// A clock that is known so much worse than a time was measured is not used.
 const CLOCK_SIGMAS_MAX: f64 = 30.0;
 
-/// What an arrival led to.
+/// Result of an arrival.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ArrivalOutcome {
     /// Lines of this emitter are there.
     Lines,
     /// A transmission of a reference emitter has been used for the clocks.
     Reference,
-    /// A transmission at one receiver only.
+    /// A transmission at a single receiver.
     Alone,
     /// The receivers' clocks are not known yet.
     ClockUnknown,
@@ -57,14 +57,14 @@ pub(crate) enum ArrivalOutcome {
 #[derive(Clone, Copy, Debug)]
 struct Difference {
     way_m: f64,
-    /// Variance of the difference, m², and the information of its line, 1/m².
+    /// Variance of the difference, m², and the information of the line, 1/m².
     variance_m2: f64,
     information: f64,
     /// Weight of the clocks' variance in the variance of the line.
     share: f64,
 }
 
-/// Collects transmissions and knows the receivers' clocks.
+/// Collects transmissions and holds the estimates of the receivers' clocks.
 #[derive(Debug)]
 pub(crate) struct Arrivals {
     settings: ArrivalSettings,
@@ -99,7 +99,7 @@ impl Arrivals {
         self.clocks.number(receiver.name)
     }
 
-    /// Adds an arrival time at one receiver. A transmission that is complete before is returned.
+    /// Adds an arrival time at a receiver. A transmission that is complete before is returned.
     pub(crate) fn collect(&mut self, arrival: &Arrival, reception: Reception) -> Option<Transmission> {
         let (time_ns, together_ns) = (arrival.time_of_measurement_ns, self.together_ns());
         let is_same = |open: &Transmission| {
@@ -127,7 +127,7 @@ impl Arrivals {
         Some(self.open.remove(place))
     }
 
-    /// Makes the lines of a transmission, or uses it for the clocks.
+    /// Makes the lines of a transmission, or uses the transmission for the clocks.
     pub(crate) fn process(&mut self, transmission: &Transmission) -> ArrivalOutcome {
         self.lines.clear();
         let (time_ns, receptions) = (transmission.time_ns, transmission.receptions());
@@ -147,7 +147,7 @@ impl Arrivals {
         self.pair_up(time_ns, receptions)
     }
 
-    /// Makes the line of a stated difference, or uses it for the clocks.
+    /// Makes the line of a stated difference, or uses the difference for the clocks.
     pub(crate) fn difference(
         &mut self,
         arrival: &Arrival,
@@ -177,12 +177,13 @@ impl Arrivals {
         }
     }
 
-    /// All pairs of the receptions whose clocks are known.
+    /// All pairs of the receptions with known clocks.
     fn pair_up(&mut self, time_ns: i64, receptions: &[Reception]) -> ArrivalOutcome {
         let c = self.settings.propagation_mps;
         let variance_m2 = |one: &Reception| c * c * one.sigma_s * one.sigma_s;
         let weights: f64 = receptions.iter().map(|one| 1.0 / variance_m2(one)).sum();
-        // By this factor a pair's variance exceeds that of its difference, and so does that of the clocks.
+        // By this factor a pair's variance exceeds the variance of the difference, and so does the variance of the
+        // clocks.
         let share = 0.5 * receptions.len() as f64;
         let mut is_any_known = false;
         for (place, other) in receptions.iter().enumerate() {
@@ -248,7 +249,7 @@ impl Arrivals {
         Ok(line)
     }
 
-    /// How far one clock is ahead of another, and the variance, metres and m²; `None` if that is not known.
+    /// How far a clock is ahead of another, and the variance, metres and m²; `None` if unknown.
     pub(crate) fn ahead(&self, one: usize, other: usize, time_ns: i64) -> Option<(f64, f64)> {
         match self.is_estimated {
             true => self.clocks.ahead(one, other, time_ns),

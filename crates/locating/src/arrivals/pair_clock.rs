@@ -2,12 +2,12 @@
 //!
 //! A Kalman filter of two components. Reflected or wrongly assigned arrivals are far off, and may be many; and a clock
 //! may be set. So a measurement beyond four standard deviations is left out, and the last few measurements are kept:
-//! when most of them are off the filter's line but agree on another, the filter starts again on that line. This also
+//! when most of these are off the filter's line but agree on another, the filter starts again on that line. This also
 //! corrects a start with a wrong measurement.
 
 /// Measurements that are kept.
 const RECENT: usize = 6;
-/// So many of them on another line restart the filter.
+/// So many measurements on another line restart the filter.
 const AGREED: usize = 4;
 /// Measurements on the line before the clock counts as known.
 const KNOWN_FROM: u32 = 3;
@@ -37,7 +37,7 @@ pub(crate) struct PairClock {
     reference_ns: i64,
     offset_m: f64,
     drift_mps: f64,
-    /// Variances of offset and drift, and their covariance.
+    /// Variances of offset and drift, and the covariance.
     offset_m2: f64,
     both: f64,
     drift_m2ps2: f64,
@@ -60,7 +60,7 @@ impl PairClock {
         next: 0,
     };
 
-    /// Difference at a time and its variance, metres and m²; `None` while it is not known.
+    /// Difference at a time and the variance, metres and m²; `None` while unknown.
     pub(crate) fn at(&self, time_ns: i64, model: ClockModel) -> Option<(f64, f64)> {
         let off = self
             .recent
@@ -74,7 +74,7 @@ impl PairClock {
         Some((offset_m, variance_m2))
     }
 
-    /// Takes a measurement; older ones than the last are passed over.
+    /// Takes a measurement; measurements older than the last are passed over.
     pub(crate) fn take(&mut self, reading: ClockReading, model: ClockModel) {
         if self.agreed > 0 && reading.time_ns < self.reference_ns {
             return;
@@ -121,7 +121,7 @@ impl PairClock {
         self.agreed = self.agreed.saturating_add(1);
     }
 
-    /// Offset, drift, and the three values of their covariance at a time.
+    /// Offset, drift, and the three values of the covariance at a time.
     fn moved(&self, time_ns: i64, model: ClockModel) -> [f64; 5] {
         let after_s = (time_ns - self.reference_ns) as f64 * 1e-9;
         let noise = model.drift_noise * after_s.abs();
@@ -215,7 +215,7 @@ mod tests {
         }
         let (ahead_m, variance_m2) = clock.at(50_000_000_000, MODEL).unwrap();
         assert!((ahead_m - (1e5 - 12_500.0)).abs() < 0.1, "{ahead_m}");
-        // Least squares on 40 equidistant points of variance 400, 30.5 s behind their middle.
+        // Least squares on 40 equidistant points of variance 400, 30.5 s behind the middle.
         let expected = 400.0 / 40.0 + 400.0 * 30.5 * 30.5 / (40.0 * (1_600.0 - 1.0) / 12.0);
         assert!((variance_m2 / expected - 1.0).abs() < 0.01, "{variance_m2} {expected}");
     }

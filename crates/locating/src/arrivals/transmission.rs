@@ -1,10 +1,10 @@
-//! A transmission, and the receivers that took it.
+//! A transmission, and the receivers of this transmission.
 
 use observations::Receiver;
 
 /// Most receivers of a transmission.
 pub(crate) const RECEPTIONS_MAX: usize = 8;
-/// Times of arrival are seconds since midnight, and a transmission may be received on both sides of it.
+/// Times of arrival are seconds since midnight, and a transmission may be received on both sides of midnight.
 const DAY_S: f64 = 86_400.0;
 
 /// Arrival of a transmission at a receiver.
@@ -18,19 +18,19 @@ pub(crate) struct Reception {
 }
 
 impl Reception {
-    /// Difference of arrival times, seconds: this one minus the other.
+    /// Difference of arrival times, seconds: this reception minus the other.
     pub(crate) fn after(&self, other: &Self) -> f64 {
         let difference_s = self.t_s - other.t_s;
         difference_s - DAY_S * (difference_s / DAY_S).round()
     }
 }
 
-/// A transmission whose receptions are being collected.
+/// A transmission with receptions being collected.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Transmission {
     pub(crate) time_ns: i64,
     pub(crate) emitter_id: u32,
-    /// Place of the emitter, if it is a reference emitter.
+    /// Place of the emitter, if a reference emitter.
     pub(crate) reference_m: Option<[f64; 3]>,
     receptions: [Reception; RECEPTIONS_MAX],
     len: usize,
@@ -51,7 +51,7 @@ impl Transmission {
         &self.receptions[..self.len]
     }
 
-    /// Whether a reception at `time_ns` belongs to it: near in time, and of another receiver.
+    /// Whether a reception at `time_ns` belongs to this transmission: near in time, and of another receiver.
     pub(crate) fn may_take(&self, time_ns: i64, together_ns: i64, reception: &Reception) -> bool {
         let is_other = |known: &Reception| known.receiver.name != reception.receiver.name;
         self.len < RECEPTIONS_MAX

@@ -7,9 +7,9 @@
 //!   σ²/(2N) · Σ λ/(λ − σ²)² |s·a|²  /  |projection of a' on the noise subspace|²
 //! ```
 //!
-//! with N snapshots, noise variance σ², signal eigenvectors s with values λ, steering vector a and its derivative a'.
-//! For one source, and for several that are well separated and independent, this is the stochastic Cramér–Rao bound
-//! itself. All of it is known from the measurement, so that every bearing brings an accuracy of its own.
+//! with N snapshots, noise variance σ², signal eigenvectors s with values λ, steering vector a and the derivative a'.
+//! For a single source, and for several that are well separated and independent, this is the stochastic Cramér–Rao
+//! bound itself. All terms are known from the measurement, so that every bearing has an individual accuracy.
 //!
 //! Independent phase errors φ of the antennas move a bearing by φ / |projection of a'|, whatever the number of
 //! snapshots; this term is added.

@@ -1,11 +1,11 @@
-//! An array of antennas in a plane, and its response to a wave: the steering vector.
+//! An array of antennas in a plane, and the response to a wave: the steering vector.
 //!
-//! A wave from the bearing β reaches an antenna earlier the further it lies towards β, so its phase there is ahead by
-//! 2π/λ · (right·sin β + forward·cos β). Phases are counted from the antennas' middle, which makes no difference to a
-//! bearing, and keeps the derivatives small.
+//! A wave from the bearing β reaches an antenna earlier the further the antenna lies towards β, so the phase there is
+//! ahead by 2π/λ · (right·sin β + forward·cos β). Phases are counted from the antennas' middle, which makes no
+//! difference to a bearing, and keeps the derivatives small.
 //!
-//! If all antennas lie in one line, a wave from β and its mirror image at the line have the same phases. Then only
-//! one side is searched, and every bearing has its image.
+//! If all antennas lie in a line, a wave from β and its mirror image at the line have the same phases. Then only a
+//! single side is searched, and every bearing has an image.
 
 use std::f64::consts::{PI, TAU};
 
@@ -16,7 +16,7 @@ use super::settings::ElementPosition;
 
 /// Speed of light, metres per second.
 const LIGHT_MPS: f64 = 299_792_458.0;
-/// Distance from the array's line, as a part of its width, below which an antenna is on it.
+/// Distance from the array's line, as a part of the array's width, below which an antenna is on it.
 const LINE_TOLERANCE: f64 = 1e-9;
 /// Greatest coordinate, metres.
 const COORDINATE_MAX_M: f64 = 1e6;
@@ -36,7 +36,7 @@ impl AntennaArray {
     /// The array of these antennas, in the order of the samples.
     ///
     /// # Errors
-    /// Fewer than two antennas, a position that is no number, two antennas in one place.
+    /// Fewer than two antennas, a position that is no number, two antennas in the same place.
     pub fn new(positions: &[ElementPosition]) -> Result<Self, MusicError> {
         let antennas = positions.len();
         if antennas < 2 {
@@ -68,7 +68,7 @@ impl AntennaArray {
         })
     }
 
-    /// `antennas` in a line, `spacing_m` apart, from left to right: its broadside is forward.
+    /// `antennas` in a line, `spacing_m` apart, from left to right: broadside is forward.
     ///
     /// # Errors
     /// As [`AntennaArray::new`].
@@ -80,7 +80,7 @@ impl AntennaArray {
         Self::new(&(0..antennas).map(position).collect::<Vec<_>>())
     }
 
-    /// `antennas` evenly on a circle, the first one forward.
+    /// `antennas` evenly on a circle, the first forward.
     ///
     /// # Errors
     /// As [`AntennaArray::new`].
@@ -106,7 +106,7 @@ impl AntennaArray {
         self.width_m
     }
 
-    /// Direction of the line on which all antennas lie, if they do: radians clockwise from forward, 0 to π.
+    /// Direction of the line on which all antennas lie, if so: radians clockwise from forward, 0 to π.
     pub fn line_rad(&self) -> Option<f64> {
         self.line_rad
     }
@@ -144,18 +144,18 @@ impl AntennaArray {
         })
     }
 
-    /// Sine of the angle between a bearing and the line of the antennas, if they are in one; 0 to 1.
+    /// Sine of the angle between a bearing and the line of the antennas, if the antennas are in a line; 0 to 1.
     pub(super) fn sine_to_line(&self, bearing_rad: f64) -> Option<f64> {
         Some((bearing_rad - self.line_rad?).sin().abs())
     }
 }
 
-/// Response of an antenna to a wave, and the change of its phase with the bearing, radians per (square) radian.
+/// Response of an antenna to a wave, and the change of the phase with the bearing, radians per (square) radian.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Response {
     /// Sample for a wave of amplitude 1.
     pub(super) value: Complex<f64>,
-    /// First derivative of its phase.
+    /// First derivative of the phase.
     pub(super) slope: f64,
     /// Second derivative.
     pub(super) curvature: f64,
@@ -175,7 +175,7 @@ impl Response {
     }
 }
 
-/// Returns the greatest distance between two antennas, and their indices.
+/// Returns the greatest distance between two antennas, and the indices of both.
 fn widest(elements: &[[f64; 2]]) -> Result<(f64, [usize; 2]), MusicError> {
     let mut widest = (0.0, [0, 1]);
     for (second, b) in elements.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Usable bearings of an array on a platform: unambiguous, inside its sector, and not too uncertain.
+//! Usable bearings of an array on a platform: unambiguous, inside the sector, and not too uncertain.
 
 use super::error::MusicError;
 use super::settings::ArraySettings;
@@ -14,17 +14,17 @@ pub struct FinderCounts {
     pub measurements: u64,
     /// Usable bearings.
     pub bearings: u64,
-    /// Bearings beside another one that explains the snapshots as well.
+    /// Bearings beside another bearing that explains the snapshots as well.
     pub ambiguous: u64,
     /// Bearings outside the sector of the array.
     pub outside_sector: u64,
     /// Bearings with a standard deviation of more than 1 rad.
     pub uncertain: u64,
-    /// Transmitters without a bearing of their own.
+    /// Transmitters without a separate bearing.
     pub unresolved: u64,
 }
 
-/// Direction finder: an array, its settings, and its counts.
+/// Direction finder: an array, the settings, and the counts.
 #[derive(Clone, Debug)]
 pub struct ArrayFinder {
     settings: ArraySettings,

@@ -7,8 +7,8 @@
 //!   CRB = 1/(2N) · [ Re{ (Dᴴ Π D) ∘ (P Aᴴ R⁻¹ A P)ᵀ } ]⁻¹,   R = A P Aᴴ + I,   Π = I − A (AᴴA)⁻¹ Aᴴ
 //! ```
 //!
-//! with the steering vectors A and their derivatives D. It is for designing arrays and for judging results; it
-//! allocates.
+//! with the steering vectors A and the derivatives D. The bound serves to design arrays and to judge results; the
+//! computation allocates.
 
 use nalgebra::{Complex, DMatrix};
 

@@ -1,8 +1,8 @@
 //! Eigenvalues and eigenvectors of the snapshots' covariance, a Hermitian matrix.
 //!
-//! The work is nalgebra's: reduction to a tridiagonal matrix, then implicit QR steps. Its matrices are on the stack
-//! where their size is part of their type, else on the heap. Arrays have few antennas, so there is one copy of the code
-//! for each size up to 16, which never allocates, and one for all larger ones, which does.
+//! The work is nalgebra's: reduction to a tridiagonal matrix, then implicit QR steps. The matrices are on the stack
+//! where the size is part of the type, else on the heap. Arrays have few antennas, so there is a copy of the code for
+//! each size up to 16, which never allocates, and a copy for all larger sizes, which does.
 
 use nalgebra::allocator::Allocator;
 use nalgebra::{Complex, Const, DMatrix, DefaultAllocator, DimDiff, DimSub, OMatrix, SymmetricEigen, U1};
@@ -10,7 +10,7 @@ use nalgebra::{Complex, Const, DMatrix, DefaultAllocator, DimDiff, DimSub, OMatr
 /// QR steps per eigenvalue after which the decomposition is given up; two or three are usual.
 const STEPS_PER_VALUE_MAX: usize = 60;
 
-/// Eigenvalues in falling order with their eigenvectors.
+/// Eigenvalues in falling order with eigenvectors.
 #[derive(Clone, Debug)]
 pub(super) struct EigenSystem {
     values: Vec<f64>,
@@ -31,7 +31,7 @@ impl EigenSystem {
         &self.values
     }
 
-    /// The eigenvectors of the greatest `sources` values, one after the other.
+    /// The eigenvectors of the greatest `sources` values, in succession.
     pub(super) fn signal(&self, sources: usize) -> impl Iterator<Item = &[Complex<f64>]> {
         self.vectors.chunks_exact(self.values.len()).take(sources)
     }
@@ -41,8 +41,7 @@ impl EigenSystem {
         self.vectors.chunks_exact(self.values.len()).skip(sources)
     }
 
-    /// Decomposes a matrix given column by column, of which the lower triangle is read. `false` if it does not
-    /// converge.
+    /// Decomposes a matrix given column by column, of which the lower triangle is read. `false` without convergence.
     pub(super) fn decompose(&mut self, matrix: &[Complex<f64>]) -> bool {
         macro_rules! by_size {
             ($($size:literal)*) => {
@@ -126,7 +125,7 @@ mod tests {
             let mut matrix = vec![Complex::ZERO; size * size];
             assert!(found.decompose(&matrix));
             assert_eq!(found.values, vec![0.0; size]);
-            // Rank one: the vector (1, i, −1, −i, …) times its own conjugate.
+            // Rank 1: the vector (1, i, −1, −i, …) times the vector's conjugate.
             for (column, row) in (0..size).flat_map(|column| (0..size).map(move |row| (column, row))) {
                 matrix[column * size + row] = Complex::I.powu((4 + row as u32 - column as u32 % 4) % 4);
             }

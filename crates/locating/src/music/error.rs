@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-/// Fault of an array, a measurement or its settings; each message gives the remedy.
+/// Fault of an array, a measurement or the settings; each message gives the remedy.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum MusicError {
     /// An array of fewer than two antennas.
@@ -17,10 +17,10 @@ pub enum MusicError {
         /// Number of the antenna, from 0.
         antenna: usize,
     },
-    /// Two antennas in one place.
+    /// Two antennas in the same place.
     #[error("antennas {first} and {second} are at the same place: between them there is no phase to measure")]
     Coincident {
-        /// Number of the one, from 0.
+        /// Number of the first antenna, from 0.
         first: usize,
         /// Number of the other.
         second: usize,
@@ -47,7 +47,7 @@ pub enum MusicError {
         /// The highest, hertz.
         frequency_max_hz: f64,
     },
-    /// An array too wide for its wavelength.
+    /// An array too wide for the wavelength.
     #[error(
         "the array is {wavelengths:.0} wavelengths wide: at most {max} can be searched; are its positions in metres?"
     )]
@@ -57,7 +57,7 @@ pub enum MusicError {
         /// Most that can be searched.
         max: f64,
     },
-    /// No snapshot, or a part of one.
+    /// No snapshot, or a part of a snapshot.
     #[error("{samples} samples are no whole number of snapshots of {antennas} antennas, or none")]
     SampleCount {
         /// Number of samples that came.

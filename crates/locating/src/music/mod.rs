@@ -1,36 +1,35 @@
 //! Bearings of transmitters from the phases between antennas (EL-1): the MUSIC method on array snapshots.
 //!
-//! A plane wave reaches the antennas of an array one after the other; the simultaneous samples of all antennas, a
-//! *snapshot*, differ by phases that depend on the direction of the wave. With one transmitter, these phases give
-//! the bearing. With several at once, the phases of their sum are useless. The obvious method, a rotating beam that
-//! searches for the most power, cannot separate two transmitters within a beam's width, however long the
-//! observation.
+//! A plane wave reaches the antennas of an array in succession; the simultaneous samples of all antennas, a *snapshot*,
+//! differ by phases that depend on the direction of the wave. With a single transmitter, these phases give the bearing.
+//! With several at once, the phases of the sum are useless. The obvious method, a rotating beam that searches for the
+//! most power, cannot separate two transmitters within a beam's width, however long the observation.
 //!
-//! MUSIC (Schmidt 1986) looks where no power is. The covariance of the snapshots has as many large eigenvalues as there
-//! are transmitters; the eigenvectors of the others span the *noise subspace*, and the array's response to every true
-//! bearing, its steering vector, is perpendicular to it. So:
+//! MUSIC (Schmidt 1986) searches where no power is. The covariance of the snapshots has as many large eigenvalues as
+//! there are transmitters; the eigenvectors of the others span the *noise subspace*, and the array's response to every
+//! true bearing, its steering vector, is perpendicular to it. So:
 //!
 //! 1. covariance of the snapshots, and its eigen-decomposition (`eigen`);
 //! 2. the number of transmitters, given or estimated from the eigenvalues (`order`);
 //! 3. bearings: the minima of the *null spectrum*, the squared length of the steering vector's part in the noise
 //!    subspace, found on a grid and refined by Newton's method on the exact function (`null_spectrum`);
-//! 4. the accuracy of each (`accuracy`), and whether its minimum is as deep as a true bearing's would be.
+//! 4. the accuracy of each bearing (`accuracy`), and whether the minimum is as deep as a true bearing's would be.
 //!
 //! Ambiguities are reported. Antennas in a line receive waves from the left and from the right alike, and antennas
 //! more than half a wavelength apart may receive several bearings alike: then a transmitter has several
 //! [`WaveBearing`]s with the same `source`, all marked ambiguous. Transmitters too weak or too close together to be
 //! separated are counted in [`BearingSet::unresolved`].
 //!
-//! Limits: waves come along the plane of the array (a wave from an elevation *e* looks as if its frequency were cos *e*
-//! times as high); signals are narrow-band; the noise of the antennas is independent and equally strong. Fully
-//! correlated signals (one transmitter over two paths) are one source to MUSIC, which then finds no bearing, or one
-//! that may be neither's; with `paths` above 1 such snapshots are explained by several waves (`subspace_fit`).
+//! Limits: waves come along the plane of the array (a wave from an elevation *e* appears as if the frequency were cos
+//! *e* times as high); signals are narrow-band; the noise of the antennas is independent and equally strong. Fully
+//! correlated signals (one transmitter over two paths) are a single source to MUSIC, which then finds no bearing, or a
+//! bearing that may be neither's; with `paths` above 1 such snapshots are explained by several waves (`subspace_fit`).
 //!
 //! Bearings are radians clockwise from the array's forward axis, 0 to 2π. No allocation after [`Music::new`] for arrays
-//! of up to 16 antennas; for larger ones the eigen-decomposition allocates, and so does the search of coherent waves.
+//! of up to 16 antennas; for larger arrays the eigen-decomposition allocates, and so does the search of coherent waves.
 //!
 //! R. O. Schmidt, "Multiple emitter location and signal parameter estimation", IEEE Trans. Antennas and Propagation 34
-//! (3), 1986; the other sources are named where they are used.
+//! (3), 1986; the other sources are named at the place of use.
 
 mod accuracy;
 mod array;
@@ -64,23 +63,23 @@ use subspace_fit::FitInputs;
 /// Settings of a measurement with an array.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MusicSettings {
-    /// Number of transmitters, or how it is estimated.
+    /// Number of transmitters, or the method of estimation.
     pub sources: SourceCount,
-    /// Highest frequency that will be measured, hertz: it decides how fine the search is.
+    /// Highest frequency that will be measured, hertz: decides the resolution of the search.
     pub frequency_max_hz: f64,
     /// Standard deviation of each antenna's phase error after calibration, radians: part of the bearings' accuracy,
     /// which otherwise would improve without limit with the number of snapshots.
     pub phase_sigma_rad: f64,
     /// Largest number of paths of a transmitter. Above 1, snapshots that MUSIC does not resolve are explained by
-    /// coherent waves, if they can be.
+    /// coherent waves, if possible.
     pub paths: usize,
 }
 
 /// Snapshots of all antennas.
 #[derive(Clone, Copy, Debug)]
 pub struct Snapshots<'a> {
-    /// Complex samples, snapshot after snapshot, each with one sample per antenna in the order of the array. Samples of
-    /// different snapshots have to be independent: as far apart as the signal's bandwidth makes them.
+    /// Complex samples, snapshot after snapshot, each with a single sample per antenna in the order of the array.
+    /// Samples of different snapshots have to be independent: as far apart as the signal's bandwidth makes them.
     pub samples: &'a [Complex<f64>],
     /// Frequency of the waves, hertz.
     pub frequency_hz: f64,
@@ -89,7 +88,8 @@ pub struct Snapshots<'a> {
 /// Bearing of a wave; for an ambiguous array, a possible bearing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WaveBearing {
-    /// Number of the transmitter within this measurement, from 0; several bearings with one number are alternatives.
+    /// Number of the transmitter within this measurement, from 0; several bearings with the same number are
+    /// alternatives.
     pub source: usize,
     /// Radians clockwise from the array's forward axis, 0 to 2π.
     pub bearing_rad: f64,
@@ -99,21 +99,21 @@ pub struct WaveBearing {
     pub ambiguous: bool,
 }
 
-/// Bearings measured from one set of snapshots.
+/// Bearings measured from a single set of snapshots.
 #[derive(Clone, Debug, Default)]
 pub struct BearingSet {
     /// Bearings by source, and within a source by bearing.
     pub bearings: Vec<WaveBearing>,
     /// Number of transmitters, as given or estimated.
     pub sources: usize,
-    /// Number of transmitters that have no bearing of their own: hidden in the noise, or not separable from another
-    /// one.
+    /// Number of transmitters that have no separate bearing: hidden in the noise, or not separable from another
+    /// transmitter.
     pub unresolved: usize,
-    /// Variance of the noise at one antenna, in squares of the samples' unit.
+    /// Variance of the noise at an antenna, in squares of the samples' unit.
     pub noise_variance: f64,
 }
 
-/// An array with all that is needed to find bearings with it; see the module's documentation.
+/// An array with all that is needed to find bearings; see the module's documentation.
 #[derive(Clone, Debug)]
 pub struct Music {
     array: AntennaArray,
@@ -159,8 +159,8 @@ impl Music {
         &self.array
     }
 
-    /// Bearings from one set of snapshots. The steering vectors of the last frequency are kept: changing the frequency
-    /// with every call costs several times as much.
+    /// Bearings from a single set of snapshots. The steering vectors of the last frequency are kept: changing the
+    /// frequency with every call costs several times as much.
     ///
     /// # Errors
     /// Snapshots that cannot be used: none, a part of one, a sample that is no number, fewer than the sources need, a
@@ -254,7 +254,7 @@ impl Music {
         }
     }
 
-    /// Bearings of the `sources` greatest eigenvalues of so many snapshots; returns how many separate sources they
+    /// Bearings of the `sources` greatest eigenvalues of so many snapshots; returns how many separate sources these
     /// show.
     fn find_bearings(&mut self, snapshots: usize, sources: usize) -> usize {
         let array = &self.array;

@@ -1,11 +1,11 @@
-//! The null spectrum: how much of a bearing's steering vector lies in the noise subspace. Its minima are the bearings.
+//! The null spectrum: how much of a bearing's steering vector lies in the noise subspace. The minima are the bearings.
 //!
 //! MUSIC is usually drawn as the reciprocal, with peaks. Minima are easier to search: the null spectrum is a smooth
 //! function without poles, with exactly known derivatives.
 //!
-//! The grid only separates minima. It has 32 points in the width of a beam (wavelength over width of the array); its
-//! steering vectors are cached for one frequency. Newton's method on the derivative then finds each minimum to the
-//! last digits, with bisection if a step leaves the bracket from the grid.
+//! The grid only separates minima. The grid has 32 points in the width of a beam (wavelength over width of the array);
+//! the steering vectors are cached for a single frequency. Newton's method on the derivative then finds each minimum to
+//! the last digits, with bisection if a step leaves the bracket from the grid.
 
 use std::f64::consts::{PI, TAU};
 
@@ -26,39 +26,38 @@ const STEPS_MAX: usize = 60;
 /// Step below which a bearing is found, radians.
 const STEP_MIN_RAD: f64 = 1e-12;
 
-/// Squared cosine between two steering vectors above which the array does not separate their bearings. For two
-/// sources on different grid points the value is far below: a sixteenth of a beam apart about 0.99.
+/// Squared cosine between two steering vectors above which the array does not separate the bearings. For two sources on
+/// different grid points the value is far below: a sixteenth of a beam apart about 0.99.
 const LIKENESS_OF_ONE_SOURCE: f64 = 0.9999;
 
-/// A minimum of the null spectrum, with the inputs of its accuracy.
+/// A minimum of the null spectrum, with the inputs of the accuracy.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SpectrumMinimum {
     /// Radians clockwise from forward, 0 to 2π.
     pub(super) bearing_rad: f64,
     /// Squared length of the steering vector's part in the noise subspace.
     pub(super) depth: f64,
-    /// Squared length of its derivative's part there: by the bearing, per square radian; in a line array by the cosine
+    /// Squared length of the derivative's part there: by the bearing, per square radian; in a line array by the cosine
     /// of the angle to the line.
     pub(super) sharpness: f64,
-    /// Σ σ²λ / (λ − σ²)² |s·a|² over the signal eigenvectors s with their values λ: over the number of snapshots, it is
+    /// Σ σ²λ / (λ − σ²)² |s·a|² over the signal eigenvectors s with the values λ: over the number of snapshots, this is
     /// how much the noise subspace deviates from the true one in the direction of the steering vector a.
     pub(super) deviation: f64,
-    /// Number of its source, for grouping minima.
+    /// Number of the source, for grouping minima.
     pub(super) source: usize,
 }
 
-/// The null spectrum of one array, with the steering vectors of one frequency.
+/// The null spectrum of an array, with the steering vectors of a single frequency.
 #[derive(Clone, Debug)]
 pub(super) struct NullSpectrum {
     frequency_max_hz: f64,
     /// Frequency of the steering vectors, hertz, and the wave number, radians per metre.
     frequency_hz: f64,
     wave_number: f64,
-    /// First bearing of the grid, and the distance between its points.
+    /// First bearing of the grid, and the distance between grid points.
     begin_rad: f64,
     step_rad: f64,
-    /// Set if the grid is a closed circle; otherwise it reaches from one end of a line to the other, and is mirrored
-    /// there.
+    /// Set if the grid is a closed circle; otherwise the grid reaches from end to end of a line, and is mirrored there.
     closed: bool,
     /// Steering vectors, point after point.
     steering: Vec<Complex<f64>>,
@@ -170,7 +169,8 @@ impl NullSpectrum {
         self.minima.retain(keep);
     }
 
-    /// Numbers the sources of the minima, those with one steering vector as one; returns how many there are.
+    /// Numbers the sources of the minima, minima with the same steering vector as a single source; returns the number
+    /// of sources.
     pub(super) fn group(&mut self, array: &AntennaArray) -> usize {
         let mut sources = 0;
         for index in 0..self.minima.len() {

@@ -1,19 +1,19 @@
 //! How many transmitters there are, from the eigenvalues of the snapshots' covariance.
 //!
 //! Without transmitters all eigenvalues would be equal but for chance. A criterion weighs, for every number *k*, how
-//! unequal the smallest antennas − *k* are against how many values it takes to describe *k* transmitters (Wax &
+//! unequal the smallest antennas − *k* are against the number of values needed to describe *k* transmitters (Wax &
 //! Kailath, "Detection of signals by information theoretic criteria", IEEE Trans. ASSP 33 (2), 1985). MDL finds the
-//! right number with enough snapshots; AIC finds weak ones earlier and one too many now and then.
+//! right number with enough snapshots; AIC finds weak transmitters earlier, and an excess transmitter now and then.
 //!
-//! A number, given or estimated, does not prove that each transmitter can be resolved. Noise alone spreads its
-//! eigenvalues up to about σ²(1 + √(antennas / snapshots))². The eigenvector of a transmitter with an eigenvalue
-//! below this edge is not informative (Baik, Ben Arous & Péché 2005), so such transmitters are not searched. The
-//! random excess of noise beyond that edge is known, too (Johnstone, "On the distribution of the largest eigenvalue
-//! in principal components analysis", Annals of Statistics 29 (2), 2001).
+//! A number, given or estimated, does not prove that each transmitter can be resolved. Noise alone spreads the
+//! eigenvalues up to about σ²(1 + √(antennas / snapshots))². The eigenvector of a transmitter with an eigenvalue below
+//! this edge is not informative (Baik, Ben Arous & Péché 2005), so such transmitters are not searched. The random
+//! excess of noise beyond that edge is known, too (Johnstone, "On the distribution of the largest eigenvalue in
+//! principal components analysis", Annals of Statistics 29 (2), 2001).
 
 use super::error::MusicError;
 
-/// Distance beyond its edge to which noise may reach, in units of its spread there: once in some hundred cases at most.
+/// Distance beyond the edge to which noise may reach, in units of the spread there: once in some hundred cases at most.
 const NOISE_DEVIATIONS: f64 = 2.0;
 
 /// Number of transmitters.
@@ -40,7 +40,7 @@ impl SourceCount {
     /// The number for these eigenvalues (in falling order) of the covariance of so many snapshots.
     ///
     /// # Errors
-    /// Too few snapshots: a given number needs one more, an estimate one per antenna.
+    /// Too few snapshots: a given number needs an additional snapshot, an estimate needs a snapshot per antenna.
     pub(super) fn count(self, values: &[f64], snapshots: usize) -> Result<usize, MusicError> {
         let needed = match self {
             Self::Given(sources) => sources + 1,
@@ -69,8 +69,8 @@ impl SourceCount {
     }
 }
 
-/// Inequality of the values after the first `sources`: their number times the logarithm of their arithmetic over their
-/// geometric mean.
+/// Inequality of the values after the first `sources`: the number of values times the logarithm of the arithmetic over
+/// the geometric mean.
 fn inequality(values: &[f64], sources: usize) -> f64 {
     // Without noise the smallest values are rounding errors, of either sign and any ratio.
     let floor = f64::EPSILON * values.len() as f64 * values[0];

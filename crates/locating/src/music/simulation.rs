@@ -1,8 +1,8 @@
-//! Simulated array: snapshots of waves with known bearings, from one seed.
+//! Simulated array: snapshots of waves with known bearings, from a single seed.
 //!
 //! Signals and noise are complex normal, the noise of each antenna with variance 1. Signals share a common part, so
-//! that any two have the same given correlation: 0 for independent transmitters, 1 for one transmitter received on
-//! several paths. Each run has its own random numbers, independent of earlier runs.
+//! that any two have the same given correlation: 0 for independent transmitters, 1 for a single transmitter received on
+//! several paths. Each run has separate random numbers, independent of earlier runs.
 
 use nalgebra::Complex;
 use rand_chacha::ChaCha8Rng;
@@ -17,7 +17,7 @@ use super::error::MusicError;
 pub struct SimulatedWaves {
     /// Directions that the waves come from, radians clockwise from the array's forward axis.
     pub bearings_rad: Vec<f64>,
-    /// Power of each at one antenna over that of the noise, decibels; in the order of the bearings.
+    /// Power of each wave at an antenna over the power of the noise, decibels; in the order of the bearings.
     pub snr_db: Vec<f64>,
     /// Correlation of any two signals, 0 to 1.
     pub correlation: f64,
@@ -113,7 +113,7 @@ impl SimulatedArray {
         })
     }
 
-    /// Replaces `samples` by the snapshots of a run: snapshot after snapshot, one sample per antenna.
+    /// Replaces `samples` by the snapshots of a run: snapshot after snapshot, a single sample per antenna.
     pub fn run(&self, run: u64, samples: &mut Vec<Complex<f64>>) {
         let mut random = ChaCha8Rng::seed_from_u64(self.seed);
         random.set_stream(run);

@@ -1,24 +1,25 @@
 //! Bearings of coherent waves: weighted subspace fitting.
 //!
-//! One transmitter over two paths reaches the array as two waves with a constant phase between them. Both share one
-//! signal eigenvector, the sum of their steering vectors, which is no steering vector itself: MUSIC finds no minimum.
-//! The usual remedy, averaging over parts of a line array, gives up a third of the array and needs equal distances.
+//! One transmitter over two paths reaches the array as two waves with a constant phase between them. Both share a
+//! single signal eigenvector, the sum of both steering vectors, which is no steering vector itself: MUSIC finds no
+//! minimum. The usual remedy, averaging over parts of a line array, gives up a third of the array and needs equal
+//! distances.
 //!
-//! This fit searches so many bearings together that the span of their steering vectors A contains the signal
-//! eigenvectors s with the values λ, weighted by their share of signal (Viberg & Ottersten, "Sensor array processing
-//! based on subspace fitting", IEEE Trans. Signal Processing 39 (5), 1991):
+//! This fit searches so many bearings together that the span of the steering vectors A contains the signal eigenvectors
+//! s with the values λ, weighted by the share of signal (Viberg & Ottersten, "Sensor array processing based on subspace
+//! fitting", IEEE Trans. Signal Processing 39 (5), 1991):
 //!
 //! ```text
 //!   V = Σ w |Π s|²,   w = (λ − σ²)² / λ,   Π = I − A (AᴴA)⁻¹ Aᴴ
 //! ```
 //!
-//! Its error reaches the stochastic Cramér–Rao bound with many snapshots, for coherent waves, too. The start is found
-//! on MUSIC's grid, one bearing at a time with the others held (alternating projection: Ziskind & Wax 1988); the
-//! Gauss–Newton method on the exact function finds the minimum. The covariance of the bearings is that of the
-//! same paper, σ²/N times the inverse of the approximate second derivative of V. The value of the minimum is
-//! chi-square distributed, which tells whether as many waves explain the snapshots.
+//! The error of the fit reaches the stochastic Cramér–Rao bound with many snapshots, for coherent waves, too. The start
+//! is found on MUSIC's grid, a single bearing at a time with the others held (alternating projection: Ziskind & Wax
+//! 1988); the Gauss–Newton method on the exact function finds the minimum. The covariance of the bearings is that of
+//! the same paper, σ²/N times the inverse of the approximate second derivative of V. The value of the minimum is
+//! chi-square distributed, which decides whether as many waves explain the snapshots.
 //!
-//! It allocates; it is called only for snapshots that MUSIC has not resolved, and only if `paths` permits it.
+//! The fit allocates, and is called only for snapshots that MUSIC has not resolved, and only if `paths` permits it.
 
 use nalgebra::{Complex, DMatrix, DVector};
 
@@ -35,7 +36,7 @@ const STEP_MIN_RAD: f64 = 1e-10;
 /// Least share of a steering vector outside of the span of the others.
 const SHARE_MIN: f64 = 1e-3;
 
-/// Inputs of a fit besides the array: those of the measurement.
+/// Inputs of a fit besides the array: the inputs of the measurement.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FitInputs {
     pub(super) snapshots: usize,
@@ -45,7 +46,7 @@ pub(super) struct FitInputs {
     pub(super) phase_sigma_rad: f64,
 }
 
-/// Bearing of a wave with its standard deviation, radians.
+/// Bearing of a wave with the standard deviation, radians.
 pub(super) type FittedBearing = (f64, f64);
 
 /// Most waves that the antennas determine (Wax & Ziskind 1989).
@@ -53,7 +54,7 @@ pub(super) fn waves_max(antennas: usize, signals: usize) -> usize {
     (antennas + signals).saturating_sub(1) / 2
 }
 
-/// Finds the bearings of `waves` waves; `None` if they do not explain the snapshots.
+/// Finds the bearings of `waves` waves; `None` if these do not explain the snapshots.
 pub(super) fn fit(
     array: &AntennaArray,
     spectrum: &NullSpectrum,
@@ -101,7 +102,7 @@ pub(super) fn fit(
         .then_some(found)
 }
 
-/// The signal eigenvectors, times the roots of their weights.
+/// The signal eigenvectors, times the roots of the weights.
 fn weighted(eigen: &EigenSystem, inputs: FitInputs) -> DMatrix<Complex<f64>> {
     let antennas = eigen.values().len();
     let mut signals = DMatrix::zeros(antennas, inputs.signals);
@@ -114,7 +115,7 @@ fn weighted(eigen: &EigenSystem, inputs: FitInputs) -> DMatrix<Complex<f64>> {
     signals
 }
 
-/// Bearings on the grid: each in turn where it explains most of what the others leave.
+/// Bearings on the grid: each in turn where this bearing explains most of the remainder of the others.
 fn start(
     array: &AntennaArray,
     spectrum: &NullSpectrum,
@@ -139,7 +140,7 @@ fn start(
     Some(points.iter().map(|point| spectrum.bearing_rad(*point)).collect())
 }
 
-/// Point of the grid whose steering vector, beside those of `others`, explains most of the signals.
+/// Point of the grid with the steering vector that, beside the vectors of `others`, explains most of the signals.
 fn best_point(
     spectrum: &NullSpectrum,
     signals: &DMatrix<Complex<f64>>,
@@ -170,7 +171,7 @@ fn best_point(
     best.map(|(_, point)| point)
 }
 
-/// The function V and its derivatives at some bearings.
+/// The function V and the derivatives at some bearings.
 #[derive(Clone, Debug)]
 struct System {
     value: f64,
@@ -217,7 +218,7 @@ impl System {
         Some(step.iter().copied().collect())
     }
 
-    /// Whether what is left is noise, or an effect of the antennas' phase errors.
+    /// Whether the remainder is noise, or an effect of the antennas' phase errors.
     fn explains(&self, signals: &DMatrix<Complex<f64>>, inputs: FitInputs) -> bool {
         let (antennas, waves) = (signals.nrows(), self.gradient.len());
         let freedom = (2 * inputs.signals * (antennas - waves)).saturating_sub(waves);

@@ -1,7 +1,7 @@
-//! Shared memory of the deployment, and how it is spoilt.
+//! Shared memory of the deployment, and methods to corrupt the memory.
 //!
-//! Memory that was spoilt may kill its readers. So another process reads a sample before the judge's subscriber joins:
-//! memory that is fatal for a reader is a finding, and must not end this command.
+//! Corrupted memory may kill the readers. So another process reads a sample before the judge's subscriber joins: memory
+//! that is fatal for a reader is a finding, and must not end this command.
 
 use std::collections::BTreeSet;
 use std::fs::{self, OpenOptions};
@@ -21,7 +21,7 @@ use crate::own_file_systems::{self, SHARED_MEMORY};
 
 /// Time within which processes fall over memory that was spoilt, or do not.
 const CORRUPTION_SHOWS: Duration = Duration::from_secs(10);
-/// Time that another process has for reading one sample of memory that was spoilt.
+/// Time that another process has for reading a single sample of corrupted memory.
 const PROBE_PATIENCE: Duration = Duration::from_secs(10);
 
 impl Deployment {
@@ -49,8 +49,8 @@ impl Deployment {
         own_file_systems::make_room(folder)
     }
 
-    /// Writes random bytes into the shared memory of its topics, and waits until the deployment has replaced it, or
-    /// can be thought to go on without.
+    /// Writes random bytes into the shared memory of the topics, and waits until the deployment has replaced the
+    /// memory, or probably continues without replacement.
     pub(crate) fn corrupt(&mut self, random: &mut ChaCha8Rng) -> anyhow::Result<()> {
         const BYTES: usize = 4000;
         self.look_away(true);
@@ -86,7 +86,7 @@ impl Deployment {
         Ok(())
     }
 
-    /// Whether the memory can be read: after it was spoilt, whether another process has read a sample.
+    /// Whether the memory can be read: after corruption, whether another process has read a sample.
     pub(super) fn may_be_read(&mut self) -> anyhow::Result<bool> {
         if !self.is_spoilt {
             return Ok(true);

@@ -1,4 +1,4 @@
-//! The deployment that suffers, in a folder of its own.
+//! The deployment that suffers, in a separate folder.
 
 mod memory;
 
@@ -46,7 +46,7 @@ pub(crate) struct Interrupted;
 #[error("{0}")]
 pub(crate) struct Broken(String);
 
-/// A deployment, its launcher, and the judge's subscriber.
+/// A deployment, the launcher, and the judge's subscriber.
 pub(crate) struct Deployment {
     folder: TempDir,
     root: Root,
@@ -55,7 +55,7 @@ pub(crate) struct Deployment {
     launcher: Child,
     starts: usize,
     sources: Vec<String>,
-    /// Sources whose tracks are located, by their numbers.
+    /// Sources with located tracks, by numbers.
     locators: BTreeSet<u16>,
     /// Names of the children, once all run.
     expected: Vec<String>,
@@ -66,7 +66,7 @@ pub(crate) struct Deployment {
     dead_prefix: Option<String>,
     /// Why the subscriber could not join last time.
     obstacle: String,
-    /// The memory was corrupted: another process reads it first, because reading may kill the reader.
+    /// The memory was corrupted: another process reads the memory first, because reading may kill the reader.
     is_spoilt: bool,
     probe: Option<(Child, Instant)>,
     latencies: Latencies,
@@ -76,7 +76,7 @@ pub(crate) struct Deployment {
 }
 
 impl Deployment {
-    /// Starts the deployment, and waits until it runs and publishes tracks.
+    /// Starts the deployment, and waits until the deployment runs and publishes tracks.
     ///
     /// # Errors
     /// If the configuration cannot be used, or the deployment does not start.
@@ -184,7 +184,7 @@ impl Deployment {
         &mut self.ledger
     }
 
-    /// Returns a publisher as soon as the deployment has its topic: a rebuild may be in progress.
+    /// Returns a publisher as soon as the deployment has the topic: a rebuild may be in progress.
     pub(crate) fn publisher<T: Payload>(
         &mut self,
         topic: &Topic<T>,
@@ -205,7 +205,7 @@ impl Deployment {
     }
 
     /// Returns the process numbers of the launcher's children by name. Of two fusion processes, the leader is called
-    /// fusion: a take-over exchanges their roles, but not their command lines.
+    /// fusion: a take-over exchanges the roles, but not the command lines.
     pub(crate) fn children(&self) -> anyhow::Result<BTreeMap<String, u32>> {
         let pid = self.launcher.id();
         let pids = fs::read_to_string(format!("/proc/{pid}/task/{pid}/children"))
@@ -262,7 +262,7 @@ impl Deployment {
         }
     }
 
-    /// Kills the launcher and starts it again.
+    /// Kills the launcher and starts the launcher again.
     pub(crate) fn restart(&mut self) -> anyhow::Result<()> {
         // A subscriber keeps the instance in use.
         self.look_away(true);
@@ -287,7 +287,7 @@ impl Deployment {
         }
     }
 
-    /// Leaves the deployment; `whole` if its memory is sound.
+    /// Leaves the deployment; `whole` if the memory is sound.
     pub(crate) fn look_away(&mut self, whole: bool) {
         if let Some((mut probe, _)) = self.probe.take() {
             let _ = probe.kill();
@@ -413,7 +413,7 @@ impl Deployment {
         let (begun, begun_ns) = (instant(), mono_ns());
         let words = format!("instance {INSTANCE} runs");
         while !self.said().contains(&words) {
-            // The ends of tracks that fusion sends at its start must not be missed.
+            // The ends of tracks that fusion sends at the start must not be missed.
             self.look()?;
             if let Some(status) = self.launcher.try_wait()? {
                 return Err(Broken(format!("the deployment does not start ({status}): {}", self.said())).into());
@@ -438,10 +438,10 @@ impl Deployment {
         fs::read_to_string(self.folder.path().join(format!("said{}", self.starts - 1))).unwrap_or_default()
     }
 
-    /// Stops the deployment, and passes its remains to the judge.
+    /// Stops the deployment, and passes the remains to the judge.
     ///
     /// # Errors
-    /// If it does not stop.
+    /// If the deployment does not stop.
     pub(crate) fn stop(&mut self) -> anyhow::Result<()> {
         self.look_away(true);
         let at_ns = mono_ns();
@@ -457,7 +457,8 @@ impl Deployment {
         let mut left: Vec<String> = self.memory(prefix)?.into_iter().collect();
         for entry in fs::read_dir(self.root.base())?.flatten() {
             let name = entry.file_name().to_string_lossy().into_owned();
-            // A rejected checkpoint remains for analysis, and an orderly end keeps what the next start goes on from.
+            // A rejected checkpoint remains for analysis, and an orderly end keeps the state from which the next start
+            // continues.
             let is_kept = name.ends_with(END_SUFFIX) || name.split_once('.').is_some_and(|(_, rest)| rest == NUMBERED);
             if !is_kept && !name.ends_with("-refused") {
                 left.push(name);
@@ -474,7 +475,7 @@ impl Deployment {
 impl Drop for Deployment {
     fn drop(&mut self) {
         self.look_away(false);
-        // Where something went wrong; its children follow.
+        // Where something went wrong; the launcher's children follow.
         let _ = self.launcher.kill();
         let _ = self.launcher.wait();
         if own_file_systems::are_there() {

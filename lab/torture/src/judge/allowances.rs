@@ -1,4 +1,4 @@
-//! What a fault takes away by its nature, and for how long: nothing else is excused.
+//! The inherent effects of a fault, and the duration of each: nothing else is excused.
 
 use super::event::Part;
 use super::limits::{
@@ -18,7 +18,7 @@ pub(crate) struct Allowances {
 struct Span {
     part: Option<Part>,
     from_ns: i64,
-    /// End of the fault's cause; `None`: it lasts.
+    /// End of the fault's cause; `None`: the cause lasts.
     to_ns: Option<i64>,
 }
 
@@ -39,7 +39,7 @@ impl Allowances {
         }
     }
 
-    /// The subscriber has left: nothing is seen until it joins again.
+    /// The subscriber has left: nothing is seen until the next join.
     pub(crate) fn leave(&mut self, at_ns: i64) {
         self.blind_since_ns.get_or_insert(at_ns);
     }
@@ -80,8 +80,7 @@ impl Allowances {
         (self.covered_s(at_ns - 1, at_ns, renewed_s) > 0.0).then_some([RENEWED_MEDIAN, RENEWED_P95, RENEWED_LASTING])
     }
 
-    /// Part of a time that is covered by faults, seconds: each lasts `after_s` longer than its cause, or is left
-    /// out.
+    /// Part of a time that is covered by faults, seconds: each lasts `after_s` longer than the cause, or is left out.
     fn covered_s(&self, from_ns: i64, to_ns: i64, after_s: impl Fn(Option<Part>) -> Option<f64>) -> f64 {
         let blind = self.blind_since_ns.map(|from_ns| Span {
             part: None,

@@ -14,7 +14,7 @@ pub(crate) struct Conditions {
     pub(crate) begin_ns: [i64; 2],
 }
 
-/// An event, with the monotonic time at which the subscriber or the command knew of it, nanoseconds.
+/// An event, with the monotonic time of detection by the subscriber or the command, nanoseconds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Event {
     pub(crate) at_ns: i64,
@@ -36,15 +36,15 @@ pub(crate) enum What {
     Passed,
     /// The subscriber has announced that so many samples are lost.
     Lost { samples: u64 },
-    /// The subscriber has left, with its own counts; `whole` if its memory was sound to the end.
+    /// The subscriber has left, with the subscriber's counts; `whole` if the memory was sound to the end.
     Left { lost: u64, lost_at_end: u64, whole: bool },
-    /// The deployment has replaced its shared memory.
+    /// The deployment has replaced the shared memory.
     Rebuilt,
     /// A fault is about to be caused.
     FaultBegins {
         fault: String,
         act: String,
-        /// What it takes away.
+        /// Parts that the fault takes away.
         takes: Vec<Part>,
     },
     /// The cause of the fault is over.
@@ -53,13 +53,13 @@ pub(crate) enum What {
     Back,
     /// So much is missing, long after the fault.
     NotBack { missing: String },
-    /// The command had to start the deployment again, since it did not heal by itself.
+    /// The command had to start the deployment again, for lack of self-healing.
     Helped,
     /// The deployment was stopped.
     Stopped { left_behind: Vec<String> },
 }
 
-/// What a fault takes away by its nature.
+/// Inherent effects of a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Part {
@@ -71,7 +71,7 @@ pub(crate) enum Part {
     Sensors,
     /// The deployment begins anew, with other shared memory.
     Memory,
-    /// The numbers of all targets: nothing is left that a fusion could know them from.
+    /// The numbers of all targets: no source of the numbers is left for a fusion.
     Numbers,
 }
 
@@ -80,7 +80,7 @@ pub(crate) enum Part {
 pub(crate) struct State {
     /// Time of sending as stated by fusion; monotonic, nanoseconds.
     pub(crate) sent_ns: i64,
-    /// Start of its publisher, and the sample's number there.
+    /// Start of the publisher, and the sample's number there.
     pub(crate) incarnation: u64,
     pub(crate) sequence: u64,
     pub(crate) epoch: u64,
@@ -88,13 +88,13 @@ pub(crate) struct State {
     pub(crate) continues: bool,
     pub(crate) number: u32,
     pub(crate) life: Life,
-    /// Number of the track into which this one was merged; 0: none.
+    /// Number of the track into which this track was merged; 0: none.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub(crate) merged_into: u32,
-    /// Whether a report led to it.
+    /// Whether a report led to this state.
     pub(crate) of_report: bool,
-    /// Whether that is the report of a locator: of targets nearer to each other than its errors it may follow another
-    /// one than in the run without faults.
+    /// Whether that is the report of a locator: of targets nearer to each other than the locator's errors, the report
+    /// may follow a different target than in the run without faults.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub(crate) of_locator: bool,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -103,22 +103,22 @@ pub(crate) struct State {
     pub(crate) time_ns: i64,
     /// East, north, up, metres; `None` if any value of the state is not finite.
     pub(crate) position_m: Option<[f64; 3]>,
-    /// East, north, up, metres per second; `None` if it is unknown.
+    /// East, north, up, metres per second; `None` if unknown.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) velocity_mps: Option<[f64; 3]>,
     /// Whether the third axis of both is known.
     pub(crate) has_height: bool,
-    /// Sources that contribute, for the reader of a finding: the judge does not look at them.
+    /// Sources that contribute, for the reader of a finding: the judge does not use the sources.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(crate) sources: Vec<u16>,
 }
 
-/// The simulated world at a whole second, and a run without faults beside it.
+/// The simulated world at a whole second, and a run without faults for comparison.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Second {
-    /// Its number, from the begin of the world.
+    /// Number of the second, from the begin of the world.
     pub(crate) second: u32,
-    /// All targets, whether a sensor sees them or not.
+    /// All targets, seen by a sensor or not.
     pub(crate) targets: Vec<Target>,
     /// Places of the other tracks of the run without faults: second tracks of targets, and false targets of sensors.
     /// East, north, metres.
@@ -133,12 +133,12 @@ pub(crate) struct Target {
     /// East, north, up, metres.
     pub(crate) position_m: [f64; 3],
     pub(crate) velocity_mps: [f64; 3],
-    /// What a run without faults shows of it; `None`: nothing.
+    /// The target in a run without faults; `None`: not shown.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) undisturbed: Option<Undisturbed>,
 }
 
-/// What a run without faults shows of a target at a whole second: its freshest track.
+/// A target in a run without faults at a whole second: the freshest track.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Undisturbed {
     /// States in the second that ends.
@@ -149,7 +149,8 @@ pub(crate) struct Undisturbed {
     pub(crate) has_velocity: bool,
     /// Age of the newest state, seconds.
     pub(crate) age_s: f64,
-    /// Errors of the newest state, moved along its velocity: position in the plane, height, velocity in the plane.
+    /// Errors of the newest state, moved along the state's velocity: position in the plane, height, velocity in the
+    /// plane.
     pub(crate) errors: [f64; 3],
 }
 

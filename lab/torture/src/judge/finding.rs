@@ -1,4 +1,4 @@
-//! Findings: each kind of fault with its number and its first examples.
+//! Findings: each kind of fault with count and first examples.
 
 use std::collections::BTreeMap;
 

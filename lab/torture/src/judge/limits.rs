@@ -38,19 +38,19 @@ impl std::fmt::Display for Spread {
 
 /// Begin of a run in which the picture comes about, seconds.
 pub(crate) const SETTLED_S: u32 = 8;
-/// Time after a second at which it is judged: so long its states may be on their way, seconds.
+/// Time after a second at which it is judged: so long the states may be in transit, seconds.
 pub(crate) const GRACE_S: f64 = 1.0;
 
 /// Error of a single state over the 95 % of all errors without faults.
 pub(crate) const SINGLE: f64 = 15.0;
-/// Seconds over which the error of a target counts as lasting, and its median there over the 95 % of all errors
-/// without faults.
+/// Seconds over which the error of a target counts as lasting, and the median there over the 95 % of all errors without
+/// faults.
 pub(crate) const LASTING_S: usize = 6;
 pub(crate) const LASTING: f64 = 3.0;
 /// The same over a longer time, over the median of all errors without faults, or of the target's own.
 pub(crate) const LONG_S: usize = 30;
 pub(crate) const LONG: f64 = 3.0;
-/// Seconds over which the whole picture is compared, and median and 95 % of all errors over those without faults.
+/// Seconds over which the whole picture is compared, and median and 95 % of all errors over the errors without faults.
 pub(crate) const WHOLE_S: usize = 5;
 pub(crate) const WHOLE_MEDIAN: f64 = 1.5;
 pub(crate) const WHOLE_P95: f64 = 2.0;
@@ -65,33 +65,33 @@ pub(crate) const FORGOTTEN_LASTING: f64 = 9.0;
 /// How long that takes, in periods of the slowest source.
 pub(crate) const RENEWED_PERIODS: f64 = 6.0;
 pub(crate) const FORGOTTEN_PERIODS: f64 = 12.0;
-/// States over those without faults, in a time without faults: of one target, and of all.
+/// States over the states without faults, in a time without faults: of a single target, and of all.
 pub(crate) const RATE: std::ops::Range<f64> = 0.6..2.5;
 pub(crate) const WHOLE_RATE: std::ops::Range<f64> = 0.75..1.3;
 pub(crate) const RATE_S: usize = 10;
 /// States that the moment of counting can add or take.
 pub(crate) const RATE_STATES: u32 = 4;
-/// States that repeat the one before, with fewer others between them.
+/// States that repeat the previous state, with fewer others between them.
 pub(crate) const REPEATS: u32 = 3;
 
-/// Age of a target's newest state beyond its greatest age without faults, seconds.
+/// Age of a target's newest state beyond the greatest age without faults, seconds.
 pub(crate) const LATE_S: f64 = 1.5;
-/// Time after its begin, or the end of its cause, at which a fault of fusion or of an adapter is over, seconds.
+/// Time after the begin, or the end of the cause, at which a fault of fusion or of an adapter is over, seconds.
 pub(crate) const FUSION_S: f64 = 1.0;
 /// The same where the whole deployment begins anew, seconds.
 pub(crate) const MEMORY_S: f64 = 4.0;
-/// The same where all sensors begin anew, in periods of the target: a sensor's track is confirmed by its third report.
+/// The same where all sensors begin anew, in periods of the target: a sensor's track is confirmed by the third report.
 pub(crate) const SENSORS_PERIODS: f64 = 4.0;
 /// Epochs that a fault of fusion may lead to, and time in which another is permitted without a fault, seconds.
 pub(crate) const EPOCHS: u32 = 3;
 pub(crate) const EPOCH_ALONE_S: f64 = 20.0;
-/// Time between the sending of a state and its arrival, seconds.
+/// Time between the sending of a state and the arrival, seconds.
 pub(crate) const ARRIVAL_S: f64 = 2.0;
 /// Error of clocks, seconds.
 pub(crate) const CLOCK_S: f64 = 0.1;
-/// A track without an address this near to a target may be its track, metres.
+/// A track without an address this near to a target may be the target's track, metres.
 pub(crate) const NEAR_M: f64 = 1000.0;
-/// A second track, or one without a target, this near to one of the run without faults is the same, metres.
+/// A second track, or a track without a target, this near to a track of the run without faults is the same, metres.
 pub(crate) const SAME_M: f64 = 500.0;
 /// Time after which a silent track counts as forgotten, beyond that after which it has to end, seconds.
 pub(crate) const FORGOTTEN_S: f64 = 10.0;

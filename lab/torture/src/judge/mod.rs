@@ -3,14 +3,14 @@
 //! The judge does no input or output and reads no clock: the same events give the same verdict, from a live
 //! deployment or from a file. The judge trusts no process: addresses identify targets, and positions are compared
 //! with the truth of the simulated world. Counters of the launcher and of subscribers excuse nothing.
-//! - [`picture`]: the set of tracks at each second, and their errors, against the world and a run without faults;
-//! - [`numbers`]: each target keeps its number until its track is terminated, and each track is terminated;
+//! - [`picture`]: the set of tracks at each second, and the errors, against the world and a run without faults;
+//! - [`numbers`]: each target keeps a number until the track is terminated, and each track is terminated;
 //! - [`times`]: epochs, and the times that states state;
 //! - [`outages`]: how long each target is away at a fault;
 //! - [`sequence_tally`]: whether every lost sample was announced.
 //!
-//! Times are those of sending by fusion, so that a delay of the judge itself is no outage. [`limits`] contains the
-//! limits, [`allowances`] what a fault takes away by its nature.
+//! Times are times of sending by fusion, so that a delay of the judge itself is no outage. [`limits`] contains the
+//! limits, [`allowances`] the inherent effects of a fault.
 
 mod allowances;
 pub(crate) mod event;
@@ -88,9 +88,9 @@ pub(crate) struct Figures {
     pub(crate) seconds: f64,
     pub(crate) states: u64,
     pub(crate) epochs: usize,
-    /// Lost samples, as the subscribers counted them.
+    /// Lost samples, as counted by the subscribers.
     pub(crate) lost: u64,
-    /// Times that the deployment replaced its shared memory.
+    /// Times that the deployment replaced the shared memory.
     pub(crate) rebuilds: u64,
     pub(crate) targets: usize,
     /// Outages of targets at faults.
@@ -101,7 +101,7 @@ pub(crate) struct Figures {
     pub(crate) rebuild_outage_s: Option<Spread>,
     /// Sums over all seconds.
     pub(crate) picture: picture::Counts,
-    /// Errors of positions in the plane at all seconds, and those of the run without faults.
+    /// Errors of positions in the plane at all seconds, and errors of the run without faults.
     pub(crate) position_error_m: [Option<Spread>; 2],
     pub(crate) renumbered: u64,
     pub(crate) given_twice: u64,
@@ -110,7 +110,7 @@ pub(crate) struct Figures {
     pub(crate) helped: u64,
 }
 
-/// Ledger of one target.
+/// Ledger of a target.
 #[derive(Clone, Debug, Serialize)]
 struct TargetLedger {
     address: String,
@@ -119,7 +119,7 @@ struct TargetLedger {
 }
 
 impl Verdict {
-    /// All that was wrong, in one line.
+    /// All that was wrong, in a single line.
     pub(crate) fn wrong(&self) -> String {
         let text = |found: &Found| {
             let examples = found.examples.join("; ");
@@ -201,7 +201,7 @@ impl Judge {
                 self.findings.add(Finding::Helped, || {
                     format!("{:.1} s after the fault", (at_ns - since_ns) as f64 / 1e9)
                 });
-                // What follows is the command's doing.
+                // The consequences are the command's doing.
                 self.begin_fault(at_ns, &[Part::Memory]);
                 self.allowances.end(at_ns);
                 self.outages.rebuilt();
@@ -303,18 +303,19 @@ impl Judge {
         self.outages.begin(window, at_ns);
     }
 
-    /// From now on every target must keep its number again.
+    /// From now on every target must keep a single number again.
     fn numbers_are_known(&mut self) {
         if std::mem::take(&mut self.numbers.are_excused) {
             self.numbers.forget_carriers();
         }
     }
 
-    /// A subscriber leaves: compares its own count of losses with the sequence numbers.
+    /// A subscriber leaves: compares the subscriber's count of losses with the sequence numbers.
     fn count_losses(&mut self, lost: u64, lost_at_end: u64, whole: bool) {
         self.lost += lost;
         let (counted, missing) = (lost.saturating_sub(lost_at_end), self.sequences.lost());
-        // Samples missing at the end of a publisher are only in its line; others are missing in both counts.
+        // Samples missing at the end of a publisher are only in the publisher's line; others are missing in both
+        // counts.
         if whole && counted != missing && lost != missing {
             self.findings.add(Finding::UncountedLoss, || {
                 format!("{counted} samples counted as lost, {missing} by their numbers")

@@ -1,9 +1,9 @@
-//! Track numbers: their targets, and the ends of tracks.
+//! Track numbers: the targets, and the ends of tracks.
 //!
-//! Addresses identify targets, independent of their tracks. A target keeps its number until its track is terminated
-//! with cause: after a time without a report, or by a merge into another track. A suspended track is not shown, but its
-//! target keeps the number: it is the one under which the target must come back. A second number beside the first is a
-//! *rival* until the two are merged ([`super::picture`] limits the time).
+//! Addresses identify targets, independent of tracks. A target keeps a number until the track is terminated with cause:
+//! after a time without a report, or by a merge into another track. A suspended track is not shown, but the target
+//! keeps the number: the target must come back under this number. A second number beside the first is a *rival* until
+//! the two are merged ([`super::picture`] limits the time).
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ use super::event::{Life, State};
 use super::finding::{Finding, Findings};
 use super::limits::FORGOTTEN_S;
 
-/// Share of the time without a report after which a track may be terminated: reports are stamped where they are made.
+/// Share of the time without a report after which a track may be terminated: reports are stamped at the origin.
 const NEARLY: f64 = 0.9;
 /// Share of the time with a track picture: an absent fusion process has received no reports at all.
 const WITH_PICTURE: f64 = 0.25;
@@ -20,10 +20,10 @@ const SETTLED_NS: i64 = 3_000_000_000;
 /// A track from which nothing came for so long is not shown, nanoseconds.
 const SHOWN_NS: i64 = 5_000_000_000;
 
-/// A fusion that starts sends the ends of tracks again that came so shortly before it, nanoseconds.
+/// A fusion that starts sends the ends of tracks again that came so shortly before the start, nanoseconds.
 const TOLD_AGAIN_NS: i64 = 10_000_000_000;
 
-/// One track.
+/// A track.
 #[derive(Clone, Debug, Default)]
 struct Track {
     /// First address and present address.
@@ -33,15 +33,15 @@ struct Track {
     last_report_ns: i64,
     is_shown: bool,
     has_ended: bool,
-    /// Its number rests: it is shown no more, and not forgotten.
+    /// The number rests: the track is shown no more, and not forgotten.
     is_suspended: bool,
-    /// Its end may have been lost on the way.
+    /// The end may have been lost in transit.
     may_have_ended: bool,
     is_given_twice: bool,
 }
 
 impl Track {
-    /// Whether it may still be the track of the target of this address.
+    /// Whether this track may still be the track of the target of this address.
     fn may_be_of(&self, address: u32) -> bool {
         !self.has_ended && self.carrier.is_none_or(|carrier| carrier == address)
     }
@@ -54,11 +54,11 @@ impl Track {
     }
 }
 
-/// One target.
+/// A target.
 #[derive(Clone, Debug, Default)]
 struct Carried {
     number: Option<u32>,
-    /// Other numbers, and since when they have been shown.
+    /// Other numbers, and the time since which each has been shown.
     rivals: BTreeMap<u32, i64>,
     numbers: Vec<u32>,
 }
@@ -68,7 +68,7 @@ struct Carried {
 pub(crate) struct Numbers {
     tracks: BTreeMap<u32, Track>,
     targets: BTreeMap<u32, Carried>,
-    /// The present fault has destroyed what a fusion could know the numbers from.
+    /// The present fault has destroyed every source of the numbers for a fusion.
     pub(crate) are_excused: bool,
     /// Time of a loss in which there may have been the end of a track.
     loss_ns: Option<i64>,
@@ -152,7 +152,7 @@ impl Numbers {
         }
     }
 
-    /// A track with an address ends; whether its target is no longer expected.
+    /// A track with an address ends; whether the target is no longer expected.
     fn end(&mut self, address: u32, number: u32, cause: &Cause, findings: &mut Findings) -> bool {
         let Some(target) = self.targets.get_mut(&address) else {
             return false;
@@ -184,7 +184,7 @@ impl Numbers {
         false
     }
 
-    /// A track with an address is suspended; whether its target is no longer expected.
+    /// A track with an address is suspended; whether the target is no longer expected.
     fn suspend(&mut self, address: u32, number: u32, cause: &Cause, findings: &mut Findings) -> bool {
         if self
             .targets
@@ -267,7 +267,7 @@ impl Numbers {
         }
     }
 
-    /// A newer epoch of fusion begins; `whole` if all its events are received.
+    /// A newer epoch of fusion begins; `whole` if all events of the epoch are received.
     pub(crate) fn begin_epoch(&mut self, at_ns: i64, whole: bool) {
         if whole {
             (self.loss_ns, self.epoch_ns) = (None, at_ns);
@@ -291,7 +291,7 @@ impl Numbers {
         self.excuse_ends_before(i64::MAX);
     }
 
-    /// Numbers that a target has had, in their order.
+    /// Numbers that a target has had, in order.
     pub(crate) fn of(&self, address: u32) -> &[u32] {
         self.targets.get(&address).map_or(&[], |target| &target.numbers)
     }

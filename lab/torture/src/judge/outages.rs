@@ -1,8 +1,8 @@
 //! Outages: how long each target showed no state at a fault.
 //!
-//! The run is divided into windows from each fault to the next, and windows of a quarter of a minute in quiet times.
-//! In each window, a target shown at the window's start has one outage: its longest time without a state that reaches
-//! into the window, less the time in which the fault's cause lasted. These are figures; the limits are those of
+//! The run is divided into windows from each fault to the next, and windows of a quarter of a minute in quiet times. In
+//! each window, a target shown at the window's start has an outage: the longest time without a state that reaches into
+//! the window, less the time in which the fault's cause lasted. These are figures; the limits are in
 //! [`super::picture`]. A track with silent sources coasts: such a time is no outage.
 
 use std::collections::BTreeMap;
@@ -11,7 +11,7 @@ use super::limits::Spread;
 
 /// Length of a window without a fault, nanoseconds.
 const QUIET_NS: i64 = 15_000_000_000;
-/// A target that was shown so long before a window's begin is expected in it, nanoseconds.
+/// A target that was shown so long before a window's begin is expected in the window, nanoseconds.
 const RECENT_NS: i64 = 5_000_000_000;
 
 /// Kinds of windows.
@@ -23,7 +23,7 @@ pub(crate) enum Window {
     Rebuild,
 }
 
-/// Ledger of the outages of all targets, by their addresses.
+/// Ledger of the outages of all targets, by addresses.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Outages {
     begun_ns: i64,
@@ -111,7 +111,7 @@ impl Outages {
         }
     }
 
-    /// Outages at faults, and at rebuilds; how many, and their spread.
+    /// Outages at faults, and at rebuilds; number and spread.
     pub(crate) fn spreads(&self) -> [(usize, Option<Spread>); 2] {
         [&self.at_faults_s, &self.at_rebuilds_s].map(|outages_s| (outages_s.len(), Spread::of(outages_s)))
     }
@@ -122,9 +122,9 @@ impl Outages {
     }
 }
 
-/// Part of the time between two moments that is in one of the `held` times.
+/// Part of the time between two moments that is in any of the `held` times.
 fn overlap(held: &[(i64, i64)], from_ns: i64, to_ns: i64) -> i64 {
-    // Held times are in their order, and only the latest reach so far.
+    // Held times are in order, and only the latest reach so far.
     let late = held.iter().rev().take_while(|(_, end_ns)| *end_ns > from_ns);
     late.map(|(begin_ns, end_ns)| (to_ns.min(*end_ns) - from_ns.max(*begin_ns)).max(0))
         .sum()

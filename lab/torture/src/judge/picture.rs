@@ -1,10 +1,11 @@
 //! The picture at each second: the set of tracks against the targets of the world, and against the run without faults.
 //!
-//! A second is judged a moment after it, from the newest states whose reference time is not later. Each track is moved
-//! along its velocity to the second. A track with an address is that of its target; a track without one is that of the
-//! nearest target that has none yet. What remains is a second track of a target, or one without a target.
+//! A second is judged a moment later, from the newest states whose reference time is not later. Each track is moved
+//! along the track's velocity to the second. A track with an address belongs to the target of the address; a track
+//! without an address belongs to the nearest target without a track. Any remaining track is a second track of a target,
+//! or a track without a target.
 //!
-//! Single states are judged as they come ([`Picture::take`]): a state between two seconds is shown too.
+//! Single states are judged on arrival ([`Picture::take`]): a state between two seconds is shown too.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -42,7 +43,7 @@ pub(crate) struct Picture {
     whole: VecDeque<[Vec<Errors>; 2]>,
     is_whole_off: bool,
     errors: [Vec<f64>; 2],
-    /// States of all targets in the latest seconds, and those without faults.
+    /// States of all targets in the latest seconds, and states without faults.
     rates: [u32; 2],
     is_rate_off: bool,
     pub(crate) counts: Counts,
@@ -63,29 +64,29 @@ pub(crate) struct Counts {
 #[derive(Clone, Debug, Default)]
 struct Track {
     states: VecDeque<State>,
-    /// Reference time of its latest state of a report.
+    /// Reference time of the latest state of a report.
     reported_ns: Option<i64>,
-    /// Since when it has been a track without a target.
+    /// Time since which this track has been a track without a target.
     ghost_since: Option<u32>,
     /// States that repeated the one before, and states in a row since then that did not.
     repeats: u32,
     others: u32,
 }
 
-/// One target.
+/// A target.
 #[derive(Clone, Debug, Default)]
 struct Watch {
-    /// What the run without faults showed of it, newest last.
+    /// The target in the run without faults, newest last.
     normal: VecDeque<Undisturbed>,
-    /// Newest reference time of any of its tracks.
+    /// Newest reference time of any track of the target.
     newest_ns: Option<i64>,
     is_missing: bool,
-    /// Since when it has had a second track.
+    /// Time since which the target has had a second track.
     double_since: Option<u32>,
-    /// Errors of the latest seconds, and those without faults.
+    /// Errors of the latest seconds, and errors without faults.
     errors: VecDeque<[Errors; 2]>,
     is_off: [bool; 3],
-    /// Whether its track had no address, no height or no velocity, and since when.
+    /// Whether the target's track had no address, no height or no velocity, and since when.
     lacks_since: [Option<u32>; 3],
     /// States in each of the latest seconds.
     states: VecDeque<u32>,
@@ -134,7 +135,7 @@ impl Picture {
         }
     }
 
-    /// Takes a second of the world, before it begins.
+    /// Takes a second of the world, before the second begins.
     pub(crate) fn know(&mut self, second: &Second) {
         self.normal.take(second);
         for target in &second.targets {
@@ -150,7 +151,7 @@ impl Picture {
         self.world.take(second);
     }
 
-    /// A newer fusion does not go on with the tracks of the one before.
+    /// A newer fusion does not go on with the tracks of the previous fusion.
     pub(crate) fn begin_anew(&mut self) {
         self.tracks.clear();
     }
@@ -217,8 +218,8 @@ impl Picture {
         }
     }
 
-    /// Limits of a single state: a ratio to the errors without faults, and what the target has done since its latest
-    /// report, which nobody can know.
+    /// Limits of a single state: a ratio to the errors without faults, and the target's motion since the latest report,
+    /// which is unobservable.
     fn limits_of_state(&self, address: u32, state: &State, truth: &Kinematics) -> Errors {
         let recent = |kind: usize| {
             let seen = self
@@ -283,7 +284,7 @@ impl Picture {
                 return false;
             };
             if matches!(state.life, Life::Suspended | Life::Terminated) {
-                // What comes later, if anything, is another life of it.
+                // Any later state belongs to another life of the track.
                 track.states.pop_front();
                 return !track.states.is_empty();
             }
@@ -321,7 +322,7 @@ impl Picture {
         if let Some(newest) = tracks.iter().map(|track| track.state.time_ns).max() {
             watch.newest_ns = watch.newest_ns.max(Some(newest));
         }
-        // What the run without faults does not show for so long need not be shown.
+        // A target absent from the run without faults for so long need not be shown.
         let Some(seen) = target
             .undisturbed
             .filter(|_| watch.normal.len() > RECENT_S.min(SETTLED_S as usize))
@@ -383,7 +384,7 @@ impl Picture {
                 });
             }
         }
-        // Beyond its usual age, a target may have turned: single states are judged with that, lasting errors without.
+        // Beyond the usual age, a target may have turned: single states are judged with that, lasting errors without.
         if best.age_s > seen.age_s.max(period_s) + 0.5 {
             return;
         }
@@ -414,7 +415,7 @@ impl Picture {
         }
     }
 
-    /// Tracks too many: a second one of a target, or one without.
+    /// Tracks too many: a second track of a target, or a track without a target.
     fn judge_odd(
         &mut self,
         second: u32,
@@ -466,7 +467,7 @@ impl Picture {
         }
     }
 
-    /// All errors of the latest seconds against those without faults.
+    /// All errors of the latest seconds against the errors without faults.
     fn judge_whole(&mut self, second: u32, allowances: &Allowances, findings: &mut Findings) {
         let rates = std::mem::take(&mut self.rates);
         let is_rate_off = is_off(rates, WHOLE_RATE);
@@ -508,7 +509,7 @@ impl Picture {
         self.whole.push_back(Default::default());
     }
 
-    /// Errors of positions in the plane at all seconds, and those without faults.
+    /// Errors of positions in the plane at all seconds, and errors without faults.
     pub(crate) fn spreads(&self) -> [Option<Spread>; 2] {
         [Spread::of(&self.errors[0]), Spread::of(&self.errors[1])]
     }
@@ -551,13 +552,13 @@ impl Watch {
         self.states.push_back(states);
     }
 
-    /// States of the latest seconds, and those without faults; `None` after faults.
+    /// States of the latest seconds, and states without faults; `None` after faults.
     fn rate(&self) -> Option<[u32; 2]> {
         let normal = self.normal.iter().rev().take(RATE_S).map(|seen| seen.states).sum();
         (self.states.len() == RATE_S).then(|| [self.states.iter().sum(), normal])
     }
 
-    /// The same, if they are too few, or far too many: a source more may know the target than without faults.
+    /// The same, if too few, or far too many: more sources may observe the target than without faults.
     fn rate_off(&self) -> Option<[u32; 2]> {
         self.rate().filter(|rate| is_off(*rate, RATE))
     }
@@ -572,12 +573,12 @@ fn is_off([states, normal]: [u32; 2], ratio: std::ops::Range<f64>) -> bool {
 struct Shown {
     number: u32,
     age_s: f64,
-    /// Its place, moved to the second.
+    /// The track's place, moved to the second.
     place_m: [f64; 3],
     state: State,
 }
 
-/// Places of the tracks of each target, its own first; tracks without a target are missing.
+/// Places of the tracks of each target, the target's own first; tracks without a target are missing.
 fn owners(shown: &[Shown], second: &Second) -> BTreeMap<u32, Vec<usize>> {
     let mut owners: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
     let mut nameless = Vec::new();
@@ -610,7 +611,7 @@ fn owners(shown: &[Shown], second: &Second) -> BTreeMap<u32, Vec<usize>> {
     owners
 }
 
-/// Errors of a state, where it states the values.
+/// Errors of a state, where the state has values.
 fn errors(place_m: [f64; 3], state: &State, truth: &Kinematics) -> [Option<f64>; 3] {
     [
         Some(distance(place_m, truth.position_m)),

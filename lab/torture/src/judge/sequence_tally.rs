@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-/// Tally of received samples of each publisher, by its start time, since the subscriber joined.
+/// Tally of received samples of each publisher, by start time, since the subscriber joined.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SequenceTally(BTreeMap<u64, Publisher>);
 
@@ -14,7 +14,7 @@ struct Publisher {
 }
 
 impl SequenceTally {
-    /// A sample came to a subscriber that joined at `joined_ns`; whether its number has not come before.
+    /// A sample came to a subscriber that joined at `joined_ns`; whether the number has not come before.
     pub(crate) fn take(&mut self, incarnation: u64, sequence: u64, joined_ns: u64) -> bool {
         // Every sample of a publisher that started later is expected.
         let first = if incarnation < joined_ns { sequence } else { 0 };

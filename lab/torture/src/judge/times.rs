@@ -29,7 +29,7 @@ impl Times {
         }
     }
 
-    /// A subscriber joins: what is older may come then.
+    /// A subscriber joins: older states may come then.
     pub(crate) fn join(&mut self, at_ns: i64) {
         self.joined_ns = at_ns;
     }

@@ -1,4 +1,4 @@
-//! The world of a record: where each target is at any time, from its whole seconds.
+//! The world of a record: where each target is at any time, from the record's whole seconds.
 
 use std::collections::VecDeque;
 

@@ -1,4 +1,4 @@
-//! Defects that are planted in a sound record, each with the findings of which it must lead to one.
+//! Defects that are planted in a sound record, each with the findings of which at least one must follow.
 
 use super::record::{FOREIGN, LENGTH, Place, Record, SECOND};
 use crate::judge::event::{Life, State, What};

@@ -1,6 +1,6 @@
 //! Test of the judge: defects inserted into a sound record; the judge must name each.
 //!
-//! A judge without findings is useful only if it demonstrably detects defects. The record is of a simulated run
+//! A judge without findings is useful only if the judge demonstrably detects defects. The record is of a simulated run
 //! ([`sound`]), so that the test needs no deployment, or of a live run.
 
 mod defects;
@@ -35,7 +35,7 @@ pub(super) fn run(path: Option<&Path>) -> anyhow::Result<()> {
         DEFECTS.len(),
         own.findings.len()
     );
-    // What a live run shows may be true.
+    // Findings in a live run may be true.
     if path.is_none() && !own.findings.is_empty() {
         missed.push(format!("the sound record is called faulty: {}", own.wrong()));
     }
@@ -45,7 +45,7 @@ pub(super) fn run(path: Option<&Path>) -> anyhow::Result<()> {
     Err(anyhow::anyhow!("{}", missed.join("; ")).context(OwnFailure))
 }
 
-/// Names of the defects that the judge does not find, beside what it finds in the record itself.
+/// Names of the defects that the judge does not find, beside the findings in the record itself.
 fn try_judge(record: &Record, own: &Verdict) -> anyhow::Result<Vec<String>> {
     let place = record.place()?;
     let mut missed = Vec::new();

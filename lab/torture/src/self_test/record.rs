@@ -28,7 +28,7 @@ pub(super) struct Place {
 pub(super) const SECOND: i64 = 1_000_000_000;
 /// Numbers that no sound record has.
 pub(super) const FOREIGN: u32 = 3_000_000_000;
-/// Length of what is planted, and so of the time after [`Place::from_ns`], nanoseconds.
+/// Length of a planted defect, and so of the time after [`Place::from_ns`], nanoseconds.
 pub(super) const LENGTH: i64 = 12 * SECOND;
 /// Targets that a record must show.
 const TARGETS_MIN: usize = 4;
@@ -45,7 +45,7 @@ impl Place {
 }
 
 impl Record {
-    /// All states, with the times at which they came.
+    /// All states, with the times of arrival.
     pub(super) fn states(&self) -> impl Iterator<Item = (i64, &State)> {
         self.events.iter().filter_map(|event| match &event.what {
             What::State(state) => Some((event.at_ns, state)),
@@ -80,7 +80,7 @@ impl Record {
         self.number();
     }
 
-    /// Adds states, each directly after the event at its time.
+    /// Adds states, each directly after the event at the state's time.
     pub(super) fn add(&mut self, states: Vec<(i64, State)>) {
         for (at_ns, state) in states {
             let place = self.events.partition_point(|before| before.at_ns <= at_ns);
@@ -90,7 +90,7 @@ impl Record {
         self.number();
     }
 
-    /// Numbers the samples of each publisher from its first one on.
+    /// Numbers the samples of each publisher from the first sample on.
     fn number(&mut self) {
         let mut next: BTreeMap<u64, u64> = BTreeMap::new();
         self.change_all(i64::MIN, |_, state| {
@@ -142,7 +142,7 @@ impl Record {
         }
         let spans = bounds.windows(2).map(|span| (span[0], span[1] - span[0]));
         let (begin_ns, length_ns) = spans.max_by_key(|(_, length_ns)| *length_ns).unwrap_or_default();
-        // What came before may still have its effect.
+        // Earlier events may still have an effect.
         let from_ns = begin_ns + 2 * SECOND.min(length_ns / 4);
         let end_ns = self.events.last().map_or(0, |event| event.at_ns);
         let targets = self.targets_at(from_ns);

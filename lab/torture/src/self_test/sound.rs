@@ -24,7 +24,7 @@ const TWICE: u32 = 3;
 const TWICE_FROM: i64 = 92 * SECOND;
 const TWICE_TO: i64 = 96 * SECOND;
 
-/// Faults in their order; the last four come again and again.
+/// Faults in order; the last four come again and again.
 const FAULTS: [Kind; 8] = [
     Kind::Kill,
     Kind::Launcher,
@@ -41,13 +41,13 @@ enum Kind {
     Kill,
     Launcher,
     DamagedCheckpoint,
-    /// The subscriber is too slow, and reports its loss.
+    /// The subscriber is too slow, and reports the loss.
     Slow,
     Bystander,
     Held,
 }
 
-/// The deployment, as far as a subscriber sees it.
+/// The deployment, as seen by a subscriber.
 struct Deployment {
     events: Vec<Event>,
     truth: Truth,
@@ -55,7 +55,7 @@ struct Deployment {
     continues: bool,
     incarnation: u64,
     sequence: u64,
-    /// Added to all numbers: new ones where the checkpoint is lost.
+    /// Added to all numbers: new numbers where the checkpoint is lost.
     numbers_from: u32,
     lost: u64,
     silent_until: i64,
@@ -230,7 +230,7 @@ impl Deployment {
         self.add(now, What::State(state));
     }
 
-    /// The world at a second, and what a run without faults shows.
+    /// The world at a second, and the picture of a run without faults.
     fn second(&mut self, second: u32) {
         let time_s = f64::from(second);
         let is_seen = |id: u32| id != UNSEEN || !(UNSEEN_FROM..SEEN_AGAIN).contains(&(i64::from(second) * SECOND));

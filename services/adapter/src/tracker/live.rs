@@ -1,8 +1,8 @@
-//! Live tracker process: takes the detections of its sensors from their topics.
+//! Live tracker process: takes the sensors' detections from topics.
 //!
-//! The events of a turn are taken in the order of their receipt, whichever topic they come from: after a pause of the
-//! machine, one sensor's backlog must not make the others late. Detections of an external publisher have passed no
-//! adapter, so their times and places are checked here.
+//! The events of a turn are taken in the order of receipt, across all topics: after a pause of the machine, one
+//! sensor's backlog must not make the others late. Detections of an external publisher have passed no adapter, so times
+//! and places are checked here.
 
 use std::time::Duration;
 
@@ -26,7 +26,7 @@ use crate::platform::FAR_M;
 use super::on_board;
 use super::orders::Orders;
 
-/// Longest wait for detections in one turn, bounded by health messages and stop requests.
+/// Longest wait for detections in a turn, bounded by health messages and stop requests.
 const PATIENCE: Duration = Duration::from_millis(50);
 /// Slices taken at a time from the topic of a sensor.
 const SLICES_PER_TURN: usize = 64;
@@ -36,7 +36,7 @@ const SLICES_PER_TURN: usize = 64;
 pub(super) struct TrackerAgent {
     channel: SourceChannel,
     sensors: Vec<TrackedSensor>,
-    /// Orders of operators, if one of the sensors takes them.
+    /// Orders of operators, if any of the sensors takes orders.
     orders: Option<Orders>,
     waiter: Waiter<SharedMemory>,
     steady: SteadyClock,
@@ -58,7 +58,7 @@ pub(super) struct TrackerAgent {
 struct TrackedSensor {
     number: u16,
     name: String,
-    /// Whether its detections state where it is, or its platform does.
+    /// Whether the sensor may move: its position comes from the detections, or from its platform.
     may_move: bool,
     events: Subscriber<SharedMemory, SensorDetection>,
     /// Checks of an external sensor.
@@ -110,7 +110,7 @@ impl TrackerAgent {
         })
     }
 
-    /// Takes what has been published, in the order of receipt.
+    /// Takes the published events, in the order of receipt.
     fn take(&mut self, now: Now) -> anyhow::Result<()> {
         self.taken.clear();
         for (place, sensor) in self.sensors.iter_mut().enumerate() {
@@ -164,14 +164,14 @@ impl TrackerAgent {
         for (came_ns, place, event) in &self.taken {
             carrying.take(*place, *event, *came_ns, &mut out);
         }
-        // A state sets free the detections of one sensor after the other. In the order of receipt, the backlog of one
-        // does not make those of the others late.
+        // A state sets free the detections of sensor after sensor. In the order of receipt, a single sensor's backlog
+        // does not make the other sensors' detections late.
         self.carried.sort_by_key(|(_, _, came_ns)| *came_ns);
         Ok(())
     }
 }
 
-/// Checks of a sensor whose detections pass no adapter.
+/// Checks of a sensor with detections that pass no adapter.
 fn checks(process: &Process, sensor: &Source, readings: &Readings) -> anyhow::Result<Option<Box<Pipeline>>> {
     let is_external = matches!(sensor.input, Input::External);
     let SourceReading { model, processing, .. } = &readings.sources[usize::from(sensor.number)];
@@ -195,7 +195,7 @@ impl Agent for TrackerAgent {
                 silent.came(event.time_ns(), *came_ns);
             }
         }
-        // What a silent sensor would have sent passes through the same queue as its detections.
+        // The substitutes for a silent sensor's events pass through the same queue as its detections.
         for (place, sensor) in self.sensors.iter_mut().enumerate() {
             let silent = sensor.silent.as_mut().filter(|_| !sensor.events.has_slices());
             let due = silent.and_then(|(silent, rules)| silent.statement(now.mono_ns, rules));
@@ -226,7 +226,7 @@ impl Agent for TrackerAgent {
         })
     }
 
-    /// Detections that wait for states are carried with those that have come, or refused and counted.
+    /// Waiting detections are carried with the available states, or refused and counted.
     fn close(&mut self, _: Now) -> anyhow::Result<()> {
         self.carried.clear();
         self.carrying.states_end();
@@ -272,7 +272,7 @@ impl Agent for TrackerAgent {
 }
 
 impl TrackedSensor {
-    /// Health of an external sensor; that of others is their adapter's.
+    /// Health of an external sensor; the health of other sensors comes from the adapter.
     fn health(&self) -> Option<HealthEntry> {
         let checks = self.checks.as_ref()?;
         Some(HealthEntry {

@@ -1,9 +1,9 @@
-//! Tracker process: the detections of several sensors become the tracks of one source (HT-12).
+//! Tracker process: the detections of several sensors become the tracks of a single source (HT-12).
 //!
 //! Live, each sensor's adapter, or a process of the integrator, publishes the sensor's detections; the tracker process
-//! takes them from their topics ([`live`]). Recorded sensors are read from their files here ([`recorded`]), so that the
-//! tracks do not depend on the speed of other processes. Both give the same events to the same tracker
-//! ([`sources::DetectionTracker`]), and publish each event before anything is decided about it
+//! takes the detections from the topics ([`live`]). Recorded sensors are read from files here ([`recorded`]), so that
+//! the tracks do not depend on the speed of other processes. Both give the same events to the same tracker
+//! ([`sources::DetectionTracker`]), and publish each event before any decision about the event
 //! (`sensor/<tracker>/detections`). `koseki track` repeats the tracks from these recorded events.
 
 mod live;
@@ -20,7 +20,7 @@ use live::TrackerAgent;
 /// The agent of a tracker process.
 ///
 /// # Errors
-/// If its input cannot be read, or shared memory fails.
+/// If the input cannot be read, or shared memory fails.
 pub(crate) fn agent(process: &Process, tracker: Processed<'_>) -> anyhow::Result<Box<dyn Agent>> {
     Ok(match tracker.source.input.is_recorded() {
         true => Box::new(recorded::replay(process, tracker)?),

@@ -1,7 +1,7 @@
 //! Platforms of a tracker process: which platform carries which sensor.
 //!
 //! The detections of sensors on board wait here for the platform's states ([`sources::carrying`]), before anything is
-//! published about them.
+//! published about the detections.
 
 use std::path::Path;
 
@@ -17,7 +17,7 @@ use crate::Processed;
 /// Number of states of a live platform that are kept: half a minute of an inertial sensor.
 const STATES_MAX: usize = 4096;
 
-/// Platforms that carry sensors of the tracker, in the order of their numbers.
+/// Platforms that carry sensors of the tracker, in the order of the numbers.
 pub(super) fn platforms<'a>(process: &'a Process, tracker: Processed<'_>) -> Vec<&'a Platform> {
     let sensors = process.config.sensors_of(tracker.source);
     let carries = |platform: &&Platform| {
@@ -91,6 +91,6 @@ pub(super) fn recorded_states(platform: &Platform, data: &Path, first_day_ns: i6
     };
     let bytes = std::fs::read(&path).with_context(unread)?;
     let rows = PlatformStateReader::new(bytes.as_slice(), first_day_ns).with_context(unread)?;
-    // Rows that cannot be read are as if they were absent; detections near them are refused and counted.
+    // Unreadable rows count as absent; detections near such rows are refused and counted.
     Ok(rows.filter_map(Result::ok).map(|row| State::of_sample(&row)).collect())
 }

@@ -1,16 +1,17 @@
 //! Designations by order: targets that operators name, as detections of a sensor of the tracker (WA-1).
 //!
-//! Fusion checks orders, writes them into its event log and publishes their states. The tracker takes the orders to it
-//! from there, so an order takes effect once, whoever gave it, also after a take-over by the standby. Each becomes a
-//! detection of the sensor that takes orders: published among the events of the other sensors and recorded with them,
-//! so that `koseki track` makes the same tracks.
+//! Fusion checks orders, writes the orders into its event log and publishes the states. The tracker takes its orders
+//! from these states, so an order takes effect once, independent of the giver, also after a take-over by the standby.
+//! Each order becomes a detection of the sensor that takes orders: published among the events of the other sensors and
+//! recorded with these, so that `koseki track` makes the same tracks.
 //!
 //! A designation holds for the time at which the order was given, and the data of the other sensors are behind the
-//! clock. Used at once, it would be the latest event, and end the wait for scans that are still on their way. So it
-//! waits until the data have come to its time, at most [`PATIENCE_NS`]: then no sensor sends anything.
+//! clock. Used at once, a designation would be the latest event, and end the wait for scans still under way. A
+//! designation therefore waits until the data have come to its time, at most [`PATIENCE_NS`]: then no sensor sends
+//! anything.
 //!
-//! The states are repeated for a minute. A tracker that starts takes all of them: a killed one has perhaps not used the
-//! latest orders, and an order that it has used is in the gate of its track, or too late.
+//! The states are repeated for a minute. A starting tracker takes all states: a killed tracker has perhaps not used the
+//! latest orders, and an already used order is in the gate of its track, or too late.
 
 use std::collections::VecDeque;
 
@@ -22,10 +23,10 @@ use observations::{Detection, DetectionPlatform, SensorEvent, StatedVelocity, Tr
 
 /// Longest wait for the data to come to the time of an order, nanoseconds.
 const PATIENCE_NS: i64 = 10_000_000_000;
-/// Most orders whose tokens are remembered: far more than are listed at a time.
+/// Maximum number of orders with remembered tokens: far more than are listed at a time.
 const REMEMBERED_MAX: usize = 512;
 
-/// Orders to one tracker.
+/// Orders to a tracker.
 #[derive(Debug)]
 pub(super) struct Orders {
     states: Subscriber<SharedMemory, OrderState>,
@@ -41,7 +42,7 @@ struct Designations {
     frame: SystemFrame,
     /// Tokens of the orders taken, oldest first.
     taken: VecDeque<u64>,
-    /// Designations with the monotonic time until which they wait, nanoseconds, in the order of their times.
+    /// Designations with the monotonic end of the wait, nanoseconds, in the order of the designations' times.
     waiting: Vec<(i64, Detection)>,
     /// Latest time of the other sensors' events.
     newest_ns: i64,
@@ -50,7 +51,7 @@ struct Designations {
 }
 
 impl Orders {
-    /// The orders to a tracker, if one of its `sensors` takes them.
+    /// The orders to a tracker, if any of its `sensors` takes orders.
     ///
     /// # Errors
     /// If shared memory fails.
@@ -102,7 +103,7 @@ impl Designations {
         }
     }
 
-    /// Takes the state of an order, if it is a new one to this tracker.
+    /// Takes the state of an order, if the order is new to this tracker.
     fn take(&mut self, state: &OrderState, mono_ns: i64) {
         let order = &state.order;
         let is_obeyed = state.status() == Some(OrderStatus::Done) && order.kind() == Some(OrderKind::Designate);
@@ -119,14 +120,15 @@ impl Designations {
         }
     }
 
-    /// Releases the designations whose time has come.
+    /// Releases the due designations.
     fn release(&mut self, mono_ns: i64, out: &mut Vec<(i64, usize, SensorEvent)>) {
         while let Some((until_ns, mut detection)) = self.waiting.first().copied() {
             if detection.time_of_measurement_ns > self.newest_ns && mono_ns < until_ns {
                 break;
             }
             self.waiting.remove(0);
-            // Each is a scan of its own, complete at once. Orders of a moment may come in any order: none is late.
+            // Each designation is a separate scan, complete at once. Orders of a moment may come in any order: none is
+            // late.
             let time_ns = detection.time_of_measurement_ns.max(self.released_ns.saturating_add(2));
             (detection.time_of_measurement_ns, self.released_ns) = (time_ns, time_ns);
             let whole = SensorEvent::Passed(time_ns.saturating_add(1));

@@ -1,7 +1,7 @@
-//! Recorded tracker process: reads the files of its sensors, and replays the tracks.
+//! Recorded tracker process: reads the sensors' files, and replays the tracks.
 //!
-//! Each file is in the order of its recording. An event of a file comes when the file's latest time so far has come;
-//! the events of all sensors are merged by these times. A detection that was recorded late thus comes late, as it did.
+//! Each file is in the order of recording. An event of a file comes when the file's latest time so far has come; the
+//! events of all sensors are merged by these times. A detection that was recorded late thus comes late again.
 
 use std::collections::VecDeque;
 use std::path::Path;
@@ -25,10 +25,10 @@ use crate::replay::{Published, ReplayAgent, Replayed};
 
 use super::on_board;
 
-/// Recorded sensors and their tracker.
+/// Recorded sensors and the tracker.
 #[derive(Debug)]
 pub(super) struct RecordedTracker {
-    /// Place of the sensor, and its event, in the order of coming.
+    /// Place of the sensor, and the event, in the order of coming.
     events: VecDeque<(usize, SensorEvent)>,
     pipeline: Pipeline,
     samples: Samples,
@@ -188,7 +188,7 @@ impl RecordedTracker {
                     events.extend(intake.detections().filter_map(|sample| SensorEvent::of_sample(&sample)));
                 }
                 content.count(&mut self.read);
-                // What the converter refused; the tracker counts what it took.
+                // The converter's refusals; the tracker counts the taken observations.
                 let mut converted = intake.counters();
                 for counter in [Counter::Reports, Counter::Detections] {
                     converted[counter] = 0;

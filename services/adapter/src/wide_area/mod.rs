@@ -1,12 +1,12 @@
-//! Wide-area sensors: their reports come in, are checked, and are published for the trackers that listen (WA-2).
+//! Wide-area sensors: the reports come in, are checked, and are published for the listening trackers (WA-2).
 //!
 //! A report is a count, not a track, and therefore passes neither a pipeline nor fusion. Live data are read from
 //! datagrams ([`live`]), as rows of counts ([`rows`]) or as another system's tracks to be counted ([`tracks`]). A
 //! recording is read as a whole ([`recorded`]) and published in the order of arrivals, for the recorder and other
 //! readers.
 //!
-//! A tracker of a recorded source does not wait for what is published: it reads the recording itself, so that its
-//! tracks do not depend on which process is faster. That of a live source takes what has been published
+//! A tracker of a recorded source does not wait for publications: the tracker reads the recording itself, so that the
+//! tracks do not depend on the faster process. A tracker of a live source takes the published reports
 //! ([`SourceChannel`](crate::channel::SourceChannel)).
 
 mod live;
@@ -30,7 +30,7 @@ use crate::replay::{Published, ReplayAgent};
 /// The agent of a wide-area sensor.
 ///
 /// # Errors
-/// If its input cannot be read, or shared memory fails.
+/// If the input cannot be read, or shared memory fails.
 pub(crate) fn agent(process: &Process, sensor: &WideAreaSensor, readings: &Readings) -> anyhow::Result<Box<dyn Agent>> {
     if sensor.recording().is_some() {
         let recording = recorded::read((sensor, readings), &process.options.data, process.first_day_ns())?;
@@ -70,7 +70,7 @@ struct RejectedReports {
 }
 
 impl RejectedReports {
-    /// Whether a report can be one; counts why not.
+    /// Whether a report is plausible; counts the reason otherwise.
     fn passes(&mut self, report: &WideAreaReport) -> bool {
         match fault_in(report) {
             None => return true,

@@ -17,7 +17,7 @@ use super::tracks::OtherSystemTracks;
 use crate::content::Packed;
 use crate::replay::Replayed;
 
-/// A recording's reports, in the order of their arrival.
+/// A recording's reports, in the order of arrival.
 #[derive(Debug)]
 pub(crate) struct RecordedReports {
     sensor: u16,
@@ -27,11 +27,11 @@ pub(crate) struct RecordedReports {
     next: usize,
 }
 
-/// Reads the recording of `sensor` in the folder `data`; its first day begins at `first_day_ns` (UTC, nanoseconds).
-/// Unusable rows are skipped and counted.
+/// Reads the recording of `sensor` in the folder `data`; the first day of the recording begins at `first_day_ns` (UTC,
+/// nanoseconds). Unusable rows are skipped and counted.
 ///
 /// # Errors
-/// If it cannot be read, or lacks a column.
+/// If the recording cannot be read, or lacks a column.
 pub(crate) fn read(
     (sensor, readings): (&WideAreaSensor, &Readings),
     data: &Path,

@@ -1,11 +1,10 @@
 //! Rows of counts in datagrams.
 //!
-//! Each datagram is a table by itself (FM-6): a header line, and a row per report, as with bearings. Times are seconds
-//! since midnight (UTC), of the day that brings them nearest to the time of receipt.
+//! Each datagram is a separate table (FM-6): a header line, and a row per report, as with bearings. Times are seconds
+//! since midnight (UTC), on the day with the result nearest to the time of receipt.
 //!
-//! A report arrives when the kernel takes its datagram from the network. The `arrival_s` of its row counts only if
-//! later, for a sender that states from which time its report may be used. No report is therefore used before its
-//! arrival.
+//! A report arrives when the kernel takes the datagram from the network. The `arrival_s` of the row counts only if
+//! later, for a sender that states the earliest time of use. No report is therefore used before its arrival.
 
 use formats::wide_area_csv::WideAreaReader;
 use runtime::HealthEntry;
@@ -15,7 +14,7 @@ use super::RejectedReports;
 use crate::receiver::ReceiptTime;
 use crate::tables::{TableCounts, utc_ns};
 
-/// Longest time after its receipt for the stated arrival of a report, nanoseconds.
+/// Longest time from receipt to the stated arrival of a report, nanoseconds.
 const AHEAD_MAX_NS: i64 = 60_000_000_000;
 
 /// Reader of tables of counts.

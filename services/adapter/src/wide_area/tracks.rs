@@ -3,7 +3,7 @@
 //! Each track passes the checks of a source's tracks. Tentative and terminated tracks are not counted.
 //! [`tracking::wide_area::counting`] does the rest.
 //!
-//! Live, a track arrives with its datagram. A recording does not contain this time; there a track arrives at its time
+//! Live, a track arrives with the datagram. A recording does not contain this time; there a track arrives at the time
 //! of measurement.
 
 use asterix::{Block, Decoder, Error, StatedTables};
@@ -156,7 +156,7 @@ mod tests {
         )
     }
 
-    /// Three tracks near each other at a time: confirmed, coasted, and one more.
+    /// Three tracks near each other at a time: confirmed, coasted, and a third.
     fn block(sender: &mut SystemReports, time_ns: i64, third: TrackState) -> Vec<u8> {
         let mut bytes = Vec::new();
         for (number, state) in (1..).zip([TrackState::Confirmed, TrackState::Coasted, third]) {

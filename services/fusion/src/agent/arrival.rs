@@ -1,4 +1,4 @@
-//! Order `arrival`: reports in the rounds in which they arrive.
+//! Order `arrival`: reports in the rounds of arrival.
 
 use bus::{Look, Transport};
 use fusion::ReportNumber;
@@ -17,9 +17,9 @@ const SLICES_PER_ROUND: usize = 2;
 const SENT_TOGETHER: usize = 16;
 
 impl<S: Transport> FusionAgent<S> {
-    /// Order `arrival`: processes reports as they arrive, in rounds. A round takes one report of each source with
-    /// waiting reports; the source whose slice was sent first comes first. A flood of one source therefore costs each
-    /// other source the time of one report, and the rest of the flood waits in its own queue.
+    /// Order `arrival`: processes reports on arrival, in rounds. A round takes a single report of each source with
+    /// waiting reports; the source with the earliest sent slice comes first. A flood of a source therefore costs each
+    /// other source the time of a single report, and the rest of the flood waits in the flooding source's queue.
     pub(super) fn work_on_arrival(&mut self, now: Now) -> anyhow::Result<bool> {
         let machine = now;
         let now = self.clocks.engine_time(machine);
@@ -35,7 +35,7 @@ impl<S: Transport> FusionAgent<S> {
         let waits = self.reached.is_some() && !self.output.can_smooth();
         let mut goes_on = !waits;
         while goes_on && worked < REPORTS_PER_TURN {
-            // The next turn finds what arrives meanwhile, and the rest of a flood of unusable slices.
+            // Later arrivals, and the rest of a flood of unusable slices, are left to the next turn.
             goes_on = !self.begin_round()? && !self.round.is_empty();
             worked += self.round.len();
             for place in 0..self.round.len() {
@@ -112,7 +112,7 @@ impl<S: Transport> FusionAgent<S> {
         Ok(())
     }
 
-    /// Processes the next report of one source. Returns whether the source has a further one.
+    /// Processes the next report of a source. Returns whether the source has a further report.
     fn work_off_one(&mut self, index: usize, now: Now) -> anyhow::Result<bool> {
         let input = &mut self.inputs[index];
         let source = input.source;
@@ -134,7 +134,7 @@ impl<S: Transport> FusionAgent<S> {
         if last || self.output.waiting() >= SENT_TOGETHER {
             self.output.send(self.progress_ns, false)?;
         }
-        // A source with further reports keeps its place in the rounds.
+        // A source with further reports keeps the place in the rounds.
         Ok(!last || self.inputs[index].reach(mono_ns, Look::Glance)?)
     }
 

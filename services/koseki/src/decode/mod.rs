@@ -1,4 +1,4 @@
-//! `koseki decode`: the records of a recording as JSON, or statistics of them (FM-8).
+//! `koseki decode`: the records of a recording as JSON, or as statistics (FM-8).
 //!
 //! [`formats::recording`] decides on the content and its credibility; this module handles files, tables and
 //! sentences. Standard output contains only the requested data; a summary of rejected blocks goes to standard error,

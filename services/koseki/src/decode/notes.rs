@@ -36,7 +36,7 @@ pub(super) fn notes(decode: &DecodeArgs, survey: &RecordingSurvey) -> String {
         note(&line);
     }
     let refusals = survey.refusals.by_count();
-    // A table shows them better.
+    // A table is clearer.
     let shown = if decode.shows_statistics() {
         0
     } else {

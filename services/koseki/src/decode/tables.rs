@@ -7,7 +7,7 @@ use formats::recording::{Rate, RecordingSurvey, Statistics};
 use serde_json::json;
 use telemetry::table::{Align, TextTable, count};
 
-/// Everything in tables, one below the other.
+/// All tables, in sequence.
 pub(super) fn tables(file: &Path, survey: &RecordingSurvey, statistics: &Statistics) -> String {
     let mut text = format!("{}, {}\n", file.display(), survey.container);
     let mut section = |table: TextTable| write!(text, "\n{table}").unwrap_or(());

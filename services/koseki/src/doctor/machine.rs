@@ -12,19 +12,19 @@ pub(super) const CAP_IPC_LOCK: u32 = 14;
 /// Names, cut to 15 characters as the kernel does, of services that set the clock.
 const CLOCK_SETTERS: [&str; 6] = ["chronyd", "ntpd", "openntpd", "systemd-timesyn", "ptp4l", "phc2sys"];
 
-/// Machine with its files below a folder.
+/// Machine, as files below a folder.
 #[derive(Debug)]
 pub(super) struct MachineFiles {
     root: PathBuf,
 }
 
 impl MachineFiles {
-    /// The machine below `root`: `/` is this one.
+    /// The machine below `root`: `/` is this machine.
     pub(super) fn at(root: impl Into<PathBuf>) -> Self {
         Self { root: root.into() }
     }
 
-    /// Content of a file without white space around it; `None` if there is none.
+    /// Content of a file without surrounding white space; `None` without such a file.
     pub(super) fn text(&self, path: &str) -> Option<String> {
         let text = fs::read_to_string(self.root.join(path)).ok()?;
         Some(text.trim().to_owned())
@@ -35,7 +35,7 @@ impl MachineFiles {
         self.text(path)?.parse().ok()
     }
 
-    /// Word in brackets, among those that a file offers.
+    /// The word in brackets among the words of a file.
     pub(super) fn chosen(&self, path: &str) -> Option<String> {
         let text = self.text(path)?;
         let (_, rest) = text.split_once('[')?;

@@ -17,7 +17,7 @@ use crate::args::Doctor;
 use crate::config::Config;
 use machine::MachineFiles;
 
-/// Smallest limit of open files: each process has several for each topic and process that it meets.
+/// Smallest limit of open files: each process has several for each topic and process in use.
 const FILES_WANTED: u64 = 4096;
 
 codes! {
@@ -38,18 +38,18 @@ impl Serialize for RunVerdict {
     }
 }
 
-/// One question's answer.
+/// Answer to a question.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 struct FindingKind {
     subject: &'static str,
     verdict: RunVerdict,
     found: String,
     wanted: String,
-    /// Command that mends it; `None` where nothing is to be mended, or no command can.
+    /// Remedy as a command; `None` where no remedy is needed, or no command is one.
     mend: Option<String>,
 }
 
-/// Demands of a deployment on its machine.
+/// Demands of a deployment on the machine.
 #[derive(Clone, Debug)]
 struct Wants {
     core: Option<usize>,
@@ -96,7 +96,7 @@ impl Wants {
 /// Runs the checks, and prints the results.
 ///
 /// # Errors
-/// If the configuration cannot be read, or something that it asks for cannot be had.
+/// If the configuration cannot be read, or a requested resource is unavailable.
 pub(crate) fn run(doctor: &Doctor) -> anyhow::Result<()> {
     let path = doctor
         .config
@@ -170,7 +170,7 @@ fn examine(machine: &MachineFiles, wants: &Wants, free: Option<u64>) -> Vec<Find
     ]
 }
 
-/// A finding that is good if `is_good`, else `otherwise` with a command that mends it.
+/// A finding that is good if `is_good`, else `otherwise` with the remedy as a command.
 fn finding(
     subject: &'static str,
     (is_good, otherwise): (bool, RunVerdict),
@@ -395,7 +395,7 @@ mod tests {
 
     const FREE: u64 = 1 << 30;
 
-    /// A machine of files, and the folder that they are in.
+    /// A machine of files, and the folder of these files.
     fn machine(files: &[(&str, &str)]) -> (tempfile::TempDir, MachineFiles) {
         let folder = tempfile::tempdir().unwrap();
         for (path, text) in files {

@@ -18,10 +18,10 @@ use super::doors::{Ending, PAUSE, Shared, refuse, spawn};
 
 /// Longest time for which a client may take no refusals.
 const WRITE_MAX: Duration = Duration::from_secs(5);
-/// Longest wait for the end of what a refused client sends, and reads of it.
+/// Longest wait for the end of a refused client's data, and number of reads of these data.
 const LINGER: Duration = Duration::from_millis(100);
 const LINGERING_READS: usize = 8;
-/// Most refused clients that are waited for at a time; further ones are closed at once.
+/// Maximum number of refused clients with such a wait at a time; further refused clients are closed at once.
 const LINGERING_MAX: usize = 16;
 
 /// Connection of a feeder.
@@ -52,7 +52,7 @@ macro_rules! connection {
 connection!(TcpStream);
 connection!(UnixStream);
 
-/// What stops the reads of a connection's thread, which then answers and ends.
+/// Means to stop the reads of a connection's thread, which then answers and ends.
 fn ending_of(stream: impl Connection) -> Ending {
     Ending::new(move || _ = stream.end(Shutdown::Read))
 }
@@ -89,8 +89,8 @@ fn fault_of(reason: DoorRefusal, limits: &DoorLimits) -> Fault {
     fault("connection", reason.word(), &limit, remedy)
 }
 
-/// Answers a connection for which there is no place. What the client has sent is read, for some time: a connection
-/// closed before would lose the answer.
+/// Answers a connection for which there is no place. The client's data are read, for some time: a connection closed
+/// before would lose the answer.
 fn refuse_connection(mut stream: impl Connection, fault: &Fault) -> io::Result<()> {
     stream.limit(Some(LINGER), LINGER)?;
     refuse(&mut stream, 0, fault)?;
@@ -104,7 +104,7 @@ fn refuse_connection(mut stream: impl Connection, fault: &Fault) -> io::Result<(
     Ok(())
 }
 
-/// Serves a connection that was admitted, until its end.
+/// Serves an admitted connection until the end.
 fn serve(shared: &Shared, ticket: net::Ticket, stream: impl Connection, mut writer: impl Connection, ending: &Ending) {
     let goes_on = || {
         shared.door().heard(ticket, Now::read().mono_ns);
@@ -116,11 +116,11 @@ fn serve(shared: &Shared, ticket: net::Ticket, stream: impl Connection, mut writ
     if let Some(reason) = ending.reason() {
         let _ = refuse(&mut writer, 0, &fault_of(reason, &shared.limits));
     }
-    // What ends the connection may hold it for a moment longer.
+    // The `ending` may hold the connection open for a moment longer.
     let _ = writer.end(Shutdown::Both);
 }
 
-/// Admits a connection and gives it a thread, or refuses it.
+/// Admits a connection and starts its thread, or refuses the connection.
 fn receive(shared: &Arc<Shared>, lingering: &Arc<AtomicUsize>, stream: impl Connection, peer: Peer) -> io::Result<()> {
     stream.limit(None, WRITE_MAX)?;
     let (writer, ending) = (stream.second()?, Arc::new(ending_of(stream.second()?)));
@@ -146,7 +146,7 @@ fn receive(shared: &Arc<Shared>, lingering: &Arc<AtomicUsize>, stream: impl Conn
             }
             let of_thread = Arc::clone(lingering);
             let started = spawn("refusal", move || {
-                // A client that does not read its answer loses it.
+                // A client that does not read the answer loses the answer.
                 let _ = refuse_connection(stream, &fault);
                 of_thread.fetch_sub(1, Relaxed);
             });
@@ -158,7 +158,7 @@ fn receive(shared: &Arc<Shared>, lingering: &Arc<AtomicUsize>, stream: impl Conn
     }
 }
 
-/// Accepts connections in a thread of its own.
+/// Accepts connections in a separate thread.
 fn accept_all<S: Connection>(
     shared: &Arc<Shared>,
     senders: AllowedSenders,

@@ -21,7 +21,7 @@ pub(super) const PAUSE: Duration = Duration::from_millis(100);
 /// Longest wait for a datagram.
 const PATIENCE: Duration = Duration::from_millis(100);
 
-/// What ends a connection from outside of its thread.
+/// Means to end a connection from outside of its thread.
 pub(super) struct Ending {
     stop: Box<dyn Fn() + Send + Sync>,
     reason: OnceLock<DoorRefusal>,
@@ -103,8 +103,8 @@ impl Shared {
         }
     }
 
-    /// Feeds the lines of `reader` until its end; `answers` gets a line for each refused line. `goes_on` is asked
-    /// after each line with content.
+    /// Feeds the lines of `reader` until the end; `answers` gets a line for each refused line. `goes_on` is asked after
+    /// each line with content.
     ///
     /// # Errors
     /// If the reader or the writer fails.
@@ -153,7 +153,7 @@ impl Shared {
         Ok(())
     }
 
-    /// Feeds the lines of the datagrams. Nobody is answered.
+    /// Feeds the lines of the datagrams. Datagrams get no answer.
     fn feed_datagrams(&self, mut receiver: UdpReceiver) {
         loop {
             let received = receiver.receive(PATIENCE, |datagram| {

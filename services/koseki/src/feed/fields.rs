@@ -1,4 +1,4 @@
-//! Fields of a line: a JSON object whose fields are taken by name, so that what is left has no meaning.
+//! Fields of a line: a JSON object. Fields are taken by name, and any field left over has no meaning.
 
 use koseki_client::observation::{fault, time_ns_of};
 use messages::IdentityText;
@@ -41,7 +41,7 @@ impl Fields {
         }
     }
 
-    /// Whether the line is one of `koseki tap`.
+    /// Whether the line is a line of `koseki tap`.
     pub(super) fn is_tapped(&self) -> bool {
         self.0.contains_key(super::tapped::MARK)
     }
@@ -140,7 +140,7 @@ impl Fields {
         }
     }
 
-    /// Takes the time, UTC, nanoseconds since 1970, with the name of its field; `None` if the line states none.
+    /// Takes the time, UTC, nanoseconds since 1970, with the field's name; `None` for a line without a time.
     pub(super) fn time_ns(&mut self) -> Result<Option<i64>, Fault> {
         let remedy = "write time as in \"2026-05-01T10:00:00.5Z\", or the UTC since 1970 as time_s or time_ns";
         if let Some(value) = self.take("time") {
@@ -183,7 +183,7 @@ impl Fields {
         Ok([Some(east), Some(north), (count == 3).then_some(up)])
     }
 
-    /// Refuses what has not been taken.
+    /// Refuses fields that have not been taken.
     pub(super) fn end(self, known: &[&str]) -> Result<(), Fault> {
         let Some((name, value)) = self.0.into_iter().next() else {
             return Ok(());

@@ -1,4 +1,4 @@
-//! The fed sources of a deployment, and what their lines become.
+//! The fed sources of a deployment, and the conversion of lines to samples.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -17,13 +17,13 @@ use super::samples;
 use super::tapped::TappedLines;
 use crate::config::Config;
 
-/// Most samples that are collected before they are published.
+/// Maximum number of samples collected before publishing.
 const GATHERED_MAX: usize = 64;
 
 /// Shortest time between two reports of refusals to the deployment, nanoseconds.
 const REPORT_NS: i64 = 500_000_000;
 
-/// Refused lines, by the place of their source (`None`: not known) and the reason, which mostly is the name of a field.
+/// Refused lines, by the place of the source (`None`: unknown) and the reason, which mostly is the name of a field.
 #[derive(Debug, Default)]
 struct Refusals {
     by_reason: BTreeMap<(Option<usize>, String), RefusedLines>,
@@ -48,16 +48,16 @@ struct Inlet {
     port: Port,
 }
 
-/// What the lines of a source are.
+/// Meaning of a source's lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum InletKind {
     /// Of the source with this number.
     Tracks(u16),
-    /// Detections; whether the configuration has standard deviations for those without their own.
+    /// Detections; whether the configuration has standard deviations for detections without own values.
     Detections { has_sigmas: bool },
 }
 
-/// Publisher of a source, from its first line on, with the samples to be published.
+/// Publisher of a source, from the first line on, with the samples to be published.
 enum Port {
     Closed,
     Tracks(Publisher<SensorTrack>, Vec<SensorTrack>),
@@ -75,7 +75,7 @@ pub(super) struct Inlets {
     clock_limit: Option<Duration>,
     pub(super) published: u64,
     refused: Refusals,
-    /// Source of the line that is being taken, as soon as it is known.
+    /// Source of the present line, as soon as known.
     source_of_line: Option<usize>,
 }
 
@@ -130,16 +130,16 @@ impl Inlets {
         }
     }
 
-    /// Makes the source called `name` that of lines that name none, and opens its topic.
+    /// Makes the source called `name` the source of lines without a named source, and opens its topic.
     ///
     /// # Errors
-    /// If no source of this name is fed from outside, or its topic cannot be opened.
+    /// If no source of this name is fed from outside, or the topic cannot be opened.
     pub(super) fn choose(&mut self, name: Option<&str>) -> anyhow::Result<()> {
         let place = match name {
             Some(name) => self
                 .place(name)
                 .map_err(|fault| offline::Usage(format!("--source {name}: {}; {}", fault.limit, fault.remedy)))?,
-            // One source needs no name.
+            // A single source needs no name.
             None if self.inlets.len() == 1 => 0,
             None if self.inlets.is_empty() => {
                 return Err(
@@ -160,7 +160,7 @@ impl Inlets {
         }
     }
 
-    /// Reports what was refused to the deployment, whose monitor raises an alarm; `now_ns` is monotonic.
+    /// Reports the refused lines to the deployment, for the monitor's alarm; `now_ns` is monotonic.
     pub(super) fn report(&mut self, now_ns: i64) {
         if now_ns - self.refused.reported_ns < REPORT_NS {
             return;
@@ -212,7 +212,7 @@ impl Inlets {
             return Ok(());
         }
         let name = &inlet.of_topic;
-        // Lines are checked here one by one, with the same limit.
+        // Lines are checked here singly, with the same limit.
         inlet.port = match inlet.kind {
             InletKind::Tracks(_) => Port::Tracks(unlimited(Publisher::at(&self.root, name)?), Vec::new()),
             InletKind::Detections { .. } => Port::Detections(
@@ -240,7 +240,7 @@ impl Inlets {
             Err(Refusal::Ended(error)) => return Err(error),
             Err(Refusal::Fault(fault)) => fault,
         };
-        // Whoever sends the lines names their fields.
+        // Field names come from the sender of the lines.
         let reason = match samples::is_known(&refused.field) {
             true => refused.field.as_str(),
             false => "unknown field",
@@ -313,7 +313,7 @@ impl Inlets {
         Ok(gathered >= GATHERED_MAX)
     }
 
-    /// Publishes what lines have given.
+    /// Publishes the samples from the lines.
     ///
     /// # Errors
     /// If the deployment has ended, or shared memory fails.

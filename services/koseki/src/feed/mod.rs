@@ -1,8 +1,8 @@
 //! `koseki feed`: lines of JSON to the external sources of a running deployment.
 //!
 //! Each line is an object with named fields, in degrees or metres. A line becomes a detection or a report of a track by
-//! the kind of its source, and passes the checks of every external publisher ([`messages::admission`]) before it is
-//! published. The publisher is that of the client library, so that one program feeds a source at a time.
+//! the kind of its source, and passes the checks of every external publisher ([`messages::admission`]) before
+//! publishing. The publisher comes from the client library, so that only a single program feeds a source at a time.
 
 mod connections;
 mod doors;

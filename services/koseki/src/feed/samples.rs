@@ -29,7 +29,7 @@ const OF_TRACKS: [&str; 4] = ["track", "velocity_mps", "course_rad", "state"];
 /// Fields of faults that are none of a source's fields.
 const OF_LINES: [&str; 1] = ["line"];
 
-/// Whether a fault's field is one that this command knows: an element of one counts as the field.
+/// Whether this command has a fault's field: an element of a field counts as the field.
 pub(super) fn is_known(field: &str) -> bool {
     let name = field.split(['[', '.', ',']).next().unwrap_or_default();
     let degrees = name.replace("_rad", "_deg");
@@ -47,8 +47,8 @@ pub(super) fn is_known(field: &str) -> bool {
         || of_samples.any(|layout| layout.fields.iter().any(|field| field.name == name))
 }
 
-/// Returns the detection of a line. With `has_sigmas` the configuration has standard deviations for lines without
-/// their own.
+/// Returns the detection of a line. With `has_sigmas` the configuration has standard deviations for lines without own
+/// values.
 pub(super) fn detection(mut fields: Fields, has_sigmas: bool) -> Result<Detection, Fault> {
     let mut detection = Detection {
         time_ns: fields.time_ns()?,

@@ -1,9 +1,9 @@
-//! Lines of `koseki tap`: whole samples by the names of their fields.
+//! Lines of `koseki tap`: whole samples with named fields.
 //!
 //! Such a line states the nanoseconds of its measurement under the sample's name, which no other line does. A sensor
 //! track or a detection goes on with every field; a state of a system track becomes a report of another centre, as over
-//! a link. Positions are in metres of the system frame of the deployment that was tapped; a line whose latitude and
-//! longitude are elsewhere in the fed deployment's frame is refused.
+//! a link. Positions are in metres of the system frame of the tapped deployment; a line with latitude and longitude
+//! elsewhere in the fed deployment's frame is refused.
 
 use frames::SystemFrame;
 use koseki_client::observation::fault;
@@ -17,7 +17,7 @@ use crate::config::Config;
 
 /// Field that a line of a sample has.
 pub(super) const MARK: &str = "time_of_measurement_ns";
-/// Largest distance between a position and its latitude and longitude, metres.
+/// Largest distance between a position and the stated latitude and longitude, metres.
 const APART_MAX_M: f64 = 1.0;
 const METRES_PER_DEGREE: f64 = 111_320.0;
 
@@ -28,7 +28,7 @@ pub(super) struct TappedLines {
     states: LineReader,
     detections: LineReader,
     frame: SystemFrame,
-    /// Number of the fed deployment among those that exchange tracks, and the identities of its sensors.
+    /// Number of the fed deployment for the exchange of tracks, and the identities of its sensors.
     origin: u32,
     uids: Vec<u32>,
 }
@@ -99,8 +99,8 @@ impl TappedLines {
     }
 }
 
-/// Puts 0 in place of a height and of components of a velocity that a line has as `null`; the bits of the sample state
-/// what is known.
+/// Puts 0 in place of a height and of components of a velocity that a line has as `null`; the bits of the sample mark
+/// the known values.
 fn nothing_unknown([_, _, up_m]: &mut [f64; 3], velocity_mps: &mut [f64; 3]) {
     for value in velocity_mps.iter_mut().chain([up_m]).filter(|value| value.is_nan()) {
         *value = 0.0;

@@ -1,9 +1,9 @@
-//! Fusion's work done again, step by step in its recorded order.
+//! Repeats fusion's work, step by step in recorded order.
 //!
-//! A step names the processed report by the number from its publisher. The reports are on the sources' topics of the
-//! same recording, some before and some after their step. A fusion that started within the recording starts again
-//! here. If a report or a step is missing, the further states of the engine are unknown. The work is then left out
-//! until the next start of fusion, or until the next snapshot of the engine in the recording.
+//! A step names the processed report by the publisher's number. The reports are on the sources' topics of the same
+//! recording, some before and some after the step. A fusion that started within the recording starts again here. If a
+//! report or a step is missing, the further states of the engine are unknown. The work is then left out until the next
+//! start of fusion, or until the next snapshot of the engine in the recording.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -13,7 +13,7 @@ use fusion::event_log::{Event, EventReader};
 use fusion::{Driver, Engine, FilterInput, ReportNumber, Settings, Sink};
 use messages::{NO_SOURCE, Order, OrderKind, Restored, SensorTrack, SystemTrack, WorkStep};
 
-/// A report that is not in the recording so long after its step is missing, nanoseconds.
+/// A report that is not in the recording so long after the step is missing, nanoseconds.
 const PATIENCE_NS: u64 = 10_000_000_000;
 
 /// Result of the work.
@@ -27,8 +27,8 @@ pub(crate) enum RunOutcome<'a> {
     Input(&'a FilterInput),
     /// An event has been worked off.
     Worked(&'a Engine),
-    /// Something of the fusion with this start-up number is missing: nothing follows until one begins, or is known
-    /// again.
+    /// Data of the fusion with this start-up number are missing: nothing follows until a fusion begins, or its state is
+    /// known again.
     Broke(u64),
 }
 
@@ -41,13 +41,13 @@ pub(crate) struct Plan {
     pub(crate) order: ReportOrder,
     /// Number of the deployment.
     pub(crate) origin: u32,
-    /// Number in `settings` of each recorded source; `None` where its reports are left out.
+    /// Number in `settings` of each recorded source; `None` for a source with omitted reports.
     pub(crate) sources: Vec<Option<u16>>,
-    /// Names of the conditions, by their numbers in the recording.
+    /// Names of the conditions, by the numbers in the recording.
     pub(crate) conditions: Vec<String>,
     /// Whether work goes on although something is missing.
     pub(crate) tolerates: bool,
-    /// Whether a fusion goes on from what the recorded one had found, not from what the one before it here has come to.
+    /// Whether a fusion continues from the recorded state, not from the state of the preceding fusion here.
     pub(crate) restores: bool,
 }
 
@@ -59,22 +59,22 @@ pub(crate) struct Spans {
     last_ns: Option<i64>,
 }
 
-/// Work of one recording.
+/// Work of a recording.
 #[derive(Debug)]
 pub(crate) struct Again {
     plan: Plan,
-    /// By source and incarnation of their publisher, reports with their numbers.
+    /// By source and incarnation of the publisher, reports with their numbers.
     reports: BTreeMap<(u16, u64), VecDeque<(u32, SensorTrack)>>,
     work: VecDeque<Work>,
-    /// The log that the latest step is of, and the number of the next one.
+    /// The log of the latest step, and the number of the next step.
     next_step: Option<(u64, u64)>,
     log: EventReader,
     run: Option<FusionRun>,
-    /// The fusion before that one.
+    /// The fusion before `run`.
     before: Option<FusionRun>,
-    /// Parts of what each fusion has found, by its start-up number.
+    /// Parts of each fusion's restored state, by the start-up number.
     restored: BTreeMap<u64, Vec<Restored>>,
-    /// Parts of images, by the time that they have.
+    /// Parts of images, by the time of the image.
     images: BTreeMap<i64, Vec<Restored>>,
     /// Time of the latest image that is not needed any more.
     passed_image_ns: i64,
@@ -86,13 +86,13 @@ pub(crate) struct Again {
 
 #[derive(Debug)]
 enum Work {
-    /// An event, and when it was taken by the recorder.
+    /// An event, and the time at which the recorder took the event.
     Event(Event, u64),
     /// Steps are missing, or cannot be read.
     Gap,
 }
 
-/// A fusion since its beginning.
+/// A fusion since its start.
 #[derive(Debug)]
 struct FusionRun {
     driver: Box<Driver<()>>,
@@ -120,7 +120,7 @@ impl Again {
         }
     }
 
-    /// The engine of the present fusion, or of the last one.
+    /// The engine of the present or last fusion.
     pub(crate) fn engine(&self) -> Option<&Engine> {
         let run = self.run.as_ref().or(self.before.as_ref());
         run.map(|run| run.driver.engine())
@@ -136,7 +136,7 @@ impl Again {
         waiting.push_back((number as u32, *report));
     }
 
-    /// Takes a part of what a fusion has found, or of an image of it.
+    /// Takes a part of a fusion's restored state, or of an image.
     pub(crate) fn restored(&mut self, part: &Restored) {
         let parts = match part.ends {
             Restored::IMAGE if part.time_ns <= self.passed_image_ns => return,
@@ -160,7 +160,7 @@ impl Again {
         }
     }
 
-    /// Works off what can be; the recording has been read up to `read_ns`, when the recorder took it.
+    /// Performs all possible work; the recording has been read up to the recorder's time `read_ns`.
     ///
     /// # Errors
     /// If the settings cannot work.
@@ -183,7 +183,7 @@ impl Again {
         Ok(())
     }
 
-    /// Applies an event. `false` if the event waits for samples of the recording that may follow: it `is_early`.
+    /// Applies an event. `false` if the event `is_early`, and waits for samples that may follow in the recording.
     fn apply(&mut self, event: &Event, is_early: bool, out: &mut impl FnMut(RunOutcome<'_>)) -> anyhow::Result<bool> {
         let can_wait = self.run.is_some() && is_early;
         match *event {
@@ -217,7 +217,7 @@ impl Again {
                     }
                 }
             },
-            // The report has no effect, but its place in the order of its publisher.
+            // The report has no effect, apart from the place in the publisher's order.
             Event::Quarantine {
                 source,
                 publisher,
@@ -263,7 +263,7 @@ impl Again {
         Ok(true)
     }
 
-    /// Lets the present fusion go on from what it had found. `false` if that is not in the recording.
+    /// Lets the present fusion continue from the restored state. `false` if this state is not in the recording.
     fn restore(&mut self, out: &mut impl FnMut(RunOutcome<'_>)) -> bool {
         let (plan, Some(run)) = (&self.plan, &mut self.run) else {
             return true;
@@ -320,7 +320,7 @@ impl Again {
         }
     }
 
-    /// Finds the report of `source` with this number of the publisher. Fusion never took the reports before it.
+    /// Finds the report of `source` with this number of the publisher. Fusion never took the reports before.
     fn find(&mut self, source: u16, publisher: u64, number: u32) -> ReportSearch {
         let Some(waiting) = self.reports.get_mut(&(source, publisher)) else {
             return ReportSearch::NotYet;
@@ -354,7 +354,7 @@ impl Again {
         self.drive(out, |driver, sink| driver.report(&mut report, number, passed_ns, sink));
     }
 
-    /// Obeys an order, if its sources take part.
+    /// Obeys an order, if the order's sources take part.
     fn obey(&mut self, order: &Order, passed_ns: i64, out: &mut impl FnMut(RunOutcome<'_>)) {
         let number = |source: u16| match source {
             NO_SOURCE => Some(NO_SOURCE),
@@ -375,7 +375,7 @@ impl Again {
         });
     }
 
-    /// Lets the present fusion act, if there is one.
+    /// Lets the present fusion act, if any.
     fn drive<O: FnMut(RunOutcome<'_>)>(&mut self, out: &mut O, act: impl FnOnce(&mut Driver<()>, &mut RunSink<'_, O>)) {
         if let Some(run) = &mut self.run {
             run.drive(self.plan.origin, out, act);
@@ -417,7 +417,7 @@ impl FusionRun {
         })
     }
 
-    /// Lets the driver act; each state has the numbers that fusion's output gives it.
+    /// Lets the driver act; each state gets the same numbers as from fusion's output.
     fn drive<O: FnMut(RunOutcome<'_>)>(
         &mut self,
         origin: u32,
@@ -442,7 +442,7 @@ impl FusionRun {
     }
 }
 
-/// What a run of fusion emits, as outcomes.
+/// Output of a run of fusion, as outcomes.
 struct RunSink<'a, O> {
     epoch: u64,
     sequence: &'a mut u64,

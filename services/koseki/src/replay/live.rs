@@ -1,8 +1,8 @@
 //! Publishing recorded sensor tracks again, into a deployment that runs.
 //!
-//! Slices go out in the recorded order, paced by the stamps of their sending, to the topics of the sources of the same
-//! names, which that deployment calls `external`. They are of now: all times of a slice are moved by as much, so that
-//! reports are as old as they were when they were sent.
+//! Slices go out in the recorded order, paced by the stamps of sending, to the topics of the sources of the same names,
+//! which that deployment calls `external`. All times of a slice are moved by the same amount to the present, so that
+//! reports have the same age as at the original sending.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -23,7 +23,7 @@ use crate::args::ReplayArgs;
 use crate::config::Config;
 use crate::recording_info::note_damage;
 
-/// Longest sleep before it is looked whether the command shall end, nanoseconds.
+/// Longest sleep between checks for the end of the command, nanoseconds.
 const LOOK_NS: i64 = 100_000_000;
 
 /// Publishes the recording in `files`, made by the deployment of `recorded`.
@@ -79,7 +79,7 @@ struct LiveReplay {
     stop: Stop,
     /// Time of the first slice's sending, monotonic and UTC, then and now.
     began: Option<(Now, Now)>,
-    /// The slice at hand, its topic, and when it was sent, UTC, nanoseconds.
+    /// The present slice, its topic, and the time of sending, UTC, nanoseconds.
     slice: Option<(String, BatchHeader, i64)>,
     reports: Vec<SensorTrack>,
     sent: u64,
@@ -101,7 +101,7 @@ impl LiveReplay {
         Ok(())
     }
 
-    /// Sends the slice at hand when it is due.
+    /// Sends the present slice when due.
     fn send(&mut self) -> anyhow::Result<()> {
         let Some((topic, header, sent_ns)) = self.slice.take() else {
             return Ok(());
@@ -120,7 +120,7 @@ impl LiveReplay {
         };
         let (then, began) = *self.began.get_or_insert_with(|| (first, Now::read()));
         let recorded_ns = header.sent_ns.saturating_sub(then.mono_ns);
-        // `as` saturates; without pacing it is 0.
+        // `as` saturates; without pacing the result is 0.
         let passed_ns = (recorded_ns as f64 / self.factor) as i64;
         loop {
             let wait_ns = began.mono_ns.saturating_add(passed_ns) - Now::read().mono_ns;

@@ -1,9 +1,9 @@
-//! `koseki replay`: a recording of all topics, fused again as it was, bit for bit (FM-10), or otherwise.
+//! `koseki replay`: a recording of all topics, fused again as recorded, bit for bit (FM-10), or otherwise.
 //!
 //! The state of an engine depends only on the calls of its driver. Live fusion records these calls as steps of the
 //! event log; the reports are on the sources' topics. This module reads a recording slice by slice. `again` brings
 //! steps and reports together and drives a new engine from each start of fusion. `verification` compares the resulting
-//! system tracks with the recorded ones. `live` publishes the reports again into a running deployment instead.
+//! system tracks with the recorded tracks. `live` publishes the reports again into a running deployment instead.
 
 mod again;
 #[cfg(test)]
@@ -42,7 +42,7 @@ const CONFIGURATION: &str = "configuration";
 /// Replays.
 ///
 /// # Errors
-/// If the recording cannot be used or the result not be written, or if it is not what was recorded.
+/// If the recording cannot be used, the result cannot be written, or the result differs from the recording.
 pub(crate) fn run(replay: &ReplayArgs) -> anyhow::Result<()> {
     let files = files(&replay.recording)?;
     check_outputs(files.iter().chain(&replay.config), &[("--out", replay.out.as_ref())])?;
@@ -75,7 +75,7 @@ pub(crate) fn run(replay: &ReplayArgs) -> anyhow::Result<()> {
     result.finish(&again)
 }
 
-/// Fuses the recording in `files` again; all that comes of it goes to `result`.
+/// Fuses the recording in `files` again; all output goes to `result`.
 fn fused_again<R: ReplayResult>(
     files: &[PathBuf],
     topics: BTreeMap<String, ReplayTopic>,
@@ -118,11 +118,11 @@ fn topics(recorded: &Config) -> BTreeMap<String, ReplayTopic> {
     reports.chain(own).collect()
 }
 
-/// Shows a recording in browsers at the address of `settings`. Labels, start view and declination are those of the
-/// recorded configuration, or those of the configuration `given` with its folder of data, which also has the maps.
+/// Shows a recording in browsers at the address of `settings`. Labels, start view and declination come from the
+/// recorded configuration, or from the configuration `given` with its folder of data, which also has the maps.
 ///
 /// # Errors
-/// If it cannot be used.
+/// If the recording cannot be used.
 pub(crate) fn show(
     recording: &Path,
     settings: display::Settings,
@@ -156,7 +156,7 @@ enum ReplayTopic {
     Restored,
 }
 
-/// Receiver of what a replay gives.
+/// Receiver of a replay's output.
 trait ReplayResult {
     /// Takes an outcome.
     fn take(&mut self, outcome: RunOutcome<'_>);
@@ -174,11 +174,11 @@ trait ReplayResult {
     fn pass_over(&mut self, _missing: &[Range<usize>]) {}
 }
 
-/// The recording, as it is read.
+/// The recording, during reading.
 #[derive(Debug)]
 struct ReplayReading<R> {
     topics: BTreeMap<String, ReplayTopic>,
-    /// Header of the slice at hand, the place of its next sample, its topic, and when it was taken.
+    /// Header of the present slice, the place of the next sample, the topic, and the time at which the slice was taken.
     slice: BatchHeader,
     place: u64,
     topic: Option<ReplayTopic>,
@@ -198,7 +198,7 @@ struct Result {
     config: Config,
     failed: std::io::Result<()>,
     states: u64,
-    /// Damaged parts of the recording that were skipped, and their bytes.
+    /// Skipped damaged parts of the recording, and skipped bytes.
     damaged: u64,
     damaged_bytes: u64,
 }
@@ -259,7 +259,7 @@ impl<R: ReplayResult> ReplayReading<R> {
         }
     }
 
-    /// Works off what the recording contains up to this time of its recorder.
+    /// Performs the work that the recording contains up to this time of the recorder.
     fn work(&mut self, read_ns: u64) -> anyhow::Result<()> {
         let Self { again, result, .. } = self;
         again.work(read_ns, &mut |outcome| result.take(outcome))?;

@@ -1,6 +1,6 @@
 //! `koseki smooth RECORDING`: the recorded system tracks, smoothed with later measurements (FM-17).
 //!
-//! The recording is fused again twice, as it was: first for the inputs of all filters, then for the states.
+//! The recording is fused again twice, as recorded: first for the inputs of all filters, then for the states.
 
 use std::io;
 use std::path::Path;
@@ -69,7 +69,7 @@ fn blocks(smooth: &Smooth, config: &Config, path: &Path) -> anyhow::Result<Track
     TrackBlocks::new(OutputFile::begin(path)?, &form, config.frame, &config.sources)
 }
 
-/// Collects what smoothing needs.
+/// Collects the data for smoothing.
 #[derive(Debug, Default)]
 struct Collector(Trajectories);
 

@@ -1,4 +1,4 @@
-//! Comparison of the system tracks that a replay gives with those that were recorded, bit for bit.
+//! Comparison of a replay's system tracks with the recorded system tracks, bit for bit.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::fmt;
@@ -17,20 +17,20 @@ pub(crate) struct Verification {
     pub(crate) states: u64,
     pub(crate) differences: u64,
     pub(crate) first: Option<Difference>,
-    /// States recorded that nothing can be said about.
+    /// Recorded states without a possible verdict.
     pub(crate) not_verified: u64,
     /// States that the replay gives and the recording lacks: lost by the recorder, or never sent by a killed fusion.
     pub(crate) not_recorded: u64,
-    /// Byte ranges of a state that the recording lacks, since its build had another layout.
+    /// Byte ranges of a state that the recording lacks, from a build with another layout.
     missing: Vec<Range<usize>>,
 }
 
-/// States of one run of fusion, by sequence number.
+/// States of a run of fusion, by sequence number.
 #[derive(Debug, Default)]
 struct RunStates {
     given: VecDeque<SystemTrack>,
     recorded: VecDeque<SystemTrack>,
-    /// Numbers of states that are not given, since it is not known what fusion knew.
+    /// Numbers of states that are not given, since fusion's state is unknown.
     unknown: VecDeque<Range<u64>>,
     /// Number of the state that is given next.
     next: u64,
@@ -60,8 +60,8 @@ impl Verification {
         run.next = sequence;
     }
 
-    /// End of a run: what follows of it is not given, unless it begins again. States of a later one may have been
-    /// recorded by then.
+    /// End of a run: the run's further states are not given, unless the run begins again. States of a later run may
+    /// have been recorded by then.
     pub(crate) fn break_off(&mut self, epoch: u64) {
         if let Some(run) = self.runs.get_mut(&epoch) {
             run.unknown.push_back(run.next..u64::MAX);
@@ -133,7 +133,7 @@ impl RunStates {
         run
     }
 
-    /// Forgets the next recorded states whose like is surely not given; how many.
+    /// Forgets the next recorded states without a given counterpart; returns the number.
     fn pass_over_unknown(&mut self) -> u64 {
         let mut count = 0;
         while let (Some(recorded), Some(unknown)) = (self.recorded.front(), self.unknown.front()) {
@@ -250,7 +250,7 @@ mod tests {
             not_recorded,
             ..
         } = verification;
-        // Before the first beginning two, between 12 and 15 three, at the end one.
+        // Two before the first begin, three between 12 and 15, a single state at the end.
         assert_eq!((states, not_verified, differences, not_recorded), (6, 6, 0, 0));
     }
 
@@ -276,7 +276,7 @@ mod tests {
         (0..3).for_each(|sequence| verification.give(&state(3, sequence)));
         (1..4).for_each(|sequence| verification.record(&state(3, sequence)));
         verification.break_off(3);
-        // Of a fusion whose beginning is not in the recording.
+        // Of a fusion without a recorded begin.
         verification.record(&state(2, 0));
         verification.begin(4, 0);
         verification.record(&state(4, 0));

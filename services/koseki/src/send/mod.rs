@@ -31,7 +31,7 @@ use crate::editions;
 use pieces::{Mover, Pieces, Timed, begins_ns, offsets_ns};
 use way_out::WayOut;
 
-/// Longest sleep, so that a signal ends it soon.
+/// Longest sleep, short enough for a prompt end by a signal.
 const SLEEP_MAX_NS: i64 = 100_000_000;
 /// Time between two lines of progress.
 const PROGRESS_NS: i64 = 1_000_000_000;
@@ -139,24 +139,24 @@ fn examine(file: &Path, octets: &[u8], pieces: &Pieces<'_>, send: &Send) -> anyh
     Ok(())
 }
 
-/// A recording on its way.
+/// A recording being sent.
 struct RecordingFeed<'p> {
     pieces: &'p Pieces<'p>,
     timed: Peekable<Timed<'p, 'p>>,
-    /// Time from the begin of the earliest recording to the begin of this one.
+    /// Time from the begin of the earliest recording to the begin of this recording.
     offset_ns: i64,
     way_out: WayOut,
 }
 
 impl RecordingFeed<'_> {
-    /// Returns the time of its next piece since the start of the earliest recording; `None` at its end.
+    /// Returns the time of the next piece since the start of the earliest recording; `None` at the end.
     fn due_ns(&mut self) -> Option<i64> {
         let (since_ns, _) = self.timed.peek()?;
         Some(self.offset_ns + since_ns)
     }
 }
 
-/// Sends the pieces of all recordings at their times, until the end or a stop request.
+/// Sends the pieces of all recordings when due, until the end or a stop request.
 fn send_all(
     send: &Send,
     feeds: &mut [RecordingFeed<'_>],

@@ -1,4 +1,4 @@
-//! Division of a recording into pieces sent at once, with their times.
+//! Division of a recording into pieces sent at once, with times.
 
 use std::borrow::Cow;
 
@@ -32,12 +32,12 @@ pub(super) struct Piece<'a> {
     pub(super) octets: Cow<'a, [u8]>,
     /// Time of recording, nanoseconds since the recording's own origin.
     recorded_ns: Option<i64>,
-    /// Time that its first record or line states, nanoseconds: of records, since midnight.
+    /// Time stated by the first record or line, nanoseconds: of records, since midnight.
     stated_ns: Option<i64>,
 }
 
 impl Piece<'_> {
-    /// Returns the time of the piece: time of recording, or the time stated in its records; `None` without both.
+    /// Returns the time of the piece: time of recording, or the time stated in the records; `None` without both.
     fn time_ns(&self) -> Option<i64> {
         self.recorded_ns.or(self.stated_ns)
     }
@@ -110,7 +110,7 @@ impl<'a> Pieces<'a> {
         }
         match (self.kind, Container::detect(self.content)) {
             (PieceKind::Lines, _) => Box::new(self.lines()),
-            // The recording does not contain its datagrams.
+            // The recording does not contain the datagrams.
             (PieceKind::Datagrams, Container::Raw) => Box::new(self.blocks()),
             (PieceKind::Datagrams, container) => Box::new(self.datagrams(container)),
         }
@@ -166,7 +166,7 @@ impl<'a> Pieces<'a> {
     }
 }
 
-/// The pieces of a recording with the times at which they are due.
+/// The pieces of a recording with due times.
 pub(super) struct Timed<'a, 'p> {
     pieces: Box<dyn Iterator<Item = Piece<'a>> + 'p>,
     first_ns: Option<i64>,
@@ -208,7 +208,7 @@ fn within_half_a_day(difference_ns: i64) -> i64 {
     (difference_ns + NS_PER_DAY / 2).rem_euclid(NS_PER_DAY) - NS_PER_DAY / 2
 }
 
-/// Returns the time of day of the recording's start, by its records, else by the time of recording, nanoseconds.
+/// Returns the time of day of the recording's start, by the records, else by the time of recording, nanoseconds.
 pub(super) fn begins_ns(pieces: &Pieces<'_>) -> Option<i64> {
     let stated = Timed::new(pieces).find_map(|(since_ns, piece)| Some(piece.stated_ns? - since_ns));
     let begins_ns = stated.or_else(|| pieces.iter().find_map(|piece| piece.time_ns()))?;
@@ -231,7 +231,7 @@ pub(super) fn offsets_ns(begins_ns: &[Option<i64>]) -> Vec<i64> {
 pub(super) struct Mover {
     /// Nanoseconds, whole seconds.
     by_ns: i64,
-    /// The present day, for times that state their day.
+    /// The present day, for times with a stated day.
     days: DayUnroller,
     moved: Vec<u8>,
     /// Times that were moved so far.

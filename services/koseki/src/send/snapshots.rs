@@ -16,7 +16,8 @@ pub(super) fn antennas(content: &[u8]) -> Option<usize> {
     (antennas > 0 && names().any(|name| name == "time_s")).then_some(antennas)
 }
 
-/// Datagrams of the rows, with their times, nanoseconds since midnight; rows with the same time are one measurement.
+/// Datagrams of the rows, with their times, nanoseconds since midnight; rows with the same time are a single
+/// measurement.
 ///
 /// # Errors
 /// The first row that cannot be read.
@@ -36,7 +37,7 @@ pub(super) fn datagrams(content: &[u8], antennas: usize) -> Result<Vec<(i64, Vec
     Ok(out)
 }
 
-/// Appends the datagrams of one measurement.
+/// Appends the datagrams of a measurement.
 fn push(rows: &[ArraySnapshot], measurement: u32, out: &mut Vec<(i64, Vec<u8>)>) {
     let at = &rows[0];
     let samples = rows.iter().flat_map(|row| &row.samples);

@@ -57,7 +57,7 @@ impl WayOut {
     /// Sends a piece. Failures of the operating system are counted.
     ///
     /// # Errors
-    /// If it takes no connections any more.
+    /// If the way out takes no connections any more.
     pub(super) fn send(&mut self, octets: &[u8]) -> std::io::Result<()> {
         match self {
             // Counted by the sender.

@@ -15,7 +15,7 @@ use runtime::signals::Stop;
 
 use crate::args::Tap;
 
-/// Largest size of a block, bytes: it fits a datagram.
+/// Largest size of a block, bytes: a block fits a datagram.
 const BLOCK_OCTETS_MAX: usize = 1_400;
 const CATEGORY: u8 = 62;
 /// Longest wait between two checks for a stop request.

@@ -23,7 +23,7 @@ use blocks::TapBlocks;
 
 /// Longest wait between two checks for connections or the deployment's end.
 const LOOK: Duration = Duration::from_millis(100);
-/// Bytes that are collected before they are handed on, if more samples wait.
+/// Bytes collected before being handed on, if more samples wait.
 const BLOCK: usize = 1 << 16;
 
 /// Writes samples as lines, until the deployment ends.
@@ -64,7 +64,7 @@ impl SampleForm {
     }
 }
 
-/// Where they go.
+/// Destination of the lines.
 enum LineDestination {
     Out(io::StdoutLock<'static>),
     Server(Box<LineServer>),
@@ -99,7 +99,7 @@ impl LineDestination {
     }
 }
 
-/// Returns who may read at an address.
+/// Returns the readers admitted at an address.
 fn reach_of(tap: &Tap) -> Reach {
     Reach::permitted(tap.remote, "--remote")
 }
@@ -107,7 +107,7 @@ fn reach_of(tap: &Tap) -> Reach {
 /// Returns the names of a running instance.
 ///
 /// # Errors
-/// If its configuration cannot be read.
+/// If the deployment's configuration cannot be read.
 fn names_of(root: &Root) -> anyhow::Result<SampleNames> {
     let config = Config::of_running(root.path())?;
     let sources = config.sources.iter().map(|source| source.name.clone());

@@ -79,7 +79,7 @@ impl Conditions {
     /// Growth of the counters of [`GROWING`].
     pub(super) fn growing_counters(&mut self, sight: RoundView<'_>, round: &mut Round<'_>) {
         for (kind, source, latest) in sight.observed.book().all() {
-            // A process's message as a whole repeats the counts of its sources.
+            // A process's message as a whole repeats the counts of the process's sources.
             let counters = match source {
                 NO_SOURCE => sight
                     .observed
@@ -98,7 +98,7 @@ impl Conditions {
                         Some(source) => format!(" of {}", source.facts.name),
                         None => String::new(),
                     };
-                    // Notes of other processes are about their inputs and peers.
+                    // Notes of other processes are about inputs and peers.
                     let cause = match (kind, *alarm, latest.note()) {
                         (ProcessKind::Recorder, _, note) if !note.is_empty() => note,
                         (_, AlarmKind::RecordingFailed, _) => "standard error has the cause",
@@ -129,7 +129,7 @@ impl Conditions {
             let subject = Subject::process(latest.name()).of_source(source);
             let senders = of(Counter::UnknownSenders);
             let rejected = of(Counter::RejectedSource);
-            // Data received before a restart of the monitor continue if they matter.
+            // Data received before a restart of the monitor continue if relevant.
             if senders > 0 && self.growth.has_grown(AlarmKind::SenderUnknown, subject, rejected, 0) {
                 let [sac, sic, ..] = latest.misfit();
                 let others = match senders - 1 {

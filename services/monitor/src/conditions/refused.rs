@@ -1,8 +1,8 @@
 //! Sources from which data arrive and none, or too few, are accepted.
 //!
-//! A silent source and one whose data are refused look alike in the picture, and differ in the remedy. The counters of
+//! A silent source and a source with refused data look alike in the picture, and differ in the remedy. The counters of
 //! refusals decide, and the latest refusal in words ([`Health::refusal`](messages::Health::refusal)) is the reason.
-//! Reports that no adapter has looked at, as those of `koseki feed`, are refused by fusion.
+//! Fusion refuses reports that no adapter has checked, such as the reports of `koseki feed`.
 
 use std::collections::BTreeSet;
 
@@ -15,9 +15,10 @@ use crate::text::several;
 
 /// Time over which refusals are counted, nanoseconds.
 const WHILE_NS: i64 = 10_000_000_000;
-/// Refusals from which nothing accepted is an alarm: a single one may be the end of another sender's test.
+/// Minimum number of refusals, with no accepted data, for an alarm: a single refusal may be the end of another sender's
+/// test.
 const REFUSED_MIN: u64 = 3;
-/// Unreadable data from which their share counts, and the share, per cent: noise on a line is less.
+/// Minimum number of unreadable data for an alarm, and minimum share, per cent: noise on a line is less.
 const UNREADABLE_MIN: u64 = 5;
 const UNREADABLE_PERCENT: u64 = 10;
 
@@ -48,14 +49,14 @@ const UNUSABLE: [Counter; 13] = [
     Counter::SentencesWithoutFix,
     Counter::DatagramsRejected,
 ];
-/// Counters of reports that fusion refuses for what they say, and that no other alarm is about.
+/// Counters of reports that fusion refuses for their content, and that no other alarm covers.
 const USELESS: [Counter; 3] = [
     Counter::RejectedTooFar,
     Counter::RejectedTooFast,
     Counter::RejectedInvalid,
 ];
 const REFUSED: usize = UNREADABLE.len() + UNUSABLE.len();
-/// Counters of what was accepted.
+/// Counters of accepted data.
 const ACCEPTED: [Counter; 5] = [
     Counter::Reports,
     Counter::Detections,
@@ -64,10 +65,10 @@ const ACCEPTED: [Counter; 5] = [
     Counter::ServiceMessages,
 ];
 
-/// Memory of the condition: what was accepted, what fits another edition, and what was refused, by reason.
+/// Memory of the condition: counts of accepted data, of data in another edition, and of refused data by reason.
 pub(super) type Refusals = Lately<{ REFUSED + 2 }>;
 
-/// Memory of what fusion used, and refused, by reason.
+/// Memory of the reports that fusion used, and of refused reports by reason.
 pub(super) type Useless = Lately<{ USELESS.len() + 1 }>;
 
 /// Begins a memory.
@@ -101,7 +102,7 @@ impl Refused {
         }
     }
 
-    /// Whether the data are of no use, or too many of them cannot be read.
+    /// Whether the data are of no use, or too large a share cannot be read.
     fn is_bad(&self) -> bool {
         let is_nothing_accepted = self.accepted == 0 && self.refused >= REFUSED_MIN;
         let all = self.unreadable + self.accepted;
@@ -120,8 +121,8 @@ fn counts(counters: &Counters) -> [u64; REFUSED + 2] {
 }
 
 impl Conditions {
-    /// Sources, and processes of adapters, whose data are refused. Returns the subjects of which something has arrived
-    /// of late: they are not silent.
+    /// Finds the sources, and adapter processes, with refused data. Returns the subjects with recent arrivals: these
+    /// are not silent.
     pub(super) fn refused(&mut self, sight: RoundView<'_>, round: &mut Round<'_>) -> BTreeSet<Subject> {
         let (mut arriving, mut found) = (self.refused_of_feed(sight), BTreeSet::new());
         let book = sight.observed.book();
@@ -149,7 +150,7 @@ impl Conditions {
                 continue;
             }
             arriving.insert(subject);
-            // Data that name no source are those of an only one.
+            // Data without a named source belong to the adapter's only source.
             let mut behind = self.sources.iter().filter(|known| known.facts.adapter == name);
             if let (NO_SOURCE, Some(only), None) = (source, behind.next(), behind.next()) {
                 arriving.insert(Subject::source(only.facts.number));
@@ -170,7 +171,7 @@ impl Conditions {
             }
         }
         arriving.extend(self.refused_by_fusion(sight, &found, round));
-        // A tracker whose sensors' data are refused is not silent either.
+        // A tracker with refused sensor data is not silent either.
         let of_sensor = |known: &super::sources::SourceWatch| {
             let is_arriving = arriving.contains(&Subject::source(known.facts.number));
             known.facts.sensor_of.filter(|_| is_arriving)
@@ -180,7 +181,7 @@ impl Conditions {
         arriving
     }
 
-    /// Sources of whose reports fusion uses none. What an adapter refuses has been `found`.
+    /// Finds sources with no report used by fusion. `found` holds the subjects of the adapters' refusals.
     fn refused_by_fusion(
         &mut self,
         sight: RoundView<'_>,

@@ -22,13 +22,13 @@ const CHANGE_SIGMAS: f64 = 5.0;
 const DETECTION_REPORTS: u64 = 2_000;
 const DETECTION_LOSS: f64 = 0.15;
 
-/// Source, as far as its alarms need.
+/// A source's facts for its alarms.
 #[derive(Debug)]
 pub(super) struct SourceWatch {
     pub(super) facts: SourceFacts,
     usual: [Usual; ERRORS.len()],
     usual_detection: Usual,
-    /// Fusion process of the estimates, and the number of reports taken by its predecessors.
+    /// Fusion process of the estimates, and the number of reports taken by the process's predecessors.
     learner: (u64, u64),
 }
 
@@ -42,8 +42,8 @@ impl SourceWatch {
         }
     }
 
-    /// Part of a clock's offset that the latency of the data does not explain, seconds: a sensor may take one of its
-    /// periods to send a measurement.
+    /// Part of a clock's offset that the latency of the data does not explain, seconds: a sensor may take a whole
+    /// period to send a measurement.
     fn clock_excess_s(&self, offset_s: f64) -> f64 {
         match offset_s < 0.0 {
             true => -offset_s - self.facts.period_ns as f64 / messages::NS_PER_S,
@@ -76,8 +76,8 @@ const ERRORS: [SourceError; 5] = [
 ];
 
 impl Conditions {
-    /// Sources without records for longer than their configuration allows; not those of `arriving`, whose data are
-    /// refused.
+    /// Sources without records for longer than the configuration allows, except the sources in `arriving`, with refused
+    /// data.
     pub(super) fn silent_sources(&mut self, sight: RoundView<'_>, arriving: &BTreeSet<Subject>, round: &mut Round<'_>) {
         for (index, source) in self.sources.iter().enumerate() {
             let is_adapter = |process: &&ObservedProcess| {

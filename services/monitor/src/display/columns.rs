@@ -1,14 +1,14 @@
-//! Tables that give up columns until they fit.
+//! Tables that leave out columns to fit.
 
 use telemetry::table::{Align, TextTable};
 
 /// Blanks between two columns.
 const GAP: usize = 2;
 
-/// What a person should think of a line.
+/// Reader's judgement of a line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Tone {
-    /// As it should be.
+    /// Normal.
     #[default]
     Plain,
     /// Worth a look.
@@ -17,7 +17,7 @@ pub(crate) enum Tone {
     Alarm,
 }
 
-/// Lines of one table.
+/// Lines of a table.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct TableLines {
     pub(crate) heading: String,
@@ -41,8 +41,8 @@ struct ScreenColumn {
 }
 
 impl FittedTable {
-    /// A table without rows. Each column has a heading, an alignment, and a rank by which it is left out where there is
-    /// too little room, largest first; one of rank 0 stays.
+    /// A table without rows. Each column has a heading, an alignment, and a rank. Where there is too little room,
+    /// columns are left out by rank, largest first; a column of rank 0 stays.
     pub(crate) fn new(columns: &[(&str, Align, u8)]) -> Self {
         let column = |(heading, align, rank): &(&str, Align, u8)| ScreenColumn {
             heading: (*heading).to_owned(),

@@ -1,4 +1,4 @@
-//! Draws an overview. A pure function of what is known and what is chosen to be seen; whatever does not fit is cut.
+//! Draws an overview. A pure function of the overview and the view; text beyond the margin is cut.
 
 use ratatui::buffer::Buffer;
 use ratatui::layout::{Constraint, Layout, Rect};
@@ -76,7 +76,7 @@ pub(crate) fn rows(overview: Option<&Overview>, view: &View) -> usize {
     })
 }
 
-/// Draws one screen of `koseki top`; before the first interval is over, there is no overview yet.
+/// Draws a screen of `koseki top`; before the first interval is over, there is no overview yet.
 pub(crate) fn draw(buffer: &mut Buffer, instance: &str, overview: Option<&Overview>, view: &View, looks: ScreenStyle) {
     let [title, tabs, body, help] = Layout::vertical([
         Constraint::Length(1),
@@ -104,7 +104,7 @@ pub(crate) fn draw(buffer: &mut Buffer, instance: &str, overview: Option<&Overvi
     match view.page {
         Page::Sources => draw_sources(buffer, body, overview, view, selected, looks),
         Page::Alarms => {
-            // Sentences are long: the selected one, and what to do, stand below in full.
+            // Sentences are long: the selected alarm's sentence and remedy stand below in full.
             let [table, sentences] = Layout::vertical([Constraint::Fill(1), Constraint::Length(6)]).areas(body);
             draw_lines(buffer, table, &lines, selected, looks);
             if let Some(alarm) = selected.and_then(|row| overview.alarms.get(row)) {
@@ -113,7 +113,7 @@ pub(crate) fn draw(buffer: &mut Buffer, instance: &str, overview: Option<&Overvi
             }
         }
         Page::Counters => {
-            // There is hardly ever room for the sentences of all of them.
+            // There is hardly ever room for every sentence.
             let [table, sentence] = Layout::vertical([Constraint::Fill(1), Constraint::Length(1)]).areas(body);
             draw_lines(buffer, table, &lines, selected, looks);
             if let Some(row) = selected.and_then(|row| overview.counters.get(row)) {
@@ -124,7 +124,7 @@ pub(crate) fn draw(buffer: &mut Buffer, instance: &str, overview: Option<&Overvi
     }
 }
 
-/// Draws the screen of a monitor, which nobody can press keys at.
+/// Draws the screen of a monitor, without key input.
 pub(crate) fn draw_unattended(buffer: &mut Buffer, overview: &Overview, looks: ScreenStyle) {
     let [title, address, body] =
         Layout::vertical([Constraint::Length(1), Constraint::Length(1), Constraint::Fill(1)]).areas(buffer.area);
@@ -175,7 +175,7 @@ fn draw_sources(
     let remark = pages::remark(overview);
     let alarms = pages::worst_alarms(overview, ALARMS_MAX);
     let [above, _, tracks, processes, alarmed, _, table, last] = Layout::vertical([
-        // All of them, or what the others leave.
+        // All rows, or the room that the others leave.
         Constraint::Max(1 + sources.rows.len() as u16),
         Constraint::Length(1),
         Constraint::Length(picture.len() as u16),
@@ -203,7 +203,8 @@ fn draw_sources(
     }
 }
 
-/// The heading, and as many rows as fit: so that the `selected` one is among them, or with a word on the others.
+/// The heading, and as many rows as fit: so that the `selected` row is among the drawn rows, or with a remark on the
+/// others.
 fn draw_lines(buffer: &mut Buffer, area: Rect, lines: &TableLines, selected: Option<usize>, looks: ScreenStyle) {
     let [heading, body] = Layout::vertical([Constraint::Length(1), Constraint::Fill(1)]).areas(area);
     Line::from(lines.heading.as_str()).bold().render(heading, buffer);
@@ -247,7 +248,7 @@ mod tests {
         lines.map(|cells| line(cells).trim_end().to_owned() + "\n").collect()
     }
 
-    /// The screen as text, and which of its lines are set off.
+    /// The screen as text, and the highlighted lines.
     fn screen(width: u16, height: u16, overview: Option<&Overview>, keys: &[ViewKey]) -> (String, Vec<usize>) {
         let mut view = View::default();
         for key in keys {

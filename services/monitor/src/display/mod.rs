@@ -3,14 +3,14 @@
 //! | module | purpose |
 //! |---|---|
 //! | `overview` | state of a deployment at the end of an interval |
-//! | `tracks` | latest states of the system tracks, and rows of them |
+//! | `tracks` | latest states of the system tracks, and their rows |
 //! | `pages` | turns an overview into lines of text: pure functions |
-//! | `columns` | tables that give up columns until they fit |
-//! | `view` | what the keys have chosen to see: page, row, span |
+//! | `columns` | tables that leave out columns to fit |
+//! | `view` | choice made by the keys: page, row, span |
 //! | `draw` | lines onto a screen: a pure function of overview and view |
 //!
-//! A terminal may be small. Text that is longer than a line would wrap, and push what stands above it out of sight, so
-//! nothing here does: the columns that matter least are left out, and what is left is cut at the margin.
+//! A terminal may be small. Text longer than a line would wrap, and push the lines above out of sight. Nothing here
+//! wraps: the least important columns are left out, and the rest is cut at the margin.
 
 pub(crate) mod columns;
 pub(crate) mod draw;

@@ -15,16 +15,16 @@ pub(crate) struct Overview {
     pub(crate) page: Option<String>,
     /// Now, UTC, nanoseconds.
     pub(crate) utc_ns: i64,
-    /// How long it has been looked at, nanoseconds.
+    /// Length of the observation so far, nanoseconds.
     pub(crate) elapsed_ns: i64,
     /// Length of the interval, nanoseconds.
     pub(crate) interval_ns: i64,
     /// How far fusion has got in the recordings' time, UTC, nanoseconds; `None` without recordings, or if unknown.
     pub(crate) recording_ns: Option<i64>,
-    /// In the order of their numbers.
+    /// In the order of the numbers.
     pub(crate) sources: Vec<SourceRow>,
     pub(crate) picture: TrackCounts,
-    /// Tracks that live, in the order of their numbers; none where nobody asks for them.
+    /// Live tracks, in the order of the numbers; none where not requested.
     pub(crate) tracks: Vec<TrackRow>,
     /// All sources together first, then each in the order of `sources`; of each, every stage that is measured.
     pub(crate) stages: Vec<StageRow>,
@@ -39,7 +39,7 @@ pub(crate) struct Overview {
     pub(crate) missed: u64,
 }
 
-/// One source.
+/// A source.
 #[derive(Clone, Debug, Default, Serialize)]
 pub(crate) struct SourceRow {
     pub(crate) number: u16,
@@ -54,11 +54,11 @@ pub(crate) struct SourceRow {
     pub(crate) lost: u64,
     /// Reports that fusion took and did not use.
     pub(crate) not_used: u64,
-    /// Stages that took longer than their deadlines, by the monitor's count.
+    /// Stages that took longer than the deadlines, by the monitor's count.
     pub(crate) late: u64,
 }
 
-/// Latencies of one stage.
+/// Latencies of a stage.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct StageRow {
     #[serde(serialize_with = "key")]
@@ -78,12 +78,12 @@ impl StageRow {
     }
 }
 
-/// One counter of one process.
+/// A counter of a process.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct CounterRow {
     /// Process that counted.
     pub(crate) process: String,
-    /// Source that it counted for; empty: all.
+    /// Counted source; empty: all.
     pub(crate) source: String,
     #[serde(serialize_with = "label")]
     pub(crate) counter: Counter,
@@ -92,14 +92,14 @@ pub(crate) struct CounterRow {
     pub(crate) per_s: f64,
 }
 
-/// One process.
+/// A process.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct ProcessRow {
     pub(crate) title: String,
     pub(crate) state: ProcessState,
     pub(crate) pid: Option<u32>,
     pub(crate) restarts: u32,
-    /// How it last ended when it should not have, and what it has to say.
+    /// The last unexpected end, and the process's own note.
     pub(crate) note: String,
 }
 
@@ -119,8 +119,7 @@ impl From<&SourceState> for SourceRow {
 }
 
 impl Overview {
-    /// Overview of the last closed interval, with the stages that are `measured`. The caller adds times and facts of
-    /// its own.
+    /// Overview of the last closed interval, with the stages that are `measured`. The caller adds times and facts.
     pub(crate) fn new(
         observed: &Deployment,
         processes: &[ObservedProcess],
@@ -138,7 +137,7 @@ impl Overview {
         }
     }
 
-    /// Latencies of one stage.
+    /// Latencies of a stage.
     pub(crate) fn stage(&self, stage: Stage, source: Option<u16>, span: Span) -> Summary {
         let found = self
             .stages
@@ -155,7 +154,7 @@ impl Overview {
 }
 
 impl ProcessRow {
-    /// Row of what is known of a process.
+    /// Row of an observed process.
     pub(crate) fn new(process: &ObservedProcess) -> Self {
         Self {
             title: process.title(),

@@ -13,7 +13,7 @@ use crate::text::{elapsed, several, time_of_day};
 /// Knots in a metre per second.
 const KNOTS: f64 = 3600.0 / 1852.0;
 
-/// Everything, as `--once` prints it.
+/// The whole overview, as printed by `--once`.
 pub(crate) fn everything(overview: &Overview) -> String {
     let mut text = format!("{}\n", title(overview));
     if let Some(page) = page(overview) {
@@ -34,7 +34,7 @@ pub(crate) fn everything(overview: &Overview) -> String {
     text
 }
 
-/// One line per interval.
+/// A line per interval.
 pub(crate) fn line(overview: &Overview) -> String {
     let sum = |of: fn(&SourceRow) -> u64| overview.sources.iter().map(of).sum::<u64>();
     let mut parts = vec![format!("{}  {}", time_of_day(overview.utc_ns), overview.instance)];
@@ -70,7 +70,7 @@ pub(crate) fn line(overview: &Overview) -> String {
     parts.join(" | ") + "\n"
 }
 
-/// Line that says what is looked at.
+/// Title line: the observed deployment.
 pub(crate) fn title(overview: &Overview) -> String {
     let mut parts = vec![
         format!("Koseki {}", overview.instance),
@@ -103,7 +103,7 @@ fn restarts(overview: &Overview) -> u64 {
     restarts.sum()
 }
 
-/// The system tracks by state, and what has become of them.
+/// The system tracks by state, and the ends of tracks.
 pub(crate) fn picture(overview: &Overview) -> [String; 2] {
     let picture = &overview.picture;
     [
@@ -125,7 +125,7 @@ pub(crate) fn picture(overview: &Overview) -> [String; 2] {
     ]
 }
 
-/// Line on the processes: how many are well, and what is wrong with the others.
+/// Line on the processes: the number of sound processes, and the faults of the others.
 pub(crate) fn health(overview: &Overview) -> (Tone, String) {
     let processes = &overview.processes;
     let troubled: Vec<_> = processes.iter().filter(|process| process.state.is_troubled()).collect();
@@ -153,7 +153,7 @@ pub(crate) fn health(overview: &Overview) -> (Tone, String) {
     (tone, text)
 }
 
-/// Warning that the figures are less than they seem.
+/// Warning about figures with less meaning than apparent.
 pub(crate) fn remark(overview: &Overview) -> Option<String> {
     if overview.queues_are_full {
         let text = "recordings are worked off as fast as possible: latencies are those of full queues";
@@ -165,7 +165,7 @@ pub(crate) fn remark(overview: &Overview) -> Option<String> {
     })
 }
 
-/// The table of a page, in lines that are no longer than `width` where its columns allow that.
+/// The table of a page, in lines that are no longer than `width` where the columns allow that.
 pub(crate) fn page_lines(overview: &Overview, page: Page, span: Span, width: usize) -> TableLines {
     match page {
         Page::Sources => sources(overview, span, width),
@@ -200,7 +200,7 @@ fn tone(alarm: &StandingAlarm) -> Tone {
     }
 }
 
-/// Lines on the worst alarms, at most `most`; the last one tells of the others.
+/// Lines on the worst alarms, at most `most`; the last line summarizes the others.
 pub(crate) fn worst_alarms(overview: &Overview, most: usize) -> Vec<(Tone, String)> {
     let alarms = &overview.alarms;
     let shown = if alarms.len() > most { most - 1 } else { alarms.len() };
@@ -271,7 +271,7 @@ fn sources(overview: &Overview, span: Span, width: usize) -> TableLines {
     rows.lines(width)
 }
 
-/// Every system track, with its place in the world.
+/// Every system track, with its position.
 fn tracks(overview: &Overview, width: usize) -> TableLines {
     let mut rows = FittedTable::new(&[
         ("track", Align::Right, 0),
@@ -339,7 +339,7 @@ fn stages(overview: &Overview, span: Span, width: usize) -> TableLines {
     latencies(&heading(overview, "stage", span), rows, width)
 }
 
-/// The stages of one source, or of all.
+/// The stages of a source, or of all.
 pub(crate) fn stages_of(overview: &Overview, source: Option<u16>, span: Span, width: usize) -> TableLines {
     let rows = overview.stages.iter().filter(|row| row.source == source);
     let rows = rows.map(|row| (row.stage.label().to_owned(), row.summary(span)));

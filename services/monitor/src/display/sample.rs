@@ -1,4 +1,4 @@
-//! An overview for tests of what is shown.
+//! An overview for tests of the display.
 
 use messages::{Counter, LifeState};
 use observed::{ProcessState, StandingAlarm, TrackCounts};

@@ -1,4 +1,4 @@
-//! Latest states of the system tracks, and rows of them for people.
+//! Latest states of the system tracks, and their rows for people.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use frames::SystemFrame;
 use messages::{Contribution, SystemTrack, TrackState, contribution_bits};
 use serde::Serialize;
 
-/// One hour, nanoseconds: data that are older than this are a recording's.
+/// One hour, nanoseconds: older data come from a recording.
 const RECORDING_NS: i64 = 3_600_000_000_000;
 
 /// Latest state of each system track that lives.
@@ -17,7 +17,7 @@ pub(crate) struct LatestStates {
 }
 
 impl LatestStates {
-    /// No states, and room for those of so many tracks.
+    /// No states, and room for the states of `capacity` tracks.
     pub(crate) fn new(capacity: usize) -> Self {
         Self {
             capacity,
@@ -39,13 +39,13 @@ impl LatestStates {
         }
     }
 
-    /// The states, in the order of their tracks' numbers.
+    /// The states, in the order of the track numbers.
     pub(crate) fn iter(&self) -> impl Iterator<Item = &SystemTrack> {
         self.tracks.values()
     }
 
-    /// Rows for people; `frame` is the system frame, if it is known. Ages count to `utc_ns`, and in a recording to the
-    /// latest of the states.
+    /// Rows for people; `frame` is the system frame, if known. Ages count to `utc_ns`, and in a recording to the latest
+    /// of the states.
     pub(crate) fn rows(&self, frame: Option<&SystemFrame>, utc_ns: i64) -> Vec<TrackRow> {
         let latest_ns = self.iter().map(|track| track.reference_time_ns).max().unwrap_or(utc_ns);
         let is_recording = utc_ns.saturating_sub(latest_ns) > RECORDING_NS;
@@ -54,7 +54,7 @@ impl LatestStates {
     }
 }
 
-/// One system track.
+/// A system track.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub(crate) struct TrackRow {
     pub(crate) number: u32,
@@ -70,7 +70,7 @@ pub(crate) struct TrackRow {
     pub(crate) speed_mps: Option<f64>,
     /// Numbers of the contributing sources, as in files from 1.
     pub(crate) sources: Vec<u32>,
-    /// Those of them that are other centres, and those that were and have fallen silent.
+    /// Contributing sources that are other centres, and former contributing centres that have fallen silent.
     pub(crate) centres: Vec<u32>,
     pub(crate) silent_centres: Vec<u32>,
     /// Time since the latest report that contributes, seconds; `None` if none does.

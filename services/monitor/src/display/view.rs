@@ -5,7 +5,7 @@ use telemetry::Span;
 /// A page of the screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Page {
-    /// Sources, and the stages of the one that is selected.
+    /// Sources, and the stages of the selected source.
     Sources,
     /// Every system track.
     Tracks,
@@ -20,7 +20,7 @@ pub(crate) enum Page {
 }
 
 impl Page {
-    /// In the order of their keys.
+    /// In the order of the keys.
     pub(crate) const ALL: [Self; 6] = [
         Self::Sources,
         Self::Tracks,
@@ -88,11 +88,11 @@ impl View {
         self.selected[self.page as usize].min(rows.saturating_sub(1))
     }
 
-    /// Does what a key says, on a page of `rows` rows. `false`: it was the last.
+    /// Applies a key, on a page of `rows` rows. Returns `false` for the key that ends the display.
     pub(crate) fn press(&mut self, key: ViewKey, rows: usize) -> bool {
         let pages = Page::ALL.len();
         if std::mem::take(&mut self.help) {
-            // Whatever the key: it closes the explanation.
+            // Any key closes the explanation.
             return true;
         }
         match key {

@@ -1,7 +1,7 @@
-//! Joins a deployment as a reader, and notices its end.
+//! Joins a deployment as a reader, and detects the deployment's end.
 //!
-//! A deployment ends in one of two ways. Its launcher says so, and waits two seconds for readers to leave before it
-//! removes the shared memory; or the launcher was killed, and nobody holds the instance any more.
+//! A deployment ends in either of two ways. The launcher announces the end, and waits two seconds for readers to leave
+//! before removing the shared memory; or the launcher was killed, and no process holds the instance any more.
 
 use std::time::Duration;
 
@@ -13,9 +13,9 @@ use runtime::Now;
 use super::watch::DeploymentWatch;
 use crate::display::overview::Overview;
 
-/// Name under which it joins.
+/// Name of this reader in the deployment.
 const OWN_NAME: &str = "top";
-/// Slices taken in one look: as many as can wait.
+/// Slices taken in a look: the length of the queue.
 const SLICES_PER_LOOK: usize = 256;
 
 /// Attachment to a deployment that runs.
@@ -48,7 +48,7 @@ impl Attached<SharedMemory> {
     /// Joins the deployment that runs under `root`.
     ///
     /// # Errors
-    /// If it does not run, or is just being started or stopped.
+    /// If the deployment does not run, or is just being started or stopped.
     pub(super) fn join(root: &Root, interval: Duration, clock: fn() -> Now) -> anyhow::Result<Self> {
         let joined = Bus::open(root, OWN_NAME).and_then(|bus| Self::new(root, bus, interval, clock));
         joined.map_err(|error| match error {
@@ -60,7 +60,7 @@ impl Attached<SharedMemory> {
         })
     }
 
-    /// Takes what has come, and closes the interval if it is over.
+    /// Takes the arrivals, and closes a finished interval.
     ///
     /// # Errors
     /// If shared memory fails although the deployment runs.
@@ -107,7 +107,7 @@ impl<S: Transport> Attached<S> {
         self.root.instance()
     }
 
-    /// As [`Attached::look`], without asking whether somebody runs the instance.
+    /// As [`Attached::look`], without checking for a holder of the instance.
     pub(super) fn look_at(&mut self, now: Now) -> Result<Look, BusError> {
         let (watch, clock) = (&mut self.watch, self.clock);
         self.states

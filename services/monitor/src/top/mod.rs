@@ -1,22 +1,22 @@
 //! `koseki top`: looks on at a running deployment, from any terminal.
 //!
-//! It is a reader like any other, joins without a configuration, and can leave at any time. What it shows it has from
-//! three places: the health messages (what every process counts, and what sources are called), the stamps of the system
-//! tracks (latencies), and the launcher's words (restarts, process numbers). It listens to nobody and looks every ten
-//! milliseconds instead, so fusion does not notice it; latencies are therefore taken to the moment at which fusion
-//! published, as by a monitor that polls.
+//! This reader joins like any other, without a configuration, and can leave at any time. The display has three sources:
+//! the health messages (every process's counts, the names of the sources), the stamps of the system tracks (latencies),
+//! and the launcher's messages (restarts, process numbers). The reader waits for no notification and looks every ten
+//! milliseconds instead, at no cost to fusion. Latencies are therefore taken to the moment at which fusion published,
+//! as by a monitor that polls.
 //!
 //! | module | purpose |
 //! |---|---|
-//! | `watch` | puts together what is heard: an overview per interval |
-//! | `attached` | joins the deployment, and notices its end |
+//! | `watch` | combines the messages: an overview per interval |
+//! | `attached` | joins the deployment, and detects the deployment's end |
 //! | `terminal` | the screen and the keys, and the restored terminal |
 //!
-//! Where standard output is no terminal there is one line per interval instead. With `once`, all tables are printed
-//! after one interval.
+//! Where standard output is no terminal there is a line per interval instead. With `once`, all tables are printed after
+//! one interval.
 //!
-//! Limits: it knows what was counted and said since it joined, and of earlier incarnations of a process only what it
-//! has heard itself. Deadlines are the monitor's; what it counted as late is shown.
+//! Limits: counts and messages begin with the joining, and earlier incarnations of a process are included only as far
+//! as received here. Deadlines are the monitor's; the monitor's count of late stages is shown.
 
 mod attached;
 mod terminal;
@@ -34,7 +34,7 @@ use attached::{Attached, Look};
 use crate::display::overview::Overview;
 use crate::display::pages;
 
-/// Time between two looks: the queue holds what comes in thirty at the highest rate that fusion has been measured with.
+/// Time between two looks. The queue holds the data of thirty such times, at the highest rate measured with fusion.
 const LOOK_EVERY: Duration = Duration::from_millis(10);
 
 /// How to look on.
@@ -55,10 +55,10 @@ pub enum Form {
     Json,
 }
 
-/// Looks on at the deployment that runs under `root` until it ends, the user has seen enough, or a signal comes.
+/// Shows the deployment that runs under `root` until the deployment ends, the user leaves, or a signal comes.
 ///
 /// # Errors
-/// If it does not run, the terminal cannot be used, or shared memory fails.
+/// If the deployment does not run, the terminal cannot be used, or shared memory fails.
 pub fn run(root: &Root, settings: Settings) -> anyhow::Result<()> {
     let stop = Stop::on_signals()?;
     let attached = Attached::join(root, settings.interval, Now::read)?;
@@ -86,11 +86,11 @@ pub fn run(root: &Root, settings: Settings) -> anyhow::Result<()> {
 enum EndReason {
     /// The deployment has.
     OfInstance,
-    /// Whoever looked has seen enough.
+    /// The reader has seen enough.
     OfInterest,
 }
 
-/// Whether there is somebody who reads on.
+/// Whether the reader still reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ReaderPresence {
     More,

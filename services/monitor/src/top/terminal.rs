@@ -1,7 +1,7 @@
 //! The screen and the keys.
 //!
-//! However it ends, the terminal is as it was before: by a key, a signal, an error, the end of the deployment (the
-//! guard is dropped) or a panic (a hook restores it before the message is printed).
+//! The terminal is restored at every end: by a key, a signal, an error, the end of the deployment (the guard is
+//! dropped) or a panic (a hook restores the terminal before the message is printed).
 
 use std::fs::File;
 use std::io::{self, IsTerminal as _};
@@ -25,10 +25,10 @@ use crate::display::view::{Page, View, ViewKey};
 
 /// Rows that a page key moves.
 const PAGE_ROWS: isize = 10;
-/// Keys worked off before the next look at the deployment: a key that is held down must not keep it waiting.
+/// Keys handled before the next look at the deployment: a key held down must not delay the deployment's data.
 const KEYS_PER_LOOK: usize = 16;
 
-/// Shows the deployment until it ends or the user has seen enough.
+/// Shows the deployment until its end or the user's.
 ///
 /// # Errors
 /// If the terminal cannot be used, or shared memory fails.
@@ -46,7 +46,7 @@ pub(super) fn show(mut attached: Attached<SharedMemory>, stop: &Stop) -> anyhow:
                 overview = Some(latest);
                 changed = true;
             }
-            // While paused, what comes is taken, so that nothing is missed, and not shown.
+            // While paused, arrivals are taken, so that nothing is missed, and not shown.
             Look::Interval(_) | Look::Nothing => {}
         }
         let mut patience = LOOK_EVERY;
@@ -97,7 +97,7 @@ impl TerminalScreen {
                 looks: ScreenStyle::of_environment(),
             }),
             Err(error) => {
-                // It may have been prepared in part.
+                // The terminal may have been prepared in part.
                 let _ = ratatui::try_restore();
                 Err(error).context("preparing the terminal; without one, `koseki top --once` prints everything")
             }
@@ -112,9 +112,9 @@ impl TerminalScreen {
         drawn.context("drawing").map(drop)
     }
 
-    /// The next thing that means something, if it comes within `patience`.
+    /// The next meaningful event, if any comes within `patience`.
     fn event(&self, patience: Duration) -> anyhow::Result<Option<TerminalEvent>> {
-        // The library reads a terminal that has gone for ever: its end is looked for before.
+        // The library reads from a vanished terminal for ever: the terminal's end is checked before.
         if is_gone(&self.keys, patience).context("waiting for a key")? {
             return Ok(Some(TerminalEvent::Gone));
         }
@@ -137,7 +137,7 @@ impl Drop for TerminalScreen {
     }
 }
 
-/// Terminal from which keys come: standard input, or the one that controls this process.
+/// Terminal that keys come from: standard input, or the controlling terminal of this process.
 fn keys() -> io::Result<OwnedFd> {
     let input = io::stdin();
     match input.is_terminal() {
@@ -161,7 +161,7 @@ fn is_gone(keys: &OwnedFd, patience: Duration) -> io::Result<bool> {
     }
 }
 
-/// Meaning of a key; `None` if it has none.
+/// Meaning of a key; `None` for a key without meaning.
 fn meaning(event: KeyEvent) -> Option<ViewKey> {
     let control = event.modifiers.contains(KeyModifiers::CONTROL);
     Some(match event.code {

@@ -1,4 +1,4 @@
-//! Puts together what is heard of a deployment. Pure: messages and times go in, an overview comes out.
+//! Combines the messages of a deployment. Pure: messages and times go in, an overview comes out.
 
 use bus::SubscriberCounts;
 use messages::{BatchHeader, Counter, CounterClass, NO_SOURCE, SystemTrack};
@@ -8,7 +8,7 @@ use runtime::Now;
 use crate::display::overview::{CounterRow, Overview};
 use crate::display::tracks::LatestStates;
 
-/// Most system tracks whose states are kept.
+/// Maximum number of system tracks with kept states.
 const TRACKS_MAX: usize = 20_000;
 
 /// Watch over a deployment.
@@ -42,7 +42,7 @@ impl DeploymentWatch {
         tracks.iter().for_each(|track| self.states.keep(track));
     }
 
-    /// Ends the interval at hand, which took `interval_ns`. `own` is what was counted at the system tracks here.
+    /// Ends the present interval, which took `interval_ns`. `own` is the local count of system tracks.
     pub(crate) fn close_interval(&mut self, now: Now, interval_ns: i64, own: SubscriberCounts) -> Overview {
         self.observed.close_interval();
         let observed = &self.observed;

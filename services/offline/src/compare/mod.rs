@@ -1,4 +1,4 @@
-//! `koseki compare`: all fusion rules on one input, side by side (FM-8).
+//! `koseki compare`: all fusion rules on a single input, side by side (FM-8).
 //!
 //! Each rule has its own engine and reads the same reports anew, so a comparison needs no more memory than a single
 //! fusion. The command compares the results that [`crate::fuse`] would write and [`crate::score`] would score,
@@ -19,7 +19,7 @@ use crate::files::InputError;
 use crate::host::Host;
 use crate::reading::{Setup, SkippedRows, drive};
 
-/// Result of one rule.
+/// Result of a rule.
 #[derive(Debug, Serialize)]
 struct RuleOutcome {
     rule: &'static str,
@@ -81,7 +81,7 @@ fn rules(compare: &Compare, host: &dyn Host) -> anyhow::Result<()> {
     host.print(&table::table(&outcomes, compare.markdown)?)
 }
 
-/// Runs one rule; its tracks are shown for `age_max_s` seconds.
+/// Runs a rule; the tracks are shown for `age_max_s` seconds.
 fn fuse(
     host: &dyn Host,
     rule: &'static RuleEntry,

@@ -1,4 +1,4 @@
-//! The states of some seconds ago: what a deployment publishes on `system/smoothed`.
+//! The states of some seconds ago, as published by a deployment on `system/smoothed`.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -29,7 +29,7 @@ impl LaggingRows<Box<dyn TableOutput>> {
     /// Begins the file.
     ///
     /// # Errors
-    /// If it cannot be written.
+    /// If the output cannot be written.
     pub(super) fn begin(
         path: &Path,
         lag: Option<Duration>,
@@ -46,7 +46,7 @@ impl LaggingRows<Box<dyn TableOutput>> {
         })
     }
 
-    /// Writes what still waits.
+    /// Writes the waiting states.
     ///
     /// # Errors
     /// If the file cannot be written.

@@ -1,8 +1,8 @@
-//! `koseki fuse`: files of sensor tracks into one file of system tracks (FM-5).
+//! `koseki fuse`: files of sensor tracks into a single file of system tracks (FM-5).
 //!
-//! The engine is the engine of the live process, driven in the same order of time (PL-12): the same reports give
-//! the same bytes. The command reads its files twice; the first pass determines the engine's settings for the
-//! sensors ([`crate::reading`]).
+//! The engine is the engine of the live process, driven in the same order of time (PL-12): the same reports give the
+//! same bytes. The command reads the files twice; the first pass determines the engine's settings for the sensors
+//! ([`crate::reading`]).
 
 mod lagging;
 mod picture;
@@ -112,7 +112,7 @@ pub(crate) fn run(fuse: &Fuse, host: &dyn Host) -> anyhow::Result<()> {
     }
 }
 
-/// What is written.
+/// Outputs of the command.
 struct FuseOutputs<W: Write> {
     rows: StateSink<W>,
     decisions: Option<DecisionWriter<W>>,
@@ -144,7 +144,7 @@ impl<W: Write> EngineReader for FuseOutputs<W> {
     }
 }
 
-/// Converts a duration to nanoseconds; the argument parser has checked its range.
+/// Converts a duration to nanoseconds; the argument parser has checked the range.
 pub(crate) fn nanoseconds(time: Duration) -> i64 {
     time.as_nanos() as i64
 }

@@ -1,4 +1,4 @@
-//! System tracks drawn as SVG, over the reports they result from.
+//! System tracks drawn as SVG, over the contributing reports.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -10,10 +10,10 @@ use crate::files::OutputFile;
 use crate::picture::{Drawing, Drawn, draw_legend, equal_scales, map_chart, picture};
 
 const SIZE: (u32, u32) = (960, 960);
-/// Pixels beside the map: axes, their labels and margins.
+/// Pixels beside the map: axes, labels and margins.
 const ASIDE: u32 = 110;
 const SYSTEM: RGBColor = RGBColor(20, 20, 20);
-/// Colours of the sensors, in the order of their ids; repeated after the last.
+/// Colours of the sensors, in the order of the ids; repeated after the last.
 const SENSORS: [RGBColor; 7] = [
     RGBColor(31, 119, 180),
     RGBColor(255, 127, 14),
@@ -39,7 +39,7 @@ pub(super) struct TrackDrawing {
 }
 
 impl TrackDrawing {
-    /// Creates an empty picture of one system track and its surroundings, or of everything.
+    /// Creates an empty picture of a system track and its surroundings, or of everything.
     pub(super) fn new(about: Option<u32>) -> Self {
         Self {
             about,
@@ -115,7 +115,7 @@ fn kilometres(position_m: &[f64; 3]) -> MapPoint {
     (position_m[0] * 1e-3, position_m[1] * 1e-3)
 }
 
-/// Keeps one place in each square of `size_km`.
+/// Keeps a single place in each square of `size_km`.
 fn one_a_pixel(places: impl Iterator<Item = MapPoint>, size_km: f64) -> Vec<MapPoint> {
     let mut taken = BTreeSet::new();
     let square = |place: &MapPoint| ((place.0 / size_km) as i64, (place.1 / size_km) as i64);

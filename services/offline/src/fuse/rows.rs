@@ -1,7 +1,7 @@
 //! Selection of the system track states written as rows.
 //!
-//! Without a refresh time, every state becomes a row. With a refresh time, rows hold the states at its whole
-//! multiples, for confirmed and coasted tracks: one row per track and time, in the order of the track numbers.
+//! Without a refresh time, every state becomes a row. With a refresh time, rows hold the states at whole multiples of
+//! this time, for confirmed and coasted tracks: a row per track and time, in the order of the track numbers.
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -13,7 +13,7 @@ use messages::{SystemTrack, TrackState};
 #[derive(Debug)]
 pub(crate) struct StateSelection {
     refresh_ns: Option<i64>,
-    /// States of one time, by track; passed on when a later state arrives.
+    /// States of a single time, by track; passed on when a later state arrives.
     waiting: BTreeMap<u32, SystemTrack>,
 }
 

@@ -56,7 +56,7 @@ impl Decisions {
         Ok(())
     }
 
-    /// Moves the complete table to its place.
+    /// Moves the complete table to the final place.
     ///
     /// # Errors
     /// If the table cannot be stored.

@@ -1,4 +1,4 @@
-//! Files of measurements of emitters, as one stream in the order of time.
+//! Files of measurements of emitters, as a single stream in the order of time.
 
 use std::cell::RefCell;
 use std::io::BufReader;
@@ -32,7 +32,7 @@ pub(super) struct MeasurementInput<'a> {
     pub(super) has_references: bool,
 }
 
-/// One file, and its next row.
+/// A file, and the next row.
 struct MeasurementFile<'a> {
     path: &'a Path,
     reader: EmitterRowReader<CountingInput>,
@@ -41,7 +41,7 @@ struct MeasurementFile<'a> {
 }
 
 impl<'a> MeasurementInput<'a> {
-    /// Opens files of bearings and arrival times, and a file of fixes. Of rows with the same time, those of the file
+    /// Opens files of bearings and arrival times, and a file of fixes. Of rows with the same time, the rows of the file
     /// named first come first.
     ///
     /// # Errors
@@ -91,7 +91,7 @@ impl<'a> MeasurementInput<'a> {
         Ok(input)
     }
 
-    /// Returns the next row of the file that has the earliest one.
+    /// Returns the next row of the file with the earliest next row.
     ///
     /// # Errors
     /// If a file cannot be read.

@@ -1,4 +1,4 @@
-//! `koseki locate`: bearings, arrival times and fixes of emitters into their positions (FM-7, FM-11).
+//! `koseki locate`: bearings, arrival times and fixes of emitters into emitter positions (FM-7, FM-11).
 //!
 //! The locator is the locator of the live adapters. This command reads files row by row and writes the results. A
 //! file may hold any number of emitters; memory holds only the filters of each.
@@ -97,7 +97,7 @@ fn unwritten(locate: &Locate) -> String {
     format!("{} cannot be written", locate.out.display())
 }
 
-/// The locator, and where its results go.
+/// The locator, and the outputs of results.
 struct Location<'a> {
     locate: &'a Locate,
     locator: Locator,
@@ -178,7 +178,7 @@ impl Location<'_> {
     }
 }
 
-/// Counts a refused row, or a refused transmission that ended before it.
+/// Counts a refused row, or a refused transmission that ended before the row.
 fn refuse(refusal: BearingRejection, row: Option<&MeasuredRow<'_>>, is_earlier: bool, refusals: &mut SkippedRows) {
     let reason = match refusal {
         BearingRejection::Unusable(_) => "a value that cannot be",
@@ -208,7 +208,7 @@ fn ship(host: &dyn Host, path: &Path, input: &mut MeasurementInput<'_>) -> Resul
     Ok(history)
 }
 
-/// A bearing from the bow, as one from north.
+/// A bearing from the bow, converted to a bearing from north.
 fn on_board(ship: &History, bearing: &Bearing) -> Result<Bearing, Refusal> {
     let pose = ship.at(bearing.time_of_measurement_ns).map_err(Refusal::Position)?;
     Mount::default().carry_bearing(bearing, &pose, None)

@@ -1,4 +1,4 @@
-//! Fixes of one emitter as a picture: the platform's path, the filter's estimates, and the outputs.
+//! Fixes of an emitter as a picture: the platform's path, the filter's estimates, and the outputs.
 
 use anyhow::bail;
 use locating::EmitterReport;
@@ -14,7 +14,7 @@ const MAP_HEIGHT: u32 = 680;
 const PLATFORM: RGBColor = RGBColor(170, 170, 170);
 const RAW: RGBColor = RGBColor(31, 119, 180);
 const OUTPUT: RGBColor = RGBColor(214, 39, 40);
-/// Pixels beside the map: axes, their labels and margins.
+/// Pixels beside the map: axes, labels and margins.
 const ASIDE: u32 = 110;
 
 /// Paths drawn for an emitter.
@@ -39,7 +39,7 @@ impl Paths {
         }
     }
 
-    /// Adds a bearing, if the report is of one, and the resulting report.
+    /// Adds the bearing, if the report has a bearing, and the resulting report.
     pub(super) fn take(&mut self, bearing: Option<&Bearing>, report: Option<&EmitterReport>) {
         let of_bearing = bearing.and_then(|bearing| bearing.emitter_id);
         let number = report.map(|report| report.number).or(of_bearing);

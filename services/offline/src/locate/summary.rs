@@ -136,7 +136,7 @@ impl LocateSummary {
     }
 }
 
-/// What was taken, by kind.
+/// Taken measurements, by kind.
 fn taken(counts: &LocatorCounts) -> String {
     let kinds = [
         (counts.bearings, "bearings"),

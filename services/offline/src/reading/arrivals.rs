@@ -1,8 +1,8 @@
-//! Rows of a file that states when they arrived, in the order of arrival, whatever their order in the file (FM-15).
+//! Rows of a file with stated arrivals, in the order of arrival, independent of the order in the file (FM-15).
 //!
 //! A row can be passed on once no row that follows in the file arrived before it. How far the file is out of order is
 //! therefore found first: the greatest time by which a row arrived before a row further up. A second reading then holds
-//! only the rows of so much time, so that a file in order costs no memory, however long it is.
+//! only the rows of so much time, so that a file in order costs no memory at any length.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -13,7 +13,7 @@ use messages::SensorTrack;
 
 use super::refusals::MIDNIGHT_STEP_NS;
 
-/// Order of the rows of a file that states when they arrived.
+/// Order of the rows of a file with stated arrivals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum RowOrder {
     Arrival,
@@ -21,18 +21,18 @@ pub(crate) enum RowOrder {
     Time,
 }
 
-/// A report as it arrives.
+/// A report at the time of arrival.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ArrivedReport {
     pub(crate) track: SensorTrack,
-    /// When it arrived, nanoseconds: not before its time of measurement.
+    /// Time of arrival, nanoseconds: not before the time of measurement.
     pub(crate) arrival_ns: i64,
-    /// Line of its file.
+    /// Line of the file.
     pub(crate) line: u64,
 }
 
 impl ArrivedReport {
-    /// Reports that arrive at once come in the order of their times.
+    /// Reports that arrive at once come in the order of the times of measurement.
     fn order(&self) -> (i64, i64, u64) {
         (self.arrival_ns, self.track.time_of_measurement_ns, self.line)
     }
@@ -119,7 +119,7 @@ impl ArrivalOrder {
         self.rows.push(Reverse(ArrivedReport { arrival_ns, ..*row }));
     }
 
-    /// The next row in the order of arrival; `None` while the file may have an earlier one, until it has `ended`.
+    /// The next row in the order of arrival; `None` while the file may have an earlier row, until it has `ended`.
     pub(super) fn pop(&mut self, has_ended: bool) -> Option<ArrivedReport> {
         let Reverse(first) = self.rows.peek()?;
         // A row that follows may have arrived at the very same time.
@@ -175,7 +175,7 @@ mod tests {
         assert_eq!(ordered(&by_time, RowOrder::Arrival).0, [3, 4, 2, 5, 6, 8, 7]);
         let mut reversed = by_time;
         reversed.reverse();
-        // Equal arrivals come in the order of their times.
+        // Equal arrivals come in the order of the times of measurement.
         assert_eq!(ordered(&reversed, RowOrder::Arrival).0, [7, 6, 8, 5, 4, 2, 3]);
         assert_eq!(ordered(&reversed, RowOrder::Time).0, [8, 7, 6, 5, 4, 3, 2]);
     }

@@ -1,5 +1,5 @@
 //! Passes all reports of files to the driver of the engine, in order of time like the live process; in order of arrival
-//! where files state it.
+//! for files with stated arrivals.
 
 use std::io;
 
@@ -28,12 +28,12 @@ pub(crate) struct DriveTotals {
     pub(crate) last_ns: Option<i64>,
 }
 
-/// States and decisions emitted by the engine for one report.
+/// States and decisions emitted by the engine for a report.
 #[derive(Debug, Default)]
 struct EngineOutput {
     states: Vec<SystemTrack>,
     decisions: Vec<Decision>,
-    /// Inputs of filters, where they are followed, each with the number of states before it.
+    /// Inputs of filters, where requested, each with the number of preceding states.
     inputs: Option<Vec<(usize, FilterInput)>>,
 }
 
@@ -57,7 +57,7 @@ impl Sink for EngineOutput {
     }
 }
 
-/// Receiver of what the engine emits for one report.
+/// Receiver of the engine's output for a report.
 pub(crate) trait EngineReader {
     /// Takes the next state of a system track.
     fn state(&mut self, state: &SystemTrack) -> io::Result<()>;
@@ -167,7 +167,7 @@ pub(crate) fn drive_into(
         progress.at(*reports.octets.borrow())?;
     }
     if let Some(last_ns) = driven.last_ns {
-        // A deadline takes effect once time has passed it, so one nanosecond is added.
+        // A deadline takes effect only after its time has passed, so a nanosecond is added.
         let settings = driver.engine().settings();
         let end_ns = end_ns(last_ns, settings.refresh_ns()) + settings.refresh_delay_s.ns() + 1;
         let begin_ns = runtime::clock::mono_ns();

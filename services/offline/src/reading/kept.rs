@@ -1,8 +1,8 @@
 //! Rows that the first pass over files has read, for the passes that follow.
 //!
 //! Reading a row costs more than fusing it. The first pass therefore keeps the rows of files of moderate size. Longer
-//! files, files that state arrivals (they are read in another order), and files with unreadable rows (whose refusals a
-//! later pass must report) are read again.
+//! files, files with stated arrivals (read in another order), and files with unreadable rows (a later pass must report
+//! the refusals) are read again.
 
 use std::collections::VecDeque;
 use std::rc::Rc;
@@ -12,7 +12,7 @@ use super::arrivals::ArrivedReport;
 /// Most memory for kept rows of all files, bytes.
 const MEMORY_MAX: usize = 64 << 20;
 
-/// Rows of a file, in its order.
+/// Rows of a file, in the file's order.
 #[derive(Debug)]
 pub(super) struct KeptFile {
     rows: Vec<ArrivedReport>,
@@ -22,7 +22,7 @@ pub(super) struct KeptFile {
 }
 
 impl KeptFile {
-    /// No rows yet, of one of so many files.
+    /// No rows yet, of a file among `files` files.
     pub(super) fn begin(files: usize, octets: u64) -> Self {
         Self {
             rows: Vec::new(),
@@ -61,7 +61,7 @@ impl KeptRows {
         }
     }
 
-    /// The rows of each file from the beginning, for sources with these ids; `None` if a sensor is none of them.
+    /// The rows of each file from the beginning, for sources with these ids; `None` if a sensor has another id.
     pub(super) fn again(&self, sensor_ids: &[u32]) -> Option<Vec<KeptReader>> {
         let source = |id: &u32| Some(sensor_ids.iter().position(|known| known == id)? as u16);
         let sources: Rc<[u16]> = self.sensor_ids.iter().map(source).collect::<Option<_>>()?;

@@ -1,12 +1,12 @@
-//! Sensor tracks of several files in the order of time, one at a time; those of files that state when their rows
-//! arrived, in the order of arrival (module `arrivals`).
+//! Sensor tracks of several files in the order of time, track by track; for files with stated arrivals, in the order of
+//! arrival (module `arrivals`).
 //!
 //! Memory holds a few rows of each file, so files may have any length. Unusable rows are skipped and counted
-//! individually: a recording of a million rows stays useful if ten of them are damaged. Reading ends only if the
-//! whole file is unusable, for example without a required column.
+//! individually: a recording of a million rows stays useful with ten damaged rows. Reading ends only if the whole file
+//! is unusable, for example without a required column.
 //!
-//! A row whose time runs away from the following rows of other sensors is skipped, rather than those rows: a wrong
-//! clock of one sensor must not advance the time of the others.
+//! A row with a time far beyond the following rows of other sensors is skipped, rather than these rows: a wrong clock
+//! of a single sensor must not advance the time of the others.
 
 use std::cell::RefCell;
 use std::collections::VecDeque;
@@ -42,7 +42,7 @@ pub(crate) struct Sensors {
     pub(crate) open: bool,
     /// First sensor above the maximum number.
     pub(crate) excess: Option<u32>,
-    /// Sensors whose accuracy is configured; `None`: all.
+    /// Sensors with configured accuracy; `None`: all.
     pub(crate) accurate: Option<Vec<u32>>,
 }
 
@@ -75,21 +75,21 @@ pub(crate) struct MergedRows {
     pub(crate) octets_in_all: u64,
 }
 
-/// One file.
+/// A file.
 struct FileLane {
     path: PathBuf,
     rows: LaneRows,
-    /// The next row, and up to [`AHEAD`] rows after it. A row is large: it is read into its place here, and leaves it
+    /// The next row, and up to [`AHEAD`] further rows. A row is large: each row is read into its place here, and moved
     /// once.
     ahead: VecDeque<ArrivedReport>,
     /// Time of the last returned row.
     given_ns: i64,
-    /// Order of a file that states when its rows arrived.
+    /// Order of a file with stated arrivals.
     arrivals: Option<ArrivalOrder>,
-    /// Readable rows so far, and whether their times count from 1970.
+    /// Number of readable rows so far, and whether the times count from 1970.
     readable: u64,
     since_1970: bool,
-    /// Rows among them that are earlier than a row above them, and the sentence on the first.
+    /// Number of readable rows that are earlier than a row above, and the sentence on the first.
     out_of_order: u64,
     first_out_of_order: Option<String>,
 }
@@ -98,7 +98,7 @@ struct FileLane {
 enum LaneRows {
     File {
         reader: Box<SensorTrackReader<CountingInput, SourceOf>>,
-        /// Rows so far, if they are kept.
+        /// Rows so far, if kept.
         kept: Option<KeptFile>,
     },
     Kept {
@@ -148,7 +148,7 @@ impl MergedRows {
         Ok(merged)
     }
 
-    /// The rows of `files` that the first pass has `kept`, under these source numbers; `None` if it has not kept all.
+    /// The rows of `files` that the first pass has `kept`, under these source numbers; `None` if rows are missing.
     ///
     /// # Errors
     /// None: the rows are readable.
@@ -186,13 +186,13 @@ impl MergedRows {
         Ok(())
     }
 
-    /// Whether a file states when its rows arrived.
+    /// Whether a file has stated arrivals.
     pub(crate) fn has_arrivals(&self) -> bool {
         self.lanes.iter().any(|lane| lane.arrivals.is_some())
     }
 
-    /// Refuses files that count their times differently, and files of which too many rows have been left out for their
-    /// time: what is left would look right.
+    /// Refuses files with different time bases, and files with too many rows left out for their time: the remaining
+    /// rows would look right.
     ///
     /// # Errors
     /// The first file.
@@ -253,7 +253,7 @@ impl FileLane {
         }
     }
 
-    /// Leaves out a row that is earlier than a row above it.
+    /// Leaves out a row that is earlier than a row above.
     fn leave_out(&mut self, refusals: &mut SkippedRows, line: u64, what: String) {
         refusals.out_of_order(&self.path, line, &what);
         self.out_of_order += 1;
@@ -261,7 +261,7 @@ impl FileLane {
             .get_or_insert_with(|| format!("line {line}, column time_s: {what}"));
     }
 
-    /// Finds the next row: the first one read ahead, unless its time or that of the row after it is wrong.
+    /// Finds the next row: the first row read ahead, unless its time or the following row's time is wrong.
     fn step(&mut self, refusals: &mut SkippedRows) -> Result<(), InputError> {
         if let Some(mut arrivals) = self.arrivals.take() {
             let next = self.next_arrival(&mut arrivals, refusals);
@@ -316,8 +316,8 @@ impl FileLane {
         }
     }
 
-    /// Whether the time of the next row, which is of `source`, is far beyond most following rows of other sensors, or,
-    /// without other sensors, of its own sensor.
+    /// Whether the time of the next row, from `source`, is far beyond most following rows of other sensors, or, without
+    /// other sensors, of the same sensor.
     fn runs_away(&self, next_ns: i64, source: u16) -> bool {
         let latest_ns = next_ns.saturating_sub(LEAP_NS);
         if latest_ns <= self.given_ns {
@@ -341,7 +341,7 @@ impl FileLane {
         Ok(())
     }
 
-    /// Reads the next readable row, behind those read ahead; `false` at the end.
+    /// Reads the next readable row, behind the rows read ahead; `false` at the end.
     fn read(&mut self, refusals: &mut SkippedRows) -> Result<bool, InputError> {
         let (reader, kept) = match &mut self.rows {
             LaneRows::File { reader, kept } => (reader, kept),
@@ -403,7 +403,7 @@ fn seconds(ns: i64) -> f64 {
     frames::time::seconds(ns)
 }
 
-/// Finds a file that is named twice: its reports would count twice.
+/// Finds a file named twice: the reports would count twice.
 pub(crate) fn named_twice(files: &[PathBuf]) -> Option<&Path> {
     let twice = files.iter().enumerate().find(|(place, file)| {
         let before = &files[..*place];

@@ -14,8 +14,7 @@ use crate::host::Host;
 /// Reads all states. Unusable rows are skipped and counted.
 ///
 /// # Errors
-/// If the file cannot be read, its times count from elsewhere than those of the files before, or it has no state with
-/// a position.
+/// If the file cannot be read, differs from the files before in the time base, or has no state with a position.
 pub(crate) fn platform_states(
     host: &dyn Host,
     path: &Path,

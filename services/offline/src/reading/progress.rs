@@ -9,7 +9,7 @@ use crate::host::{Host, TableInput};
 /// Size of the read buffer, bytes.
 const BUFFER_OCTETS: usize = 1 << 18;
 
-/// Pass over tables that reports its progress to the host.
+/// Pass over tables that reports the progress to the host.
 pub(crate) struct Progress<'a> {
     host: &'a dyn Host,
     octets: u64,

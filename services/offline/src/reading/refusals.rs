@@ -8,12 +8,12 @@ use frames::time::NS_PER_DAY;
 
 use crate::files::InputError;
 
-/// Maximum number of refused rows shown with their place and value.
+/// Maximum number of refused rows shown with place and value.
 const SHOWN_MAX: usize = 5;
 
 /// A step back by more is the midnight after which a clock begins again, nanoseconds.
 pub(crate) const MIDNIGHT_STEP_NS: i64 = NS_PER_DAY / 2;
-/// What to do about it.
+/// Remedy for such a step.
 pub(crate) const MIDNIGHT_REMEDY: &str = "times count on across midnight: add 86400 to the times of the next day";
 
 /// Skipped rows.
@@ -80,7 +80,7 @@ impl SkippedRows {
         }
     }
 
-    /// Counts a value without a row of its own.
+    /// Counts a value that has no separate row.
     pub fn count(&mut self, reason: &str) {
         *self.by_reason.entry(reason.to_owned()).or_default() += 1;
     }

@@ -23,11 +23,11 @@ pub(crate) struct Setup<'a> {
     /// `sensor_id` of each source in the files.
     pub(crate) sensor_ids: Vec<u32>,
     pub(crate) settings: Settings,
-    /// The deployment, if the configuration is one.
+    /// The deployment, if the configuration is a deployment's.
     pub(crate) deployment: Option<Deployment>,
-    /// Sensors whose accuracy is configured, so that their positions need no variances; `None`: all.
+    /// Sensors with configured accuracy, so that the positions need no variances; `None`: all.
     accurate: Option<Vec<u32>>,
-    /// The rows of the files, if the first pass has kept them.
+    /// The rows of the files, if kept by the first pass.
     kept: Option<KeptRows>,
 }
 
@@ -38,7 +38,7 @@ enum FuseConfiguration {
 }
 
 impl FuseConfiguration {
-    /// Sensors whose accuracy is configured; `None`: all, as in a deployment.
+    /// Sensors with configured accuracy; `None`: all, as in a deployment.
     fn accurate(&self) -> Option<Vec<u32>> {
         match self {
             Self::Deployment(_) => None,

@@ -1,4 +1,4 @@
-//! First pass over sensor tracks: determines the sensors, their report intervals and accuracies, and the number of
+//! First pass over sensor tracks: determines the sensors, the report intervals and accuracies, and the number of
 //! concurrent tracks. Memory holds only the live tracks and a sample of each sensor's figures.
 
 use std::path::PathBuf;
@@ -27,9 +27,9 @@ pub(crate) struct FileSurvey {
     pub(crate) first_refusal: Option<String>,
     /// Id of the first sensor beyond the maximum number, if any.
     pub(crate) excess: Option<u32>,
-    /// Whether a file states when its rows arrived.
+    /// Whether a file has stated arrivals.
     pub(crate) has_arrivals: bool,
-    /// The rows, if they fit into memory.
+    /// The rows, if small enough for memory.
     pub(crate) kept: Option<KeptRows>,
 }
 

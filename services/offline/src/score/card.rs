@@ -13,7 +13,7 @@ use crate::printed::digits;
 /// Share of the gate from which errors are so large that some are cut off.
 const GATE_SHARE: f64 = 0.8;
 
-/// Figures of a picture with its scorecard.
+/// Figures of a picture with the scorecard.
 #[derive(Debug, Serialize)]
 pub(super) struct ScoredPicture<'a> {
     #[serde(flatten)]
@@ -65,7 +65,7 @@ impl<'a> CardObject<'a> {
     }
 }
 
-/// Returns what a reader must know of the reference.
+/// Returns the necessary facts about the reference for a reader.
 pub(super) fn about(reference: CardReference) -> &'static str {
     match reference {
         CardReference::Truth => "Compared with the truth: a line passes or fails.",
@@ -196,7 +196,7 @@ fn write_line(text: &mut String, line: &LineResult) {
     );
 }
 
-/// Returns a limit with its comparison.
+/// Returns a limit with the comparison.
 pub(super) fn limit_text(limit: LineLimit) -> String {
     let value = limit.value();
     match value < 1e-3 {
@@ -205,7 +205,7 @@ pub(super) fn limit_text(limit: LineLimit) -> String {
     }
 }
 
-/// Returns what a reader must know before the figures of a card.
+/// Returns the necessary remarks for a reader before the figures of a card.
 pub(super) fn advice(area: &AreaCard, gate_m: f64) -> Vec<String> {
     let mut found = Vec::new();
     let mut lines = area.standards.iter().flat_map(|standard| &standard.lines);
@@ -225,7 +225,7 @@ pub(super) fn advice(area: &AreaCard, gate_m: f64) -> Vec<String> {
     found
 }
 
-/// Returns the meaning of a line, with the areas for which it was written.
+/// Returns the meaning of a line, with the areas that the line was written for.
 pub(super) fn meaning(line: &LineResult) -> String {
     match line.area {
         Some(area) => format!("for {}: {}", area.word, line.meaning),

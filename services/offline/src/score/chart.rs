@@ -54,7 +54,7 @@ impl ChartAxis {
         }
     }
 
-    /// Returns the pixel of a value; values beyond the axis are at its ends.
+    /// Returns the pixel of a value; values beyond the axis are at the axis's ends.
     fn pixel(&self, value: f64) -> f64 {
         self.unlimited(value.clamp(self.range.start, self.range.end))
     }
@@ -87,7 +87,7 @@ impl ChartAxis {
     }
 }
 
-/// Chart that grows by its elements.
+/// Chart that grows element by element.
 #[derive(Debug)]
 pub(super) struct Chart {
     svg: String,
@@ -97,7 +97,7 @@ pub(super) struct Chart {
 }
 
 impl Chart {
-    /// Begins a chart of this size in pixels. `label` is its title for readers of the screen.
+    /// Begins a chart of this size in pixels. `label` is the title for screen readers.
     pub(super) fn new(label: &str, size: [f64; 2], mut x: ChartAxis, mut y: ChartAxis) -> Self {
         let [left, top, right, bottom] = MARGIN;
         x.pixels = left..size[0] - right;
@@ -166,7 +166,7 @@ impl Chart {
         }
     }
 
-    /// Fills a closed line, and the same for its holes; what lies beyond the axes is cut off.
+    /// Fills a closed line, except for the holes; parts beyond the axes are cut off.
     pub(super) fn outline(&mut self, rings: &[Vec<[f64; 2]>], style: &str) {
         let (left, top) = (self.x.pixels.start, self.y.pixels.end);
         let (width, height) = (self.x.pixels.end - left, self.y.pixels.start - top);
@@ -255,7 +255,7 @@ mod tests {
         chart.outline(&[far()], "");
         let svg = chart.finish();
         assert!(!svg.contains("<script>") && svg.matches("</svg>").count() == 2, "{svg}");
-        // Beyond the axis at its end, 14 pixels below the top.
+        // Beyond the axis at the axis's end, 14 pixels below the top.
         assert!(
             svg.contains("cy=\"14.0\"") && svg.contains("<title>&lt;5</title>"),
             "{svg}"

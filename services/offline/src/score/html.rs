@@ -1,4 +1,4 @@
-//! The scorecard as a page: one file with its pictures, without scripts and without sources elsewhere.
+//! The scorecard as a page: a single file with its pictures, without scripts and without sources elsewhere.
 
 use std::fmt::Write as _;
 
@@ -37,7 +37,7 @@ figure>svg{width:100%;height:auto;display:block;font-size:11px;fill:#1c2733}\
 .key i{display:inline-block;width:11px;height:11px;border-radius:50%;margin-right:4px;vertical-align:-1px}\
 ";
 
-/// What stands at the head of the page.
+/// Head of the page.
 pub(super) struct PageHead<'a> {
     pub(super) truth: &'a str,
     pub(super) tracks: &'a str,

@@ -1,8 +1,8 @@
 //! `koseki score`: quality of tracks or fixes against a known truth (FM-8).
 //!
-//! The crate `scoring` defines the figures. This module opens files and prints the figures: a line each with its
-//! meaning, or one JSON object with the same names. A scorecard follows: [`card`] has it as text and JSON, [`html`] as
-//! a page.
+//! The crate `scoring` defines the figures. This module opens files and prints the figures: a line each with the
+//! meaning, or a JSON object with the same names. A scorecard follows: [`card`] has the scorecard as text and JSON,
+//! [`html`] as a page.
 
 mod areas;
 mod card;
@@ -109,7 +109,7 @@ fn with_remedy(error: &CsvError) -> String {
     }
 }
 
-/// Returns what was compared, in lines that end with an empty one.
+/// Returns a description of the comparison, in lines that end with an empty line.
 fn compared_text(compared: &Compared) -> String {
     let mut text = format!(
         "Compared: {} whole seconds from {} s to {} s, {} targets (target-seconds: {}), {} tracks (track-seconds: {}).\n",

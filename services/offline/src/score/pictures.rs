@@ -9,17 +9,17 @@ use super::chart::{BLUE, Chart, ChartAxis, FAINT, INK, ORANGE, RED, TEAL};
 
 const SIZE: [f64; 2] = [520.0, 320.0];
 const MAP_SIZE: [f64; 2] = [520.0, 470.0];
-/// Pixels of the map without its margins.
+/// Pixels of the map without margins.
 const MAP_PLOT: [f64; 2] = [422.0, 412.0];
 /// Most dots and most steps of a line in a picture; more would not be visible.
 const DOTS_MAX: usize = 4_000;
 const STEPS_MAX: usize = 300;
 /// Number of intervals of the picture over time.
 const TIME_BINS: i64 = 60;
-/// Shares of the errors shown by phase, with their colours.
+/// Shares of the errors shown by phase, with colours.
 const SHARES: [(&str, &str); 4] = [("50 %", TEAL), ("90 %", BLUE), ("95 %", ORANGE), ("99 %", RED)];
 
-/// Returns the pictures of a card with their captions (HTML).
+/// Returns the pictures of a card with captions (HTML).
 pub(super) fn of_card(card: &AreaCard, errors: &[&ErrorSample], areas: &[ScoredArea]) -> Vec<(String, String)> {
     let mut sizes: Vec<f64> = errors.iter().map(|error| error.position_m).collect();
     sizes.sort_unstable_by(f64::total_cmp);
@@ -141,7 +141,7 @@ fn distribution(card: &AreaCard, sorted: &[f64]) -> String {
     chart.finish()
 }
 
-/// Returns the limits of position errors that lines of the card's standards set, with their shares.
+/// Returns the limits of position errors that lines of the card's standards set, with shares.
 fn limits(card: &AreaCard) -> Vec<(f64, f64)> {
     let mut found: Vec<(f64, f64)> = Vec::new();
     let results = card.standards.iter().flat_map(|standard| {
@@ -186,7 +186,7 @@ fn map(errors: &[&ErrorSample], areas: &[ScoredArea], (low, high): (f64, f64)) -
             );
         }
     }
-    // The largest errors are drawn last, so that no other dot hides them.
+    // The largest errors are drawn last, so that no other dot hides a large error.
     let step = errors.len().div_ceil(DOTS_MAX);
     let is_large = |error: &ErrorSample| error.position_m > high;
     let mut drawn: Vec<&ErrorSample> = errors

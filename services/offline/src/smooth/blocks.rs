@@ -9,7 +9,7 @@ use frames::SystemFrame;
 use messages::SystemTrack;
 use outgoing::{HeightReference, OutgoingCounts, SystemReports, SystemSource};
 
-/// Largest size of a data block, bytes: with the headers of UDP and IP it fits an Ethernet frame.
+/// Largest size of a data block, bytes: with the headers of UDP and IP a block fits an Ethernet frame.
 const BLOCK_OCTETS_MAX: usize = 1400;
 /// Category of system tracks.
 const SYSTEM_TRACKS: u8 = 62;
@@ -17,7 +17,7 @@ const SYSTEM_TRACKS: u8 = 62;
 /// Content and form of the data blocks.
 #[derive(Clone, Copy, Debug)]
 pub struct BlockForm {
-    /// Edition; `None` for the newest one known.
+    /// Edition; `None` for the newest known edition.
     pub table: Option<&'static Category>,
     /// System area code and system identification code of the sender.
     pub sender: [u8; 2],
@@ -36,7 +36,7 @@ impl<W: Write> TrackBlocks<W> {
     /// Creates a writer for a system with this frame and these sources.
     ///
     /// # Errors
-    /// If the edition is not one of CAT062.
+    /// If the edition is not an edition of CAT062.
     pub fn new(out: W, form: &BlockForm, frame: SystemFrame, sources: &[Source]) -> anyhow::Result<Self> {
         let newest = registry::default_edition(SYSTEM_TRACKS);
         let table = form.table.or(newest).context("CAT062 has no table")?;
@@ -71,7 +71,7 @@ impl<W: Write> TrackBlocks<W> {
         Ok((self.out, self.reports.counts()))
     }
 
-    /// Does `what`, and writes the blocks that come of it.
+    /// Performs `what`, and writes the resulting blocks.
     fn put(&mut self, what: impl FnOnce(&mut SystemReports, &mut outgoing::SendBlock<'_>)) -> io::Result<()> {
         let Self { reports, out } = self;
         let mut written = Ok(());

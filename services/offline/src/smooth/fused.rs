@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::files::InputError;
 use crate::host::TableInput;
 
-/// Writer that compares what it receives with a file. It never fails: the first difference is noted.
+/// Writer that compares the received rows with a file. Writing never fails: the first difference is noted.
 pub(super) struct FusedCheck {
     file: BufReader<TableInput>,
     line: u64,

@@ -2,7 +2,8 @@
 //!
 //! The engine runs twice in the same way as for `koseki fuse`. The first run collects the inputs of all filters and the
 //! times of all states; the second writes the same rows with smoothed kinematics. Memory thus holds measurements and
-//! smoothed states, but no messages. The executable smooths recordings: it drives the engine by their event logs.
+//! smoothed states, but no messages. The executable smooths recordings, and drives the engine by the recorded event
+//! logs.
 
 mod blocks;
 mod fused;
@@ -87,7 +88,7 @@ pub(crate) fn run(smooth: &Smooth, host: &dyn Host) -> anyhow::Result<()> {
 }
 
 impl Smooth {
-    /// Written files with their options.
+    /// Written files with options.
     pub fn outputs(&self) -> [(&'static str, Option<&PathBuf>); 2] {
         [("--out", Some(&self.out)), ("--asterix", self.asterix.as_ref())]
     }
@@ -166,7 +167,7 @@ fn existing(path: &Path, setup: &Setup<'_>, host: &dyn Host) -> anyhow::Result<S
     )?)
 }
 
-/// Collects what smoothing needs.
+/// Collects the data for smoothing.
 struct Collector {
     trajectories: Trajectories,
     fused: Option<StateSink<FusedCheck>>,

@@ -16,7 +16,7 @@ pub struct SmoothTotals {
     measurements: u64,
     /// Rows written.
     rows: u64,
-    /// Those among them without measurements, which stay as they were fused.
+    /// Number of these without measurements, which stay as fused.
     unmeasured: u64,
     /// Records of CAT062.
     pub records: Option<u64>,

@@ -1,5 +1,5 @@
-//! Decisions of the tracker and their reasons as a table: a row per record, in chronological order.
-//! docs/tracking.md explains the columns.
+//! Decisions of the tracker and the reasons as a table: a row per record, in chronological order. docs/tracking.md
+//! explains the columns.
 
 use std::cell::RefCell;
 use std::fmt::Write as _;
@@ -27,8 +27,7 @@ struct Inner {
     sensor_id: u32,
     /// Number of the cluster within the scan, from 1.
     cluster: u32,
-    /// Number of the hypothesis within the cluster, from 1; its reliability and tracks wait until all of them are
-    /// known.
+    /// Number of the hypothesis within the cluster, from 1; reliability and tracks wait until all hypotheses are known.
     hypothesis: u32,
     waiting: Option<(f64, String)>,
     failed: io::Result<()>,
@@ -70,7 +69,7 @@ impl Explained {
         })
     }
 
-    /// Moves the complete table to its place.
+    /// Moves the complete table to the final place.
     ///
     /// # Errors
     /// If a row could not be written, or the table cannot be stored.
@@ -103,7 +102,7 @@ impl Observer for Explained {
                 value,
                 limit,
             } => {
-                // The fate of a track precedes the record of its cluster.
+                // The fate of a track precedes the record of the cluster.
                 inner.next_cluster();
                 inner.track(*event, track, *value, *limit);
             }

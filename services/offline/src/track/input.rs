@@ -19,7 +19,7 @@ use crate::reading::{FileBases, MIDNIGHT_REMEDY, MIDNIGHT_STEP_NS, SkippedRows};
 
 const BUFFER_OCTETS: usize = 1 << 18;
 
-/// Where a row stands in a file, and in the scans of its sensor.
+/// Place of a row in a file, and in the scans of the sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct RowPlace {
     sensor_id: u32,
@@ -29,7 +29,7 @@ struct RowPlace {
 }
 
 /// Returns a sentence on the first scan that is half a day and more before the scan of the number before: the times
-/// begin again at midnight, and rows are put in their order later.
+/// begin again at midnight, and rows are put in order later.
 fn midnight(mut places: Vec<RowPlace>) -> Option<String> {
     places.sort_unstable();
     let is_back = |pair: &&[RowPlace]| {
@@ -62,7 +62,7 @@ pub(super) struct DetectionInput {
 }
 
 impl DetectionInput {
-    /// The input of a recording of this length, before its detections.
+    /// The input of a recording of this length, before the detections.
     pub(super) fn of_recording(file: &Path, octets: u64) -> Self {
         Self {
             first_file: file.to_owned(),
@@ -111,7 +111,7 @@ impl DetectionInput {
         if begun == 1 && first[0] == b'[' {
             return self.read_autoferry(path, file, &first);
         }
-        // A pipe cannot be read twice: reading continues after its first byte.
+        // A pipe cannot be read twice: reading continues after the first byte.
         let file = match file.seek(SeekFrom::Start(0)) {
             Ok(_) => first[..0].chain(file),
             Err(_) => first[..begun].chain(file),
@@ -172,7 +172,7 @@ impl DetectionInput {
         Ok(())
     }
 
-    /// Returns the sensors as far as the detections describe them.
+    /// Returns the sensors as far as the detections describe the sensors.
     pub(super) fn seen(&self, scans: &[ScanOfDetections]) -> SeenDetections {
         SeenDetections {
             sensor_ids: scans.iter().map(|scan| scan.sensor_id).collect(),

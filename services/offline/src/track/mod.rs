@@ -1,8 +1,8 @@
-//! `koseki track`: files of detections into one file of tracks (FM-6).
+//! `koseki track`: files of detections into a single file of tracks (FM-6).
 //!
 //! The command feeds the tracker of the live adapters ([`ScanTracker`]) scan by scan in order of time. The recorded
-//! detections of an adapter therefore give the tracks published by that adapter, byte for byte. The command reads
-//! whole files into memory, because a scan may be anywhere in them.
+//! detections of an adapter therefore give the tracks published by that adapter, byte for byte. The command reads whole
+//! files into memory, because a scan may be anywhere in a file.
 
 mod explain;
 mod input;
@@ -130,7 +130,7 @@ pub(crate) fn run(track: &TrackArgs, host: &dyn Host) -> anyhow::Result<()> {
     summary.show(host, track.json)
 }
 
-/// Reads an optional file and its rows.
+/// Reads the rows of an optional file.
 fn read<T>(
     path: Option<&Path>,
     read: impl FnOnce(&Path) -> Result<(SupportInput, Vec<T>), InputError>,
@@ -187,7 +187,8 @@ impl TrackConfiguration {
         }
     }
 
-    /// The deployment's file, if several platforms carry its sensors: the states of `--platform` are those of one.
+    /// The deployment's file, if the sensors are on several platforms: the states of `--platform` belong to a single
+    /// platform.
     fn of_several_platforms(&self) -> Option<&Path> {
         let Self::Deployment(config) = self else { return None };
         let first = carrying(config).next();
@@ -206,7 +207,7 @@ impl TrackConfiguration {
         }
     }
 
-    /// Mounting of a sensor whose detections may state their platform themselves.
+    /// Mounting of a sensor with detections that may state the platform themselves.
     fn own_mount(&self, sensor_id: u32) -> Option<Mount> {
         match self {
             Self::Offline(config) => {
@@ -275,7 +276,7 @@ impl TrackConfiguration {
     }
 }
 
-/// Sensor of a tracker process, by its number in files.
+/// Sensor of a tracker process, by the number in files.
 fn sensor_of(config: &Config, id: u32) -> Option<&Source> {
     config
         .tracker_sensors

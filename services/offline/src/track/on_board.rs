@@ -1,4 +1,4 @@
-//! Detections of sensors on a moving platform (`--platform`), carried into the system's terms before they are tracked.
+//! Detections of sensors on a moving platform (`--platform`), carried into the system's terms before tracking.
 //!
 //! The code is that of tracker processes ([`sources::carrying`]). All states are known before the first detection, so
 //! no detection waits.
@@ -19,7 +19,7 @@ use crate::reading::{SkippedRows, platform_states};
 use super::TrackConfiguration;
 use super::input::DetectionInput;
 
-/// Outcome of the platform's states and of the detections that need them.
+/// Outcome of the platform's states and of the detections that need the states.
 #[derive(Debug, Default)]
 pub(super) struct OnBoard {
     states: u64,
@@ -48,7 +48,7 @@ impl Passage {
         }
     }
 
-    /// Replaces the detections by those in the system frame, without those that are refused.
+    /// Replaces the detections by detections in the system frame, without the refused detections.
     fn pass(mut self, input: &mut DetectionInput) -> WaitingCounts {
         let measured = std::mem::take(&mut input.detections);
         let passed = &mut input.detections;
@@ -112,8 +112,8 @@ impl OnBoard {
         Ok(on_board)
     }
 
-    /// Carries the detections that state the attitude of their platform themselves, of sensors that
-    /// `[[platform.sensor]]` names; `None` if there are none.
+    /// Carries the detections that state the attitude of the platform themselves, of sensors named in
+    /// `[[platform.sensor]]`; `None` if there are none.
     ///
     /// # Errors
     /// If no detection can be used.

@@ -31,7 +31,7 @@ pub(super) struct TrackerSink {
     failed: anyhow::Result<()>,
     /// Time from which the rows' times count, UTC, nanoseconds; 0 if the detections' times count from there already.
     pub(super) first_day_ns: i64,
-    /// Whether pictures without a scan since the last one are marked as coasted, as a live tracker marks them.
+    /// Whether pictures without a scan since the last picture are marked as coasted, as by a live tracker.
     pub(super) marks_extrapolated: bool,
 }
 
@@ -60,7 +60,7 @@ impl<T: Row> OutcomeTable<T> {
     }
 }
 
-/// Table of tracks: with the columns of replies if any detection has one, so that other tables stay as they were.
+/// Table of tracks: with the columns of replies if any detection has replies, so that other tables stay unchanged.
 #[derive(Debug)]
 enum TrackTable {
     Plain(OutcomeTable<TrackerTrack>),
@@ -128,7 +128,7 @@ impl TrackerSink {
         std::mem::replace(&mut self.failed, Ok(()))
     }
 
-    /// Moves the complete tables to their places; returns the number of rows of tracks and of cues.
+    /// Moves the complete tables to the final places; returns the number of rows of tracks and of cues.
     ///
     /// # Errors
     /// If a table cannot be stored.

@@ -1,11 +1,11 @@
-//! `koseki track` on a recording of all topics (MCAP): the events of a tracker process, as it took them.
+//! `koseki track` on a recording of all topics (MCAP): the events of a tracker process, as taken by the process.
 //!
-//! The process publishes each event of its sensors before anything is decided about it. The same joiner
+//! The process publishes each event of its sensors before any decision about the event. The same joiner
 //! ([`sources::joining`]) and the same tracker take the recorded events in the recorded order, so the tracks are equal
 //! in every field, and the same late detections are rejected. Reports of the tracker's wide-area sensors are read from
-//! the recording, too. The settings are those in the recording, or of a deployment given by `--config`.
+//! the recording, too. The settings come from the recording, or from a deployment given by `--config`.
 //!
-//! Limit: a tracker process that was killed and has resumed its tracks has lost the detections that waited; from then
+//! Limit: a tracker process that was killed and has resumed the tracks has lost the detections that waited; from then
 //! on the tracks may differ.
 
 use std::collections::BTreeMap;
@@ -115,7 +115,7 @@ pub(super) fn run(track: &TrackArgs, host: &dyn Host) -> anyhow::Result<()> {
         progress.at(done as u64)?;
     }
     drop(progress);
-    // A live tracker never knows that nothing follows; a recorded one does.
+    // A live tracker never detects the end of the data; a recorded tracker does.
     if source.input.is_recorded() {
         joiner.end();
         while joiner.next_scan().is_some() {
@@ -162,14 +162,14 @@ fn configuration(track: &TrackArgs, host: &dyn Host) -> anyhow::Result<Config> {
     Ok(Config::parse_whole(path, &text)?)
 }
 
-/// Day on which the deployment of the recording began, from which its tracker counts scans; UTC, nanoseconds.
+/// Day on which the deployment of the recording began, from which the tracker counts scans; UTC, nanoseconds.
 fn recorded_day(track: &TrackArgs, host: &dyn Host) -> anyhow::Result<Option<i64>> {
     let path = &track.detections[0];
     let facts = recording::facts(&mut host.open(path)?).with_context(|| format!("reading {}", path.display()))?;
     Ok(facts.and_then(|facts| facts.get("first_day_ns")?.parse().ok()))
 }
 
-/// The tracker process to repeat: the only one, or that of `--tracker`.
+/// The tracker process to repeat: the only tracker process, or the tracker process of `--tracker`.
 fn tracker<'a>(track: &TrackArgs, config: &'a Config) -> anyhow::Result<(&'a Source, &'a TrackerSettings)> {
     let is_tracker = |source: &&Source| matches!(source.input, Input::Tracker(_));
     let trackers: Vec<&Source> = config.sources.iter().filter(is_tracker).collect();
@@ -191,10 +191,10 @@ fn tracker<'a>(track: &TrackArgs, config: &'a Config) -> anyhow::Result<(&'a Sou
     })
 }
 
-/// What a tracker process took, in its order.
+/// Events taken by a tracker process, in the process's order.
 #[derive(Debug, Default)]
 struct RecordedEvents {
-    /// Place of the sensor, and its event; without a sensor, the time of the clock.
+    /// Place of the sensor, and the event; without a sensor, the time of the clock.
     events: Vec<(Option<usize>, SensorEvent)>,
     reports: Vec<WideAreaReport>,
     octets: u64,

@@ -44,7 +44,7 @@ struct OfSensor {
 }
 
 impl Tracked {
-    /// Adds a scan with its processing time.
+    /// Adds a scan with the processing time.
     pub(super) fn scan(
         &mut self,
         scan: &SensorScan<'_>,

@@ -16,14 +16,14 @@ use crate::files::InputError;
 use crate::host::Host;
 use crate::reading::{FileBases, SkippedRows};
 
-/// Input file and the outcome of its rows.
+/// Input file and the outcome of the rows.
 #[derive(Debug)]
 pub(super) struct SupportInput {
     path: PathBuf,
     pub(super) refusals: SkippedRows,
     /// Rows rejected by the tracker, by reason.
     pub(super) rejected: BTreeMap<String, u64>,
-    /// Rows after the last scan; they have no effect.
+    /// Rows after the last scan, without effect.
     pub(super) left: usize,
 }
 
@@ -40,7 +40,7 @@ impl SupportInput {
     /// Reads reports of a wide-area sensor. Invalid rows are skipped and counted.
     ///
     /// # Errors
-    /// If the file cannot be read, lacks a column, or counts its times from elsewhere than the files before.
+    /// If the file cannot be read, lacks a column, or differs from the files before in the time base.
     pub(super) fn reports(
         host: &dyn Host,
         path: &Path,
@@ -60,7 +60,7 @@ impl SupportInput {
     /// Reads emissions. Invalid rows are skipped and counted.
     ///
     /// # Errors
-    /// If the file cannot be read, lacks a column, or counts its times from elsewhere than the files before.
+    /// If the file cannot be read, lacks a column, or differs from the files before in the time base.
     pub(super) fn emissions(
         host: &dyn Host,
         path: &Path,
