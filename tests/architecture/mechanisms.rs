@@ -8,7 +8,7 @@ use crate::common::repository;
 
 /// Most mechanisms of each idea.
 const BOUNDS: &[(&str, usize)] = &[
-    ("waits for time", 8),
+    ("waits for time", 7),
     ("learns of a source", 1),
     ("outlives a process", 5),
     ("text of a sample", 3),

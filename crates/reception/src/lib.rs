@@ -13,13 +13,11 @@ mod alert_memory;
 mod converter;
 mod placing;
 mod plausibility;
-mod reorder;
 mod truncated_time;
 mod velocity;
 
 pub use converter::Converter;
 pub use placing::RefusedPlace;
-pub use reorder::Reorder;
 
 use frames::{PolarSigma, SensorFrame, SystemFrame};
 use settings::{Degrees, Seconds, SettingsError};

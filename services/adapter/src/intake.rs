@@ -2,8 +2,7 @@
 
 use messages::{Counter, Counters, SensorDetection, SensorTrack};
 use observations::{Observation, ServiceMessage};
-use reception::Reorder;
-use sources::{Pipeline, Samples};
+use sources::{Pipeline, Reorder, Samples};
 
 /// Receiver of a recording's contents.
 #[derive(Debug)]
@@ -11,7 +10,7 @@ pub(crate) struct Intake {
     source: u16,
     pipeline: Pipeline,
     samples: Samples,
-    reorder: Reorder,
+    reorder: Reorder<SensorTrack>,
     late: u64,
     tracks: u64,
 }
@@ -79,7 +78,7 @@ impl Intake {
 
     fn put_in_order(&mut self) {
         for track in self.samples.tracks.drain(..) {
-            self.late += u64::from(!self.reorder.push(track));
+            self.late += u64::from(!self.reorder.push(track.time_of_measurement_ns, 0, track));
         }
     }
 }

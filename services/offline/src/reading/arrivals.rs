@@ -4,12 +4,11 @@
 //! therefore found first: the greatest time by which a row arrived before a row further up. A second reading then holds
 //! only the rows of so much time, so that a file in order costs no memory at any length.
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
 use std::io::Read;
 
 use formats::sensor_tracks_csv::SensorTrackReader;
 use messages::SensorTrack;
+use sources::Reorder;
 
 use super::refusals::MIDNIGHT_STEP_NS;
 
@@ -31,44 +30,14 @@ pub(crate) struct ArrivedReport {
     pub(crate) line: u64,
 }
 
-impl ArrivedReport {
-    /// Reports that arrive at once come in the order of the times of measurement.
-    fn order(&self) -> (i64, i64, u64) {
-        (self.arrival_ns, self.track.time_of_measurement_ns, self.line)
-    }
-}
-
-impl PartialEq for ArrivedReport {
-    fn eq(&self, other: &Self) -> bool {
-        self.order() == other.order()
-    }
-}
-
-impl Eq for ArrivedReport {}
-
-impl PartialOrd for ArrivedReport {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for ArrivedReport {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.order().cmp(&other.order())
-    }
-}
-
 /// Puts the rows of a file in the order of arrival.
 #[derive(Debug)]
 pub(super) struct ArrivalOrder {
     order: RowOrder,
-    /// Greatest time by which a row arrived before a row further up, nanoseconds.
-    disorder_ns: i64,
     /// Line and time of the first row that came half a day and more before a row further up.
     midnight: Option<(u64, i64)>,
-    /// Latest arrival of the rows so far, nanoseconds.
-    latest_ns: i64,
-    rows: BinaryHeap<Reverse<ArrivedReport>>,
+    /// Holds rows back for the greatest time by which a row arrived before a row further up.
+    rows: Reorder<ArrivedReport>,
 }
 
 impl ArrivalOrder {
@@ -79,23 +48,22 @@ impl ArrivalOrder {
     ) -> Self {
         let mut new = Self {
             order,
-            disorder_ns: 0,
             midnight: None,
-            latest_ns: i64::MIN,
-            rows: BinaryHeap::new(),
+            rows: Reorder::new(0),
         };
-        let mut latest_ns = i64::MIN;
+        let (mut latest_ns, mut disorder_ns) = (i64::MIN, 0);
         while let Some(row) = reader.next() {
             if let Ok(track) = row {
                 let arrival_ns = new.arrival_of(&track, reader.arrival_ns());
                 latest_ns = latest_ns.max(arrival_ns);
                 let behind_ns = latest_ns.saturating_sub(arrival_ns);
-                new.disorder_ns = new.disorder_ns.max(behind_ns);
+                disorder_ns = behind_ns.max(disorder_ns);
                 if behind_ns > MIDNIGHT_STEP_NS {
                     new.midnight.get_or_insert((reader.line(), arrival_ns));
                 }
             }
         }
+        new.rows = Reorder::new(disorder_ns);
         new
     }
 
@@ -112,19 +80,21 @@ impl ArrivalOrder {
         }
     }
 
-    /// Takes in the next row of the file.
+    /// Takes in the next row of the file. Rows of one arrival come in the order of the times of measurement.
     pub(super) fn push(&mut self, row: &ArrivedReport) {
         let arrival_ns = self.arrival_of(&row.track, row.arrival_ns);
-        self.latest_ns = self.latest_ns.max(arrival_ns);
-        self.rows.push(Reverse(ArrivedReport { arrival_ns, ..*row }));
+        let row = ArrivedReport { arrival_ns, ..*row };
+        self.rows.push(arrival_ns, row.track.time_of_measurement_ns, row);
     }
 
-    /// The next row in the order of arrival; `None` while the file may have an earlier row, until it has `ended`.
-    pub(super) fn pop(&mut self, has_ended: bool) -> Option<ArrivedReport> {
-        let Reverse(first) = self.rows.peek()?;
-        // A row that follows may have arrived at the very same time.
-        let is_first = has_ended || first.arrival_ns < self.latest_ns.saturating_sub(self.disorder_ns);
-        is_first.then(|| self.rows.pop().map(|Reverse(row)| row)).flatten()
+    /// The file has ended.
+    pub(super) fn end(&mut self) {
+        self.rows.finish();
+    }
+
+    /// The next row in the order of arrival; `None` while the file may have an earlier row.
+    pub(super) fn pop(&mut self) -> Option<ArrivedReport> {
+        self.rows.pop()
     }
 }
 
@@ -152,11 +122,12 @@ mod tests {
             };
             order.push(&row);
             most = most.max(order.rows.len());
-            while let Some(row) = order.pop(false) {
+            while let Some(row) = order.pop() {
                 lines.push(row.line);
             }
         }
-        lines.extend(std::iter::from_fn(|| order.pop(true)).map(|row| row.line));
+        order.end();
+        lines.extend(std::iter::from_fn(|| order.pop()).map(|row| row.line));
         (lines, most)
     }
 

@@ -305,13 +305,16 @@ impl FileLane {
         refusals: &mut SkippedRows,
     ) -> Result<Option<ArrivedReport>, InputError> {
         loop {
-            if let Some(row) = arrivals.pop(false) {
+            if let Some(row) = arrivals.pop() {
                 return Ok(Some(row));
             }
             self.read(refusals)?;
             match self.ahead.pop_back() {
                 Some(row) => arrivals.push(&row),
-                None => return Ok(arrivals.pop(true)),
+                None => {
+                    arrivals.end();
+                    return Ok(arrivals.pop());
+                }
             }
         }
     }
