@@ -388,7 +388,7 @@ impl Engine {
         self.compare(sensor, measurement);
         let out = &mut self.outbox.to(sink);
         let cause = (system, report);
-        self.life.update_existence(&self.settings, &mut self.tracks, cause, out);
+        life::update_existence(&self.settings, &mut self.tracks, cause, out);
         if !was_shown && self.tracks.systems.get(system).was_shown && !self.tracks.systems.silent.is_empty() {
             self.take_former_number(sensor, report.time_of_measurement_ns, sink);
         }

@@ -54,7 +54,7 @@ const RECOGNISED_REPORTS: u32 = 2;
 /// Share of targets followed here below which a source need not be waited for.
 const DETECTION_SELDOM: f64 = 0.1;
 
-/// Evidence and times for the life of system tracks.
+/// Times of looks at the deadlines of system tracks.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Life {
     /// Longest time without a look at a system track, nanoseconds, so a deadline can be put off but never missed.
@@ -110,190 +110,6 @@ impl Life {
         time_ns + self.shortest_fresh_ns
     }
 
-    /// Confirms a system track after a contribution of a report, if the evidence is sufficient now.
-    pub(crate) fn update_existence<S: Sink>(
-        &mut self,
-        settings: &Settings,
-        tracks: &mut Tracks,
-        (system, report): (SystemSlot, &SensorTrack),
-        out: &mut Outlet<'_, S>,
-    ) {
-        let entry = tracks.systems.get(system);
-        let now_ns = report.time_of_measurement_ns;
-        match entry.life {
-            TrackState::Coasted => {
-                tracks.systems.set_life(system, TrackState::Confirmed);
-                tracks
-                    .systems
-                    .get_mut(system)
-                    .add_evidence(settings.existence.persistence);
-            }
-            TrackState::Tentative => {
-                let evidence = self.evidence(settings, tracks, system, now_ns);
-                if now_ns >= entry.coverage_due_ns && evidence.is_ripe {
-                    self.learn_coverage(settings, tracks, (system, now_ns), probability(evidence.teaching));
-                }
-                tracks.systems.get_mut(system).log_odds = evidence.log_ratio;
-                if evidence.is_believed && !may_be_another(settings, tracks, (system, now_ns)) {
-                    tracks.systems.set_life(system, TrackState::Confirmed);
-                    let first = !std::mem::replace(&mut tracks.systems.get_mut(system).was_shown, true);
-                    if first {
-                        out.count(report.source, Counter::TracksConfirmed);
-                    }
-                    let decision = tracks.decision_on(system, DecisionKind::Confirmed, now_ns, evidence.stated);
-                    out.decision(&decision);
-                }
-            }
-            TrackState::Confirmed => {
-                let is_due = now_ns >= entry.coverage_due_ns;
-                tracks
-                    .systems
-                    .get_mut(system)
-                    .add_evidence(settings.existence.persistence);
-                if is_due {
-                    self.learn_coverage(settings, tracks, (system, now_ns), 1.0);
-                }
-            }
-            TrackState::Suspended | TrackState::Terminated => {}
-        }
-        count_target(settings, tracks, system, now_ns);
-    }
-
-    /// Weighs the evidence for the target of a system track.
-    fn evidence(&self, settings: &Settings, tracks: &Tracks, system: SystemSlot, now_ns: i64) -> ExistenceEvidence {
-        let (mut sources, mut reports, mut is_established) = (0u64, 0u32, false);
-        for member in tracks.contributing(system, now_ns) {
-            let entry = tracks.sensors.get(member);
-            if entry.is_foreign && entry.latest.state == TrackState::Confirmed as u8 {
-                // Another centre confirms the track, with any number of sensors.
-                return ExistenceEvidence::certain(f64::NAN);
-            }
-            sources |= 1 << entry.source;
-            is_established |= tracks.is_established(member);
-            reports = reports.saturating_add(entry.reports);
-        }
-        let entry = tracks.systems.get(system);
-        let is_recognised = entry.recognition.is_sure();
-        let least = match is_recognised {
-            true => settings.life.confirm_reports.min(RECOGNISED_REPORTS),
-            false => settings.life.confirm_reports,
-        };
-        if reports < least || !is_established || entry.recognition.is_doubted() {
-            return ExistenceEvidence::NONE;
-        }
-        let witnesses = tracks.sources.witnesses_among(sources);
-        if witnesses >= 3 {
-            return ExistenceEvidence::certain(f64::from(witnesses));
-        }
-        let (silence, had_their_chance) = self.silence(settings, tracks, (system, now_ns), sources);
-        let purity = match witnesses {
-            // A single source, not a copy of another source.
-            1 => tracks.sources.target_log_odds(sources.trailing_zeros() as u16),
-            _ => 0.0,
-        };
-        let claim = SingleSourceClaim {
-            silence,
-            purity,
-            reports,
-            has_address: entry.identity.unique_number().is_some(),
-        };
-        let agreement = if witnesses >= 2 {
-            agreement_log_ratio(tracks)
-        } else {
-            0.0
-        };
-        let log_ratio = claim.log_ratio(&settings.existence) + agreement;
-        let may_be_believed = witnesses >= 2 || had_their_chance || claim.has_address;
-        ExistenceEvidence {
-            is_believed: is_recognised || may_be_believed && settings.existence.believes(log_ratio),
-            log_ratio,
-            teaching: log_ratio - UNTAUGHT * silence,
-            is_ripe: had_their_chance,
-            stated: if witnesses >= 2 {
-                f64::from(witnesses)
-            } else {
-                log_ratio
-            },
-        }
-    }
-
-    /// Log-likelihood ratio of the silence of all sources but `sources`, and whether all of the silent sources with
-    /// coverage had a chance.
-    fn silence(
-        &self,
-        settings: &Settings,
-        tracks: &Tracks,
-        (system, now_ns): (SystemSlot, i64),
-        sources: u64,
-    ) -> (f64, bool) {
-        let entry = tracks.systems.get(system);
-        let (filter, age_ns) = (&entry.filter, (now_ns - entry.first_seen_ns) as f64);
-        let groups = |bits: u64, source: u16| bits | 1 << tracks.sources.group_of(source);
-        let heard = (0..settings.sources.len() as u16)
-            .filter(|source| sources & (1 << source) != 0)
-            .fold(0, groups);
-        let (mut silence, mut had_their_chance) = (0.0, true);
-        for (index, source) in settings.sources.iter().enumerate() {
-            // The silence of a source about a target above the source's ceiling is no evidence.
-            let may_see = !source.is_out && (!filter.has_height || filter.estimate.mean[2] <= source.ceiling_m);
-            let is_silent =
-                groups(0, index as u16) & heard == 0 && tracks.sources.is_witness_beside(index as u16, sources);
-            if is_silent && may_see && !source.is_centre {
-                let place_m = filter.estimate.position_m();
-                let Some(detection) = tracks.sources.follows_at(index as u16, place_m, now_ns) else {
-                    continue;
-                };
-                // The reports of the last seconds may not have come yet.
-                let looks = match tracks.sources.late_ns(index as u16) {
-                    0 => age_ns,
-                    late_ns => (age_ns - late_ns as f64).max(0.0),
-                } / source.period_ns as f64;
-                silence += (1.0 - detection.shown * looks.min(1.0)).ln();
-                had_their_chance &= detection.assumed < DETECTION_SELDOM || looks >= CHANCE_LOOKS;
-            }
-        }
-        (silence, had_their_chance)
-    }
-
-    /// Teaches the coverage of sources from a system track with the probability of existence `existence`.
-    fn learn_coverage(
-        &mut self,
-        settings: &Settings,
-        tracks: &mut Tracks,
-        (system, now_ns): (SystemSlot, i64),
-        existence: f64,
-    ) {
-        let sources = tracks.sources_of(system, now_ns);
-        let entry = tracks.systems.get_mut(system);
-        entry.coverage_due_ns = now_ns.saturating_add(COVERAGE_EVERY_NS);
-        let age_ns = now_ns - entry.first_seen_ns;
-        let place_m = entry.filter.estimate.position_m();
-        let [x, y, _] = place_m;
-        // A source with another track near by may follow the target there: the source is left out.
-        let mut near = 0;
-        tracks.systems.grid.near(x, y, NEAR_M, SEARCH_CELLS_MAX, |other| {
-            near |= tracks.sources_of(other, now_ns);
-        });
-        let is_known = |source: usize, settings: &SourceSettings| {
-            let is_asked = near & (1 << source) == 0 && age_ns >= settings.period_ns;
-            !settings.is_out && (sources & (1 << source) != 0 || is_asked)
-        };
-        let all = settings.sources.iter().enumerate();
-        let asked = all.fold(0u64, |bits, (source, settings)| {
-            bits | u64::from(is_known(source, settings)) << source
-        });
-        let target = FollowedTarget {
-            time_ns: now_ns,
-            place_m,
-            existence,
-            follows: sources,
-            asked,
-        };
-        tracks
-            .sources
-            .learn(settings, Fact::Target(TargetFact::Followed(target)));
-    }
-
     /// Processes the earliest deadline before `time_ns`, without other events until then; `false` if there is none.
     pub(crate) fn run_timer_before<S: Sink>(
         &self,
@@ -327,6 +143,181 @@ impl Life {
         };
         looked_ns.saturating_add(whole_ns).saturating_add(step_ns)
     }
+}
+
+/// Confirms a system track after a contribution of a report, if the evidence is sufficient now.
+pub(crate) fn update_existence<S: Sink>(
+    settings: &Settings,
+    tracks: &mut Tracks,
+    (system, report): (SystemSlot, &SensorTrack),
+    out: &mut Outlet<'_, S>,
+) {
+    let entry = tracks.systems.get(system);
+    let now_ns = report.time_of_measurement_ns;
+    match entry.life {
+        TrackState::Coasted => {
+            tracks.systems.set_life(system, TrackState::Confirmed);
+            tracks
+                .systems
+                .get_mut(system)
+                .add_evidence(settings.existence.persistence);
+        }
+        TrackState::Tentative => {
+            let evidence = evidence(settings, tracks, system, now_ns);
+            if now_ns >= entry.coverage_due_ns && evidence.is_ripe {
+                learn_coverage(settings, tracks, (system, now_ns), probability(evidence.teaching));
+            }
+            tracks.systems.get_mut(system).log_odds = evidence.log_ratio;
+            if evidence.is_believed && !may_be_another(settings, tracks, (system, now_ns)) {
+                tracks.systems.set_life(system, TrackState::Confirmed);
+                let first = !std::mem::replace(&mut tracks.systems.get_mut(system).was_shown, true);
+                if first {
+                    out.count(report.source, Counter::TracksConfirmed);
+                }
+                let decision = tracks.decision_on(system, DecisionKind::Confirmed, now_ns, evidence.stated);
+                out.decision(&decision);
+            }
+        }
+        TrackState::Confirmed => {
+            let is_due = now_ns >= entry.coverage_due_ns;
+            tracks
+                .systems
+                .get_mut(system)
+                .add_evidence(settings.existence.persistence);
+            if is_due {
+                learn_coverage(settings, tracks, (system, now_ns), 1.0);
+            }
+        }
+        TrackState::Suspended | TrackState::Terminated => {}
+    }
+    count_target(settings, tracks, system, now_ns);
+}
+
+/// Weighs the evidence for the target of a system track.
+fn evidence(settings: &Settings, tracks: &Tracks, system: SystemSlot, now_ns: i64) -> ExistenceEvidence {
+    let (mut sources, mut reports, mut is_established) = (0u64, 0u32, false);
+    for member in tracks.contributing(system, now_ns) {
+        let entry = tracks.sensors.get(member);
+        if entry.is_foreign && entry.latest.state == TrackState::Confirmed as u8 {
+            // Another centre confirms the track, with any number of sensors.
+            return ExistenceEvidence::certain(f64::NAN);
+        }
+        sources |= 1 << entry.source;
+        is_established |= tracks.is_established(member);
+        reports = reports.saturating_add(entry.reports);
+    }
+    let entry = tracks.systems.get(system);
+    let is_recognised = entry.recognition.is_sure();
+    let least = match is_recognised {
+        true => settings.life.confirm_reports.min(RECOGNISED_REPORTS),
+        false => settings.life.confirm_reports,
+    };
+    if reports < least || !is_established || entry.recognition.is_doubted() {
+        return ExistenceEvidence::NONE;
+    }
+    let witnesses = tracks.sources.witnesses_among(sources);
+    if witnesses >= 3 {
+        return ExistenceEvidence::certain(f64::from(witnesses));
+    }
+    let (silence, had_their_chance) = silence_of_others(settings, tracks, (system, now_ns), sources);
+    let purity = match witnesses {
+        // A single source, not a copy of another source.
+        1 => tracks.sources.target_log_odds(sources.trailing_zeros() as u16),
+        _ => 0.0,
+    };
+    let claim = SingleSourceClaim {
+        silence,
+        purity,
+        reports,
+        has_address: entry.identity.unique_number().is_some(),
+    };
+    let agreement = if witnesses >= 2 {
+        agreement_log_ratio(tracks)
+    } else {
+        0.0
+    };
+    let log_ratio = claim.log_ratio(&settings.existence) + agreement;
+    let may_be_believed = witnesses >= 2 || had_their_chance || claim.has_address;
+    ExistenceEvidence {
+        is_believed: is_recognised || may_be_believed && settings.existence.believes(log_ratio),
+        log_ratio,
+        teaching: log_ratio - UNTAUGHT * silence,
+        is_ripe: had_their_chance,
+        stated: if witnesses >= 2 {
+            f64::from(witnesses)
+        } else {
+            log_ratio
+        },
+    }
+}
+
+/// Log-likelihood ratio of the silence of all sources but `sources`, and whether all of the silent sources with
+/// coverage had a chance.
+fn silence_of_others(
+    settings: &Settings,
+    tracks: &Tracks,
+    (system, now_ns): (SystemSlot, i64),
+    sources: u64,
+) -> (f64, bool) {
+    let entry = tracks.systems.get(system);
+    let (filter, age_ns) = (&entry.filter, (now_ns - entry.first_seen_ns) as f64);
+    let groups = |bits: u64, source: u16| bits | 1 << tracks.sources.group_of(source);
+    let heard = (0..settings.sources.len() as u16)
+        .filter(|source| sources & (1 << source) != 0)
+        .fold(0, groups);
+    let (mut silence, mut had_their_chance) = (0.0, true);
+    for (index, source) in settings.sources.iter().enumerate() {
+        // The silence of a source about a target above the source's ceiling is no evidence.
+        let may_see = !source.is_out && (!filter.has_height || filter.estimate.mean[2] <= source.ceiling_m);
+        let is_silent = groups(0, index as u16) & heard == 0 && tracks.sources.is_witness_beside(index as u16, sources);
+        if is_silent && may_see && !source.is_centre {
+            let place_m = filter.estimate.position_m();
+            let Some(detection) = tracks.sources.follows_at(index as u16, place_m, now_ns) else {
+                continue;
+            };
+            // The reports of the last seconds may not have come yet.
+            let looks = match tracks.sources.late_ns(index as u16) {
+                0 => age_ns,
+                late_ns => (age_ns - late_ns as f64).max(0.0),
+            } / source.period_ns as f64;
+            silence += (1.0 - detection.shown * looks.min(1.0)).ln();
+            had_their_chance &= detection.assumed < DETECTION_SELDOM || looks >= CHANCE_LOOKS;
+        }
+    }
+    (silence, had_their_chance)
+}
+
+/// Teaches the coverage of sources from a system track with the probability of existence `existence`.
+fn learn_coverage(settings: &Settings, tracks: &mut Tracks, (system, now_ns): (SystemSlot, i64), existence: f64) {
+    let sources = tracks.sources_of(system, now_ns);
+    let entry = tracks.systems.get_mut(system);
+    entry.coverage_due_ns = now_ns.saturating_add(COVERAGE_EVERY_NS);
+    let age_ns = now_ns - entry.first_seen_ns;
+    let place_m = entry.filter.estimate.position_m();
+    let [x, y, _] = place_m;
+    // A source with another track near by may follow the target there: the source is left out.
+    let mut near = 0;
+    tracks.systems.grid.near(x, y, NEAR_M, SEARCH_CELLS_MAX, |other| {
+        near |= tracks.sources_of(other, now_ns);
+    });
+    let is_known = |source: usize, settings: &SourceSettings| {
+        let is_asked = near & (1 << source) == 0 && age_ns >= settings.period_ns;
+        !settings.is_out && (sources & (1 << source) != 0 || is_asked)
+    };
+    let all = settings.sources.iter().enumerate();
+    let asked = all.fold(0u64, |bits, (source, settings)| {
+        bits | u64::from(is_known(source, settings)) << source
+    });
+    let target = FollowedTarget {
+        time_ns: now_ns,
+        place_m,
+        existence,
+        follows: sources,
+        asked,
+    };
+    tracks
+        .sources
+        .learn(settings, Fact::Target(TargetFact::Followed(target)));
 }
 
 /// Counts a system track as a target, once, in the purity of its sources: after the agreement of two sources on a
