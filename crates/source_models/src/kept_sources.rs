@@ -44,7 +44,6 @@ kept! {
     }
 }
 
-/// Number and length of the records of the models that are neither sources nor pairs.
 impl Sources {
     /// Number of classes of motion.
     pub const CLASSES: usize = CLASSES;
@@ -53,9 +52,7 @@ impl Sources {
     pub fn kept_cells(&self) -> (usize, usize) {
         (self.coverage.places(), self.coverage.cell_words())
     }
-}
 
-impl Sources {
     /// The record of a source.
     pub fn kept_source(&mut self, source: usize) -> KeptSource {
         KeptSource {

@@ -222,10 +222,10 @@ impl Sources {
         self.models[usize::from(source)].cannot_be_undone()
     }
 
-    /// Whether few targets have shown the detection points of a source.
+    /// Whether enough targets have shown the detection points of a source that each further target matters little.
     #[inline]
-    pub fn knows_spread_badly(&self, source: u16) -> bool {
-        !self.models[usize::from(source)].knows_spread_well()
+    pub fn knows_spread_well(&self, source: u16) -> bool {
+        self.models[usize::from(source)].knows_spread_well()
     }
 
     /// Variance per axis of where detection points may lie on a target, m²: configured, or learned of `source` (of all

@@ -180,7 +180,7 @@ pub fn shows_filter(covariance: &Covariance) -> bool {
 
 /// The report in place of a measurement.
 #[inline]
-pub fn as_reported(report: &SensorTrack) -> Measurement {
+pub(crate) fn as_reported(report: &SensorTrack) -> Measurement {
     as_stated(
         report.position_m,
         &report.covariance,
@@ -190,7 +190,7 @@ pub fn as_reported(report: &SensorTrack) -> Measurement {
 
 /// A state in place of a measurement.
 #[inline]
-pub fn as_stated(position_m: [f64; AXES], covariance: &Covariance, has_height: bool) -> Measurement {
+pub(crate) fn as_stated(position_m: [f64; AXES], covariance: &Covariance, has_height: bool) -> Measurement {
     let mut measurement = whole(position_m, covariance, has_height);
     if shows_filter(covariance) {
         measurement
@@ -256,7 +256,7 @@ impl UnfilteredContent {
 }
 
 /// The measurement between `predicted` and `updated`, the state of a report with or without height.
-pub fn recovered_measurement(predicted: &Gaussian, updated: &Gaussian, has_height: bool) -> Option<Measurement> {
+pub(crate) fn recovered_measurement(predicted: &Gaussian, updated: &Gaussian, has_height: bool) -> Option<Measurement> {
     let (position_m, covariance) = (updated.position_m(), &updated.covariance);
     if !is_one_update(predicted, updated) {
         return Some(as_stated(position_m, covariance, has_height));

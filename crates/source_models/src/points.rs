@@ -214,7 +214,7 @@ impl Points {
     }
 
     /// Learns from a leap of the detection point of one target out of a source's `targets`.
-    pub fn learn_leap(&mut self, source: u16, now_ns: i64, targets: usize) {
+    pub(crate) fn learn_leap(&mut self, source: u16, now_ns: i64, targets: usize) {
         self.leaps[usize::from(source)].add(now_ns, targets);
     }
 }

@@ -75,16 +75,6 @@ impl<T> Reorder<T> {
         self.newest_ns = i64::MAX;
         self.window_ns = 0;
     }
-
-    /// Number of held samples.
-    pub fn len(&self) -> usize {
-        self.held.len()
-    }
-
-    /// Whether no sample is held.
-    pub fn is_empty(&self) -> bool {
-        self.held.is_empty()
-    }
 }
 
 impl<T> Ord for Held<T> {

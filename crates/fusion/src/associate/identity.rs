@@ -22,6 +22,7 @@ use std::collections::HashMap;
 
 use messages::{Identity, TargetType, UniqueNumber, identity_bits};
 use serde::{Deserialize, Serialize};
+use source_models::callsign_key;
 
 use crate::settings::FactorExponents;
 use crate::tables::number_hasher::{NumberHasher, table};
@@ -71,7 +72,7 @@ impl KnownNames {
     /// Takes the names of the next report; returns its identity, without a code that may be garbled.
     pub(crate) fn believe(&mut self, mut identity: Identity) -> Identity {
         if let Some(callsign) = identity.callsign() {
-            self.callsign = key_of(callsign);
+            self.callsign = callsign_key(callsign);
         }
         let Some(code) = identity.mode_3a() else {
             return identity;
@@ -157,15 +158,6 @@ impl KnownNames {
         });
         ratios.zip(exponents).map(|(ratio, exponent)| exponent * ratio).sum()
     }
-}
-
-/// Key of a call sign; 0 if empty.
-pub(crate) fn key_of(callsign: &str) -> Name {
-    let mut bytes = [0; size_of::<Name>()];
-    for (byte, character) in bytes.iter_mut().zip(callsign.trim().bytes()) {
-        *byte = character;
-    }
-    Name::from_be_bytes(bytes)
 }
 
 /// Whether two identities exclude a common target; an exponent of 0 takes away a factor's veto.

@@ -59,7 +59,7 @@ impl Engine {
         let looks = about_mean_m.is_some()
             && is_compared
             && !is_led_or_leapt
-            && (self.tracks.sources.knows_spread_badly(entry.source) || entry.residuals.is_multiple_of(SPREAD_EVERY));
+            && (!self.tracks.sources.knows_spread_well(entry.source) || entry.residuals.is_multiple_of(SPREAD_EVERY));
         let search = Search {
             settings: &self.settings,
             tracks: &self.tracks,

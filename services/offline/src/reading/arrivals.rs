@@ -112,7 +112,7 @@ mod tests {
         }
         let reader = || SensorTrackReader::new(text.as_bytes(), 0, |_| Some(0)).unwrap();
         let mut order = ArrivalOrder::of(reader(), order);
-        let (mut lines, mut most) = (Vec::new(), 0);
+        let (mut lines, mut pushed, mut most) = (Vec::new(), 0, 0);
         let mut reader = reader();
         while let Some(row) = reader.next() {
             let row = ArrivedReport {
@@ -121,7 +121,8 @@ mod tests {
                 line: reader.line(),
             };
             order.push(&row);
-            most = most.max(order.rows.len());
+            pushed += 1;
+            most = most.max(pushed - lines.len());
             while let Some(row) = order.pop() {
                 lines.push(row.line);
             }
