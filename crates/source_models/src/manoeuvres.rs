@@ -68,38 +68,28 @@ const MOVING_MPS: f64 = 3.0;
 /// Relative step of the median of innovations on the straight.
 const STEP: f64 = 0.02;
 
-/// One class of targets.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub(crate) struct Class {
-    /// Process noise assumed by a tracker with a single model.
-    assumed: NearlyConstantVelocity,
-    /// Factor on the noise of turns.
-    factor: Seeker,
-    motion: Motion,
-    /// Total time of straight flight before turns, s, and number of turns.
-    straight_s: f64,
-    turns: f64,
-    /// Median of the normalised innovations squared on the straight.
-    straight: f64,
-    /// Logarithm of the usual acceleration of turns, relative to the assumed acceleration, and the hardest
-    /// acceleration, m/s².
-    lateral: f64,
-    hardest_mps2: f64,
-    /// Number of measurements in manoeuvres.
-    seen: f64,
+kept! {
+    /// One class of targets.
+    #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+    pub(crate) struct Class {
+        /// Process noise assumed by a tracker with a single model.
+        assumed: NearlyConstantVelocity,
+        /// Factor on the noise of turns.
+        factor: Seeker,
+        motion: Motion,
+        /// Total time of straight flight before turns, s, and number of turns.
+        straight_s: f64,
+        turns: f64,
+        /// Median of the normalised innovations squared on the straight.
+        straight: f64,
+        /// Logarithm of the usual acceleration of turns, relative to the assumed acceleration, and the hardest
+        /// acceleration, m/s².
+        lateral: f64,
+        hardest_mps2: f64,
+        /// Number of measurements in manoeuvres.
+        seen: f64,
+    }
 }
-
-kept!(Class {
-    assumed: NearlyConstantVelocity,
-    factor: Seeker,
-    motion: Motion,
-    straight_s: f64,
-    turns: f64,
-    straight: f64,
-    lateral: f64,
-    hardest_mps2: f64,
-    seen: f64
-});
 
 impl Class {
     fn new((density_m2ps3, hardest_mps2, slow_mps): (f64, f64, f64)) -> Self {
