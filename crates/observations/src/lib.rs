@@ -6,6 +6,7 @@
 //! - [`Bearing`]: the direction of an emitter, from a direction finder that measures nothing else;
 //! - [`Arrival`]: when a transmission of an emitter arrived at a receiver; [`ReadyFix`]: its position, found by others;
 //! - [`SnapshotBlock`]: samples of an antenna array, from which bearings are measured;
+//! - [`Statement`]: what a target states beside its motion: category, size, status, intention;
 //! - [`WideAreaReport`]: the number of targets that a wide-area sensor has seen.
 //!
 //! Formats read and write these types, and algorithms process them, independently of each other. [`Sampled`] is the
@@ -20,6 +21,7 @@ mod detection;
 mod observation;
 mod sensor_event;
 mod snapshot_block;
+mod statement;
 mod wide_area;
 
 pub use alerts::Alerts;
@@ -32,6 +34,7 @@ pub use messages::{DetectionKind, Quantity};
 pub use observation::{Axes, Observation, Plane, Position, Quality, RADIUS95_SIGMAS, ServiceMessage, TRUNCATION_NS};
 pub use sensor_event::SensorEvent;
 pub use snapshot_block::SnapshotBlock;
+pub use statement::{Emergency, NavigationStatus, Statement, TargetCategory};
 pub use wide_area::WideAreaReport;
 
 use messages::StageTimes;
