@@ -155,12 +155,12 @@ test("a trail is bounded, in order, and takes no point twice", () => {
 test("layers forget what is old", () => {
   const picture = new Picture();
   const spot = (source, number, time) => ({ source, number, time, east: 0, north: 0 });
-  picture.addLayers(0, [spot(1, 7, 10), spot(2, 7, 20)], [spot(1, 0, 10)], [], []);
-  picture.addLayers(5, [spot(1, 7, 12)], [spot(1, 0, 20)], [], []);
+  picture.addLayers(0, [spot(1, 7, 10), spot(2, 7, 20)], { detections: [spot(1, 0, 10)] });
+  picture.addLayers(5, [spot(1, 7, 12)], { detections: [spot(1, 0, 20)] });
   assert.equal(picture.sensor.size, 2);
-  picture.addLayers(15, [], [], [], []);
+  picture.addLayers(15, [], {});
   assert.equal(picture.sensor.size, 1);
-  assert.equal(picture.detections.length, 1);
+  assert.equal(picture.marks.detections.length, 1);
 });
 
 test("land, borders and overlays", () => {

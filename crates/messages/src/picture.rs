@@ -9,7 +9,7 @@
 use std::fmt::Write as _;
 
 use crate::codes::bits;
-use crate::layout::{Layout, Sample as _, SampleField, sample};
+use crate::layout::{Layout, Sample, SampleField, sample};
 use crate::{Constant, NO_SOURCE, codes};
 
 bits! {
@@ -259,15 +259,78 @@ sample! {
     }
 }
 
-/// Records of a picture: the header's count, and the layout.
-const BLOCKS: [(&str, Layout); 6] = [
-    ("tracks", PictureTrack::LAYOUT),
-    ("identities", PictureIdentity::LAYOUT),
-    ("sensor_tracks", PictureSensorTrack::LAYOUT),
-    ("detections", PictureDetection::LAYOUT),
-    ("bearings", PictureBearing::LAYOUT),
-    ("areas", PictureArea::LAYOUT),
-];
+/// Record of a layer: sent on request, as it came, with its age.
+pub trait LayerRecord: Sample {
+    /// The layer.
+    const LAYER: PictureLayer;
+
+    /// Returns the record with this age, milliseconds.
+    fn with_age(self, age_ms: i32) -> Self;
+
+    /// Returns metres east and north, if only a reader whose view contains the place gets the record.
+    fn place_m(&self) -> Option<[f32; 2]>;
+}
+
+/// Declares the layers in the order of their records in a picture: name, count in the header, record, and whether a
+/// record belongs to a place of the view.
+macro_rules! layers {
+    ($( $(#[doc = $doc:literal])+ $layer:ident: $count:ident, $word:literal, $record:ident, $is_placed:literal; )+) => {
+        codes! {
+            /// Layer of a picture, shown on request.
+            pub enum PictureLayer {
+                $( $(#[doc = $doc])+ $layer, $word; )+
+            }
+        }
+
+        $( impl LayerRecord for $record {
+            const LAYER: PictureLayer = PictureLayer::$layer;
+
+            fn with_age(self, age_ms: i32) -> Self {
+                Self { age_ms, ..self }
+            }
+
+            fn place_m(&self) -> Option<[f32; 2]> {
+                $is_placed.then_some([self.east_m, self.north_m])
+            }
+        } )+
+
+        impl PictureLayer {
+            /// Returns the size of a record, bytes.
+            pub const fn size(self) -> usize {
+                match self {
+                    $( Self::$layer => size_of::<$record>(), )+
+                }
+            }
+        }
+
+        impl PictureHeader {
+            /// Returns the number of records of a layer.
+            pub fn count_mut(&mut self, layer: PictureLayer) -> &mut u32 {
+                match layer {
+                    $( PictureLayer::$layer => &mut self.$count, )+
+                }
+            }
+        }
+
+        /// Records of a picture: the header's count, and the layout.
+        const BLOCKS: &[(&str, Layout)] = &[
+            ("tracks", PictureTrack::LAYOUT),
+            ("identities", PictureIdentity::LAYOUT),
+            $( (stringify!($count), $record::LAYOUT), )+
+        ];
+    };
+}
+
+layers! {
+    /// Latest report of each sensor track.
+    SensorTracks: sensor_tracks, "sensor_tracks", PictureSensorTrack, true;
+    /// Detections.
+    Detections: detections, "detections", PictureDetection, true;
+    /// Bearings, which reach beyond every view.
+    Bearings: bearings, "bearings", PictureBearing, false;
+    /// Counts of targets, and regions of cues.
+    Areas: areas, "areas", PictureArea, false;
+}
 
 /// Returns the reader of pictures in JavaScript, with the codes and bits in pictures.
 pub fn javascript_module() -> String {
@@ -319,7 +382,7 @@ pub fn javascript_module() -> String {
     );
     record(&PictureHeader::LAYOUT, &mut out);
     for (_, layout) in BLOCKS {
-        record(&layout, &mut out);
+        record(layout, &mut out);
     }
     picture(&mut out);
     out

@@ -3,8 +3,8 @@
 //! Formats differ in items, units, frames and missing data; the crate `formats` converts the target reports of each to
 //! a common form, still in the sensor's own terms ([`observations::Observation`]). [`Converter`] then applies the steps
 //! common to all formats: time of day to UTC, sensor frame to system frame, accuracy to covariance, and checks for
-//! impossible values. Rejected reports are counted by reason and never reach fusion. `sources::Reorder` sorts reports by time
-//! and determines the source's watermark.
+//! impossible values. Rejected reports are counted by reason and never reach fusion. `sources::Reorder` sorts reports
+//! by time and determines the source's watermark.
 
 #![forbid(unsafe_code)]
 

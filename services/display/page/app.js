@@ -30,8 +30,6 @@ import { View } from "./view.js";
 /** @typedef {import("./panels.js").Known} Known */
 /** @typedef {import("./panels.js").History} History */
 /** @typedef {import("./picture.js").Spot} Spot */
-/** @typedef {import("./picture.js").Ray} Ray */
-/** @typedef {import("./picture.js").Area} Area */
 /** @typedef {Partial<Omit<Track, "trail" | "mains">> & {number: number}} Change */
 
 /** Time for which a page that has just been opened follows the tracks that appear, seconds. */
@@ -275,10 +273,10 @@ export class App {
   /**
    * Puts a picture in: all of it, or what has changed.
    * @param {{time: number, full: boolean, tracks: Change[], removed: number[], identities?: Change[], sensor?: Spot[],
-   *   detections?: Spot[], bearings?: Ray[], areas?: Area[], layerAge?: number}} what
+   *   marks?: Record<string, import("./layers.js").Mark[]>, layerAge?: number}} what
    *   `layerAge`: seconds for which sensor tracks and detections are shown.
    */
-  changes({ time, full, tracks, removed, identities, sensor, detections, bearings, areas, layerAge = 15 }) {
+  changes({ time, full, tracks, removed, identities, sensor, marks, layerAge = 15 }) {
     const { picture } = this;
     const before = picture.time;
     picture.time = time;
@@ -308,7 +306,7 @@ export class App {
       if (track) this.relabel(Object.assign(track, identity));
     }
     if (leap) this.onLeap(time);
-    picture.addLayers(time - layerAge, sensor ?? [], detections ?? [], bearings ?? [], areas ?? []);
+    picture.addLayers(time - layerAge, sensor ?? [], marks ?? {});
     this.stats.pictures++;
     this.pictureAt = performance.now();
     if (tracks.length > 0 || time > before) this.newsAt = this.pictureAt;

@@ -5,7 +5,8 @@
  * never a queue of old ones.
  */
 
-import { IDENTITY, PICTURE, PICTURE_AREA_KIND, PICTURE_TRACK, readPicture, TRACK_KIND, TRACK_STATE } from "./wire.js";
+import { IDENTITY, PICTURE, PICTURE_TRACK, readPicture, TRACK_KIND, TRACK_STATE } from "./wire.js";
+import { LAYERS, ofLayers } from "./layers.js";
 import { reasonOf, whyOf } from "./why.js";
 import { ofWindow } from "./window.js";
 
@@ -71,9 +72,7 @@ export class Connection {
     const wishes = {
       layers: [
         ...(settings.sensors ? ["sensor_tracks"] : []),
-        ...(settings.detections ? ["detections"] : []),
-        ...(settings.bearings ? ["bearings"] : []),
-        ...(settings.areas ? ["areas"] : []),
+        ...LAYERS.filter(({ key }) => settings[key]).map(({ key }) => key),
       ],
       select: [...app.selected].slice(-16),
     };
@@ -93,7 +92,8 @@ export class Connection {
   picture(octets) {
     const { app, socket } = this;
     if (!app) return;
-    const { header, removed, tracks, identities, sensor_tracks, detections, bearings, areas } = readPicture(octets);
+    const picture = readPicture(octets);
+    const { header, removed, tracks, identities, sensor_tracks } = picture;
     const time = header.time_ns / 1e9;
     const at = (/** @type {number} */ age_ms) => time - age_ms / 1000;
     app.changes({
@@ -142,32 +142,9 @@ export class Connection {
         east: track.east_m,
         north: track.north_m,
       })),
-      detections: detections.map((spot) => ({
-        number: 0,
-        source: spot.source,
-        time: at(spot.age_ms),
-        east: spot.east_m,
-        north: spot.north_m,
-      })),
-      bearings: bearings.map((ray) => ({
-        source: ray.source,
-        time: at(ray.age_ms),
-        east: ray.east_m,
-        north: ray.north_m,
-        bearing: ray.bearing_rad,
-        sigma: ray.sigma_rad,
-      })),
-      areas: areas.map((area) => ({
-        source: area.sensor,
-        time: at(area.age_ms),
-        east: area.east_m,
-        north: area.north_m,
-        targets: area.number,
-        cue: PICTURE_AREA_KIND[area.kind] === "cue",
-        major: area.semi_major_m,
-        minor: area.semi_minor_m,
-        bearing: area.semi_major_rad,
-      })),
+      marks: ofLayers(({ key, mark }) =>
+        picture[key].map((record) => ({ ...mark(record), time: at(record.age_ms) })),
+      ),
       layerAge: this.layerAge,
     });
     app.fusionSilent = (header.flags & PICTURE.FUSION_SILENT) !== 0;

@@ -10,6 +10,7 @@ import { countColour, heightColour } from "./colours.js";
 import { paintCoverage } from "./coverage.js";
 import { bearing, NAUTICAL_MILE_M } from "./geodesy.js";
 import { FONT } from "./labels.js";
+import { LAYERS } from "./layers.js";
 import { Lettering, VECTOR_MIN } from "./lettering.js";
 import { isGrave } from "./picture.js";
 
@@ -109,10 +110,8 @@ export class Painter {
     const { view, settings, picture, selected } = scene;
     ctx.clearRect(0, 0, view.width, view.height);
     ctx.lineCap = "butt";
-    if (settings.detections) this.paintDetections(ctx, scene);
+    for (const { key, paint } of LAYERS) if (settings[key]) paint(ctx, scene, picture.marks[key] ?? []);
     if (settings.sensors) this.paintSensorTracks(ctx, scene);
-    if (settings.areas) this.paintAreas(ctx, scene);
-    if (settings.bearings) this.paintBearings(ctx, scene);
     if (settings.coverage || settings.pd !== "") {
       ctx.font = FONT;
       paintCoverage(ctx, view, scene.colours.sources, scene.coverage, settings.pd);
@@ -144,17 +143,6 @@ export class Painter {
     scene.measure?.paint(ctx, scene.colours);
   }
 
-  /** @param {CanvasRenderingContext2D} ctx @param {Scene} scene */
-  paintDetections(ctx, { view, picture, colours }) {
-    const m = view.matrix();
-    ctx.fillStyle = colours.sensor.detection;
-    for (const { east, north } of picture.detections) {
-      const x = m.a * east + m.c * north + m.x0;
-      const y = m.b * east + m.d * north + m.y0;
-      ctx.fillRect(x - 1, y - 1, 2, 2);
-    }
-  }
-
   /**
    * Sensor tracks: a cross for radars, a triangle for multilateration, a square for ADS-B, a rhomb for the rest.
    * @param {CanvasRenderingContext2D} ctx @param {Scene} scene
@@ -171,59 +159,6 @@ export class Painter {
     }
     ctx.lineWidth = 1.2;
     batch.stroke(ctx);
-  }
-
-  /**
-   * Bearings of direction finders, as far as the map reaches, each with its standard deviation to either side.
-   * @param {CanvasRenderingContext2D} ctx @param {Scene} scene
-   */
-  paintBearings(ctx, { view, picture, colours }) {
-    const reach = 1.5 * Math.hypot(view.width, view.height);
-    const middle = new Path2D();
-    const sides = new Path2D();
-    for (const ray of picture.bearings) {
-      const [x, y] = view.toScreen(ray.east, ray.north);
-      for (const side of [-1, 0, 1]) {
-        const angle = ray.bearing + side * ray.sigma - view.up;
-        const path = side === 0 ? middle : sides;
-        path.moveTo(x, y);
-        path.lineTo(x + reach * Math.sin(angle), y - reach * Math.cos(angle));
-      }
-    }
-    ctx.lineWidth = 1;
-    ctx.strokeStyle = colours.sensor.tracker;
-    ctx.stroke(middle);
-    ctx.globalAlpha = 0.4;
-    ctx.stroke(sides);
-    ctx.globalAlpha = 1;
-  }
-
-  /**
-   * Areas in which wide-area sensors have counted targets, with their numbers, and cues.
-   * @param {CanvasRenderingContext2D} ctx @param {Scene} scene
-   */
-  paintAreas(ctx, { view, picture, colours }) {
-    ctx.font = FONT;
-    ctx.lineWidth = 1.2;
-    for (const area of picture.areas) {
-      const [x, y] = view.toScreen(area.east, area.north);
-      ctx.strokeStyle = ctx.fillStyle = area.cue ? colours.sensor["ads-b"] : colours.sensor.tracker;
-      const turn = area.bearing - view.up - Math.PI / 2;
-      ctx.setLineDash(area.cue ? [5, 3] : []);
-      ctx.beginPath();
-      ctx.ellipse(
-        x,
-        y,
-        Math.max(7, area.major / view.scale),
-        Math.max(7, area.minor / view.scale),
-        turn,
-        0,
-        2 * Math.PI,
-      );
-      ctx.stroke();
-      ctx.setLineDash([]);
-      ctx.fillText(area.cue ? `cue ${area.targets}` : String(area.targets), x - 4, y + 4);
-    }
   }
 
   /**

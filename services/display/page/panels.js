@@ -5,6 +5,7 @@
 import { clock, grouped, h, latency, span } from "./dom.js";
 import { bearing, courseText, placeOf, sexagesimal } from "./geodesy.js";
 import { climbText, heightText, levelOf, modesText, speedText, turnText } from "./labels.js";
+import { LAYERS } from "./layers.js";
 import { ALERTS, nameOf } from "./picture.js";
 import { orderButton } from "./orders.js";
 import { histogram, plot } from "./plots.js";
@@ -375,9 +376,7 @@ const VIEW_SETTINGS = [
   ["trail", "Trail, seconds (−1: all)"],
   ["sigma", "Accuracy ellipse, sigmas (0: none)"],
   ["sensors", "Sensor tracks"],
-  ["detections", "Detections"],
-  ["bearings", "Bearings"],
-  ["areas", "Wide-area counts and cues"],
+  .../** @type {[keyof import("./settings.js").Settings, string][]} */ (LAYERS.map(({ key, title }) => [key, title])),
   ["biases", "Sites and learned offsets × 100"],
   ["coverage", "Coverage of each source"],
   ["rings", "Range rings"],

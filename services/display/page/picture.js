@@ -36,24 +36,15 @@ import { ALERT } from "./wire.js";
  * @property {import("./placement.js").Spot} spot Where its label is.
  */
 
+/** @typedef {import("./layers.js").Mark} Mark */
+
 /**
- * Sensor track or detection.
+ * Sensor track.
  * @typedef {object} Spot
- * @property {number} number Number at its source; 0 for a detection.
+ * @property {number} number Number at its source.
  * @property {number} source
  * @property {number} time seconds UTC
  * @property {number} east @property {number} north metres
- */
-
-/**
- * Bearing from a platform; angles in radians, clockwise from north.
- * @typedef {{source: number, time: number, east: number, north: number, bearing: number, sigma: number}} Ray
- */
-
-/**
- * Place in which a wide-area sensor has counted targets, or a cue.
- * @typedef {{source: number, time: number, east: number, north: number, targets: number, cue: boolean, major: number,
- *   minor: number, bearing: number}} Area
  */
 
 /** Points that a trail keeps, and seconds between two: ten minutes. */
@@ -214,12 +205,8 @@ export class Picture {
     this.left = new Map();
     /** @type {Map<number, Spot>} Sensor tracks by source and number. */
     this.sensor = new Map();
-    /** @type {Spot[]} Detections, bearings and areas, the oldest first. */
-    this.detections = [];
-    /** @type {Ray[]} */
-    this.bearings = [];
-    /** @type {Area[]} */
-    this.areas = [];
+    /** @type {Record<string, Mark[]>} Marks of each layer that passes, by key, the oldest first. */
+    this.marks = {};
   }
 
   /** Removes a track; its trail is kept, since another fusion may continue the track. @param {number} number */
@@ -242,27 +229,25 @@ export class Picture {
 
   clearLayers() {
     this.sensor.clear();
-    this.detections = [];
-    this.bearings = [];
-    this.areas = [];
+    this.marks = {};
   }
 
   /**
    * Adds what has come of the lower layers, and drops what is older than `since`.
-   * @param {number} since @param {Spot[]} sensor @param {Spot[]} detections @param {Ray[]} bearings
-   * @param {Area[]} areas
+   * @param {number} since @param {Spot[]} sensor @param {Record<string, Mark[]>} marks
    */
-  addLayers(since, sensor, detections, bearings, areas) {
+  addLayers(since, sensor, marks) {
     // Track numbers have 32 bits, source numbers 16: their combination is an exact integer.
     for (const spot of sensor) this.sensor.set(spot.source * 2 ** 32 + spot.number, spot);
     for (const [key, spot] of this.sensor) if (spot.time < since) this.sensor.delete(key);
-    this.detections = recent(this.detections, detections, since);
-    this.bearings = recent(this.bearings, bearings, since);
-    this.areas = recent(this.areas, areas, since);
+    const keys = Object.keys({ ...this.marks, ...marks });
+    this.marks = Object.fromEntries(
+      keys.map((key) => [key, recent(this.marks[key] ?? [], marks[key] ?? [], since)]),
+    );
   }
 }
 
-/** Most detections, bearings or areas that are kept. */
+/** Most marks of a layer that are kept. */
 const LAYER_MAX = 40_000;
 
 /** @template {{time: number}} T @param {T[]} known @param {T[]} added @param {number} since @returns {T[]} */

@@ -3,8 +3,12 @@
  * the same. A setting that has its default is left out.
  */
 
+import { ofLayers } from "./layers.js";
+
 /**
- * @typedef {object} Settings
+ * @typedef {OwnSettings & Record<import("./layers.js").LayerKey, boolean>} Settings With the layers that are shown.
+ *
+ * @typedef {object} OwnSettings
  * @property {number} e @property {number} n Middle of the map, metres.
  * @property {number} scale Metres a pixel; 0: so that all tracks are seen.
  * @property {number} up Bearing that points up, degrees.
@@ -17,8 +21,7 @@
  * @property {number} sigma Size of the accuracy ellipses in standard deviations; 0: none.
  * @property {string} colour state, height, source (how many contribute) or main (main source)
  * @property {string} units aviation, metric, or maritime (as aviation, and without levels)
- * @property {boolean} sensors Sensor tracks. @property {boolean} detections
- * @property {boolean} bearings Of direction finders. @property {boolean} areas Wide-area counts and cues.
+ * @property {boolean} sensors Sensor tracks.
  * @property {boolean} coverage Outline of each source's coverage.
  * @property {string} pd Name of the source whose probability of detection is shown; "": none.
  * @property {boolean} handovers Rings round tracks with another main source.
@@ -57,9 +60,7 @@ export const DEFAULTS = Object.freeze({
   colour: "state",
   units: "aviation",
   sensors: false,
-  detections: false,
-  bearings: false,
-  areas: false,
+  ...ofLayers(() => false),
   rings: true,
   siterings: false,
   maps: "",

@@ -6,6 +6,7 @@ import { byId, grouped, h, setText } from "./dom.js";
 import { bearing, magneticText, pathBetween, placeOf, sexagesimal } from "./geodesy.js";
 import { lengthText, roundLength } from "./ground.js";
 import { levelOf, levelText } from "./labels.js";
+import { LAYERS } from "./layers.js";
 import { bearingText, distanceText } from "./measuring.js";
 
 /** @typedef {import("./app.js").App} App */
@@ -56,8 +57,9 @@ export function showLegend(app) {
       ["◇", colours.sensor.tracker, "other sensor"],
     );
   if (settings.pd !== "") lines.push(...PROBABILITY_LEGEND);
-  if (settings.detections) lines.push(["·", colours.sensor.detection, "detection"]);
-  if (settings.at > 0 && !app.isRecording && (settings.detections || settings.bearings || settings.areas))
+  const layers = LAYERS.filter(({ key }) => settings[key]);
+  for (const { legend } of layers) if (legend) lines.push([legend[0], legend[1](colours), legend[2]]);
+  if (settings.at > 0 && !app.isRecording && layers.length > 0)
     lines.push(["–", colours.unknown, "detections, bearings, counts: not kept"]);
   const legend = byId("legend");
   legend.replaceChildren(

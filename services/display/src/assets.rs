@@ -30,6 +30,7 @@ pub(crate) const ASSETS: &[Asset] = assets! {
     "index.html"
     "kept.js"
     "labels.js"
+    "layers.js"
     "lettering.js"
     "lines.js"
     "main.js"

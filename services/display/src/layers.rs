@@ -1,6 +1,6 @@
-//! Registry of displayed streams: one line per kind of sample that enters the world.
+//! Registry of displayed streams: one entry per kind of sample that enters the world.
 //!
-//! The same lines serve live topics and the topics of a recording.
+//! The same entries serve live topics and the topics of a recording.
 
 use bus::Payload;
 use messages::{
@@ -9,6 +9,7 @@ use messages::{
 };
 use runtime::Now;
 
+use crate::records::{self, DetectionPlace};
 use crate::world::World;
 
 /// Sample of a displayed stream.
@@ -66,10 +67,22 @@ pub(crate) fn stream_of(name: &str) -> Option<(Stream, &str)> {
 
 displayed! {
     SensorTracks: SensorTrack, |world, (_, reports), now| world.hear_sensor_tracks(reports, now);
-    Detections: SensorDetection, |world, (_, detections), _| world.hear_detections(detections);
-    Bearings: SensorBearing, |world, (_, bearings), _| world.hear_bearings(bearings);
-    WideArea: WideArea, |world, (_, counts), _| world.hear_counts(counts);
-    Cues: Cue, |world, (_, cues), _| world.hear_cues(cues);
+    Detections: SensorDetection, |world, (_, detections), _| for detection in detections {
+        match records::detection(detection, world.observed.frame()) {
+            Some(DetectionPlace::Spot(spot)) => world.pass(detection.time_of_measurement_ns, &spot),
+            Some(DetectionPlace::Ray(ray)) => world.pass(detection.time_of_measurement_ns, &ray),
+            None => {}
+        }
+    };
+    Bearings: SensorBearing, |world, (_, bearings), _| for bearing in bearings {
+        world.pass(bearing.time_of_measurement_ns, &records::bearing(bearing));
+    };
+    WideArea: WideArea, |world, (_, counts), _| for count in counts {
+        world.pass(count.time_of_observation_ns, &records::count(count));
+    };
+    Cues: Cue, |world, (_, cues), _| for cue in cues {
+        world.pass(cue.time_ns, &records::cue(cue));
+    };
     SystemTracks: SystemTrack, |world, (header, tracks), now| world.receive(header, tracks, now);
     Alarms: Alarm, |world, (header, alarms), _| world.hear_alarms(header, alarms);
     Decisions: Decision, |world, (_, decisions), _| world.hear_decisions(decisions);

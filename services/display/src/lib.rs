@@ -58,6 +58,7 @@ mod operator;
 mod operator_tests;
 mod orders;
 mod pages;
+mod passing;
 mod reasons;
 mod recent;
 mod records;

@@ -1,14 +1,17 @@
 //! State of one page: the records already sent, and the next picture.
 
 use messages::layout::Sample;
-use messages::picture::{PictureHeader, PictureIdentity, PictureSensorTrack, PictureTrack, picture_bits};
+use messages::picture::{
+    LayerRecord as _, PictureHeader, PictureIdentity, PictureLayer, PictureSensorTrack, PictureTrack, picture_bits,
+};
 use messages::{Contribution, Identity, TrackState};
 use runtime::Now;
 use rustc_hash::FxHashMap;
 
 use crate::history::Then;
+use crate::passing::LAYERS;
 use crate::reports::LatestReports;
-use crate::wire::{Filter, Layer, Past, Wish};
+use crate::wire::{Filter, Past, Wish};
 use crate::world::{ReceivedRecord, World};
 
 const NS_PER_MS: i64 = 1_000_000;
@@ -21,7 +24,8 @@ pub(crate) struct Viewer {
     filter: Option<Filter>,
     pub(crate) selected: Vec<u32>,
     past: Option<PastView>,
-    layers: LayerStamps,
+    /// Stamp of the latest sent record of each requested layer.
+    layers: [Option<u64>; LAYERS],
     /// Tracks already sent, in the order of their numbers, each with the stamp of its sent state.
     shown: Vec<(u32, u64)>,
     /// Stamps of the identities already sent.
@@ -32,28 +36,6 @@ pub(crate) struct Viewer {
     sequence: u32,
     /// Picture without acknowledgement so far.
     outstanding: Option<u32>,
-}
-
-/// Stamp of the latest sent record of each requested layer.
-#[derive(Clone, Copy, Debug, Default)]
-struct LayerStamps {
-    sensor_tracks: Option<u64>,
-    detections: Option<u64>,
-    bearings: Option<u64>,
-    areas: Option<u64>,
-}
-
-impl LayerStamps {
-    /// Resets the stamps: nothing was sent.
-    fn forget(&mut self) {
-        let all = [
-            &mut self.sensor_tracks,
-            &mut self.detections,
-            &mut self.bearings,
-            &mut self.areas,
-        ];
-        all.into_iter().flatten().for_each(|stamp| *stamp = 0);
-    }
 }
 
 /// View of a page on the past.
@@ -84,7 +66,7 @@ impl Default for Viewer {
             filter: None,
             selected: Vec::new(),
             past: None,
-            layers: LayerStamps::default(),
+            layers: [None; LAYERS],
             shown: Vec::new(),
             named: FxHashMap::default(),
             full: true,
@@ -111,13 +93,10 @@ impl Viewer {
             self.selected = select;
         }
         if let Some(layers) = wish.layers {
-            let keep = |layer: Layer, stamp: Option<u64>| layers.contains(&layer).then(|| stamp.unwrap_or(0));
-            self.layers = LayerStamps {
-                sensor_tracks: keep(Layer::SensorTracks, self.layers.sensor_tracks),
-                detections: keep(Layer::Detections, self.layers.detections),
-                bearings: keep(Layer::Bearings, self.layers.bearings),
-                areas: keep(Layer::Areas, self.layers.areas),
-            };
+            for layer in PictureLayer::ALL {
+                let stamp = &mut self.layers[layer as usize];
+                *stamp = layers.contains(&layer).then(|| stamp.unwrap_or(0));
+            }
         }
         if let Some(past) = wish.past {
             // Stamps of the present and numbers of the past must not be confused, and a jump through the past
@@ -179,7 +158,7 @@ impl Viewer {
         let time_ns = past_ns.unwrap_or_else(|| world.time_ns(now));
         if let Some(past) = &mut self.past {
             world.history.go_to(&mut past.then, time_ns);
-            if self.layers.sensor_tracks.is_some() || !self.selected.is_empty() {
+            if self.layers[PictureLayer::SensorTracks as usize].is_some() || !self.selected.is_empty() {
                 world.reports.go_to(&mut past.latest, time_ns);
             }
         }
@@ -187,7 +166,7 @@ impl Viewer {
             (self.generation, self.full) = (world.generation, true);
         }
         if std::mem::take(&mut self.full) {
-            self.layers.forget();
+            self.layers.iter_mut().flatten().for_each(|stamp| *stamp = 0);
             self.shown.clear();
             self.named.clear();
             self.sequence = self.sequence.wrapping_add(1);
@@ -277,68 +256,37 @@ impl Viewer {
     /// Adds the new records of the requested layers; of the past, only system and sensor tracks are stored.
     fn layers(&mut self, world: &World, blocks: &mut PictureBlocks) {
         let (view, time_ns) = (self.view, blocks.time_ns);
-        let in_view = |east_m, north_m| view.is_none_or(|view| contains(view, east_m, north_m));
-        if let Some(past) = &self.past {
-            if let Some(stamp) = &mut self.layers.sensor_tracks {
-                let mut new: Vec<u64> = past.latest.reports.values().copied().collect();
-                new.retain(|number| *number > *stamp);
-                new.sort_unstable();
-                *stamp = new.last().copied().unwrap_or(*stamp);
-                for report in new.into_iter().filter_map(|number| world.reports.get(number)) {
-                    if in_view(report.record.east_m, report.record.north_m) {
-                        blocks.sensor_tracks.push(PictureSensorTrack {
-                            age_ms: age_ms(time_ns, report.time_ns),
-                            ..report.record
-                        });
-                    }
+        let in_view = |[east_m, north_m]: [f32; 2]| view.is_none_or(|view| contains(view, east_m, north_m));
+        let age = |then_ns| age_ms(time_ns, then_ns);
+        for layer in PictureLayer::ALL {
+            let (Some(stamp), block) = (&mut self.layers[layer as usize], &mut blocks.layers[layer as usize]) else {
+                continue;
+            };
+            let mut sensor_track = |record: &PictureSensorTrack, time_ns| {
+                if record.place_m().is_none_or(in_view) {
+                    block.extend_from_slice(Sample::octets(&[record.with_age(age(time_ns))]));
                 }
-            }
-            return;
-        }
-        if let Some(stamp) = &mut self.layers.sensor_tracks {
-            let new = world.sensor_tracks.values().filter(|heard| heard.stamp > *stamp);
-            for heard in new.filter(|heard| in_view(heard.record.east_m, heard.record.north_m)) {
-                let mut record = heard.record;
-                record.age_ms = age_ms(time_ns, heard.time_ns);
-                blocks.sensor_tracks.push(record);
-            }
-            *stamp = world.stamp;
-        }
-        if let Some(stamp) = &mut self.layers.detections {
-            for heard in
-                since(&world.detections, *stamp).filter(|heard| in_view(heard.record.east_m, heard.record.north_m))
-            {
-                let mut record = heard.record;
-                record.age_ms = age_ms(time_ns, heard.time_ns);
-                blocks.detections.push(record);
-            }
-            *stamp = world.stamp;
-        }
-        if let Some(stamp) = &mut self.layers.bearings {
-            for heard in since(&world.bearings, *stamp) {
-                let mut record = heard.record;
-                record.age_ms = age_ms(time_ns, heard.time_ns);
-                blocks.bearings.push(record);
-            }
-            *stamp = world.stamp;
-        }
-        if let Some(stamp) = &mut self.layers.areas {
-            for heard in since(&world.areas, *stamp) {
-                let mut record = heard.record;
-                record.age_ms = age_ms(time_ns, heard.time_ns);
-                blocks.areas.push(record);
+            };
+            match (&self.past, layer) {
+                (Some(past), PictureLayer::SensorTracks) => {
+                    let mut new: Vec<u64> = past.latest.reports.values().copied().collect();
+                    new.retain(|number| *number > *stamp);
+                    new.sort_unstable();
+                    *stamp = new.last().copied().unwrap_or(*stamp);
+                    let reports = new.into_iter().filter_map(|number| world.reports.get(number));
+                    reports.for_each(|report| sensor_track(&report.record, report.time_ns));
+                    continue;
+                }
+                (Some(_), _) => continue,
+                (None, PictureLayer::SensorTracks) => {
+                    let new = world.sensor_tracks.values().filter(|heard| heard.stamp > *stamp);
+                    new.for_each(|heard| sensor_track(&heard.record, heard.time_ns));
+                }
+                (None, _) => world.passing.append_since(layer, *stamp, (in_view, age), block),
             }
             *stamp = world.stamp;
         }
     }
-}
-
-/// Returns samples after `stamp`, the latest first.
-fn since<T>(
-    recent: &std::collections::VecDeque<ReceivedRecord<T>>,
-    stamp: u64,
-) -> impl Iterator<Item = &ReceivedRecord<T>> {
-    recent.iter().rev().take_while(move |heard| heard.stamp > stamp)
 }
 
 fn contains([west, south, east, north]: [f32; 4], east_m: f32, north_m: f32) -> bool {
@@ -392,10 +340,8 @@ struct PictureBlocks {
     removed: Vec<u32>,
     tracks: Vec<PictureTrack>,
     identities: Vec<PictureIdentity>,
-    sensor_tracks: Vec<PictureSensorTrack>,
-    detections: Vec<messages::picture::PictureDetection>,
-    bearings: Vec<messages::picture::PictureBearing>,
-    areas: Vec<messages::picture::PictureArea>,
+    /// Records of each layer, as they are sent.
+    layers: [Vec<u8>; LAYERS],
 }
 
 impl PictureBlocks {
@@ -405,10 +351,7 @@ impl PictureBlocks {
             removed: Vec::new(),
             tracks: Vec::new(),
             identities: Vec::new(),
-            sensor_tracks: Vec::new(),
-            detections: Vec::new(),
-            bearings: Vec::new(),
-            areas: Vec::new(),
+            layers: Default::default(),
         }
     }
 
@@ -426,29 +369,25 @@ impl PictureBlocks {
 
     /// Encodes the picture for sending; this machine is little-endian, like all machines with shared memory here.
     fn octets(&self, sequence: u32, flags: u32) -> Vec<u8> {
-        let header = PictureHeader {
+        let mut header = PictureHeader {
             time_ns: self.time_ns,
             sequence,
             flags,
             removed: self.removed.len() as u32,
             tracks: self.tracks.len() as u32,
             identities: self.identities.len() as u32,
-            sensor_tracks: self.sensor_tracks.len() as u32,
-            detections: self.detections.len() as u32,
-            bearings: self.bearings.len() as u32,
-            areas: self.areas.len() as u32,
             ..PictureHeader::default()
         };
+        for layer in PictureLayer::ALL {
+            *header.count_mut(layer) = (self.layers[layer as usize].len() / layer.size()) as u32;
+        }
         let removed: Vec<u8> = self.removed.iter().flat_map(|number| number.to_le_bytes()).collect();
         [
             PictureHeader::octets(&[header]),
             &removed,
             Sample::octets(&self.tracks),
             Sample::octets(&self.identities),
-            Sample::octets(&self.sensor_tracks),
-            Sample::octets(&self.detections),
-            Sample::octets(&self.bearings),
-            Sample::octets(&self.areas),
+            &self.layers.concat(),
         ]
         .concat()
     }

@@ -35,6 +35,7 @@
 //! The server refuses unreadable messages, including unknown fields, and closes the connection.
 
 use messages::TrackState;
+use messages::picture::PictureLayer;
 use serde::{Deserialize, Deserializer};
 
 /// Maximum length of a page's message, bytes.
@@ -55,8 +56,9 @@ pub(crate) struct Wish {
     /// Metres: west, south, east, north; `null`: everything.
     #[serde(deserialize_with = "given")]
     pub(crate) view: Option<Option<[f32; 4]>>,
-    /// Layers besides the system tracks.
-    pub(crate) layers: Option<Vec<Layer>>,
+    /// Layers besides the system tracks, by word.
+    #[serde(deserialize_with = "layers")]
+    pub(crate) layers: Option<Vec<PictureLayer>>,
     /// Numbers of the system tracks for which the page requests all details.
     pub(crate) select: Option<Vec<u32>>,
     /// Filter of the system tracks; `null`: all are shown.
@@ -68,16 +70,6 @@ pub(crate) struct Wish {
     /// `null` changes nothing.
     #[serde(deserialize_with = "given")]
     pub(crate) past: Option<Option<Past>>,
-}
-
-/// Layer shown on request.
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
-#[serde(rename_all = "snake_case")]
-pub(crate) enum Layer {
-    SensorTracks,
-    Detections,
-    Bearings,
-    Areas,
 }
 
 /// Filter of system tracks: a track must satisfy every given field.
@@ -118,11 +110,22 @@ fn given<'de, D: Deserializer<'de>, T: Deserialize<'de>>(from: D) -> Result<Opti
 }
 
 fn states<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Vec<TrackState>>, D::Error> {
+    words(from, "state", TrackState::from_word)
+}
+
+fn layers<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Vec<PictureLayer>>, D::Error> {
+    words(from, "layer", PictureLayer::from_word)
+}
+
+/// Reads the values of words that are each a `kind`.
+fn words<'de, D: Deserializer<'de>, T>(
+    from: D,
+    kind: &str,
+    value: impl Fn(&str) -> Option<T>,
+) -> Result<Option<Vec<T>>, D::Error> {
     let words = Option::<Vec<String>>::deserialize(from)?;
-    let state = |word: &String| {
-        TrackState::from_word(word).ok_or_else(|| serde::de::Error::custom(format!("\"{word}\" is no state")))
-    };
-    words.map(|words| words.iter().map(state).collect()).transpose()
+    let read = |word: &String| value(word).ok_or_else(|| serde::de::Error::custom(format!("\"{word}\" is no {kind}")));
+    words.map(|words| words.iter().map(read).collect()).transpose()
 }
 
 impl Wish {
@@ -158,7 +161,7 @@ mod tests {
         let wish =
             Wish::read(r#"{"view": null, "past": null, "ack": 7, "layers": ["sensor_tracks", "areas"]}"#).unwrap();
         assert_eq!((wish.view, wish.past, wish.ack), (Some(None), Some(None), Some(7)));
-        assert_eq!(wish.layers, Some(vec![Layer::SensorTracks, Layer::Areas]));
+        assert_eq!(wish.layers, Some(vec![PictureLayer::SensorTracks, PictureLayer::Areas]));
         let wish = Wish::read(r#"{"filter": {"states": ["coasted"], "height_m": [null, 300]}}"#).unwrap();
         let filter = wish.filter.flatten().unwrap();
         assert_eq!(filter.states, Some(vec![TrackState::Coasted]));

@@ -3,16 +3,11 @@
 //!
 //! [`crate::clock`] describes the picture's time.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use messages::picture::{
-    PictureArea, PictureBearing, PictureDetection, PictureIdentity, PictureSensorTrack, PictureTrack,
-};
-use messages::{
-    Alarm, BatchHeader, Cue, Decision, FrameOrigin, SensorBearing, SensorDetection, SensorTrack, SystemTrack,
-    TrackState, WideArea,
-};
+use messages::picture::{LayerRecord, PictureIdentity, PictureSensorTrack, PictureTrack};
+use messages::{Alarm, BatchHeader, Decision, FrameOrigin, SensorTrack, SystemTrack, TrackState};
 use observed::Deployment;
 use runtime::Now;
 use rustc_hash::FxHashMap;
@@ -23,15 +18,14 @@ use crate::coverage::Coverage;
 use crate::decisions::Decisions;
 use crate::history::History;
 use crate::label_settings::LabelSettings;
+use crate::passing::Passing;
 use crate::recent::RecentReports;
-use crate::records::{self, DetectionPlace};
+use crate::records;
 use crate::reports::Reports;
 use crate::wire::{LAYER_AGE_S, Past};
 
 /// Maximum number of system tracks, of sensor tracks, and of past identities.
 const TRACKS_MAX: usize = 50_000;
-/// Maximum number of stored detections, bearings or areas.
-const RECENT_MAX: usize = 8_192;
 /// Time between two clean-ups, nanoseconds.
 const CLEAN_UP_NS: i64 = 1_000_000_000;
 const NS_PER_S: i64 = 1_000_000_000;
@@ -161,9 +155,7 @@ pub(crate) struct World {
     pub(crate) tracks: BTreeMap<u32, LiveTrack>,
     pub(crate) identities: FxHashMap<u32, ReceivedRecord<PictureIdentity>>,
     pub(crate) sensor_tracks: BTreeMap<(u16, u32), ReceivedRecord<PictureSensorTrack>>,
-    pub(crate) detections: VecDeque<ReceivedRecord<PictureDetection>>,
-    pub(crate) bearings: VecDeque<ReceivedRecord<PictureBearing>>,
-    pub(crate) areas: VecDeque<ReceivedRecord<PictureArea>>,
+    pub(crate) passing: Passing,
     pub(crate) alarm_book: AlarmBook,
     pub(crate) coverage: Coverage,
     /// Latest reports of each sensor track.
@@ -198,9 +190,7 @@ impl World {
             tracks: BTreeMap::new(),
             identities: FxHashMap::default(),
             sensor_tracks: BTreeMap::new(),
-            detections: VecDeque::new(),
-            bearings: VecDeque::new(),
-            areas: VecDeque::new(),
+            passing: Passing::default(),
             alarm_book: AlarmBook::default(),
             coverage: Coverage::new(sources.iter().map(|fact| (fact.site_m, fact.source.period_ns))),
             recent: RecentReports::default(),
@@ -419,44 +409,10 @@ impl World {
         }
     }
 
-    /// Receives the detections of a source.
-    pub(crate) fn hear_detections(&mut self, detections: &[SensorDetection]) {
-        for detection in detections {
-            let time_ns = detection.time_of_measurement_ns;
-            match records::detection(detection, self.observed.frame()) {
-                Some(DetectionPlace::Spot(record)) => add(&mut self.stamp, &mut self.detections, time_ns, record),
-                Some(DetectionPlace::Ray(record)) => add(&mut self.stamp, &mut self.bearings, time_ns, record),
-                None => {}
-            }
-        }
-    }
-
-    /// Receives the bearings of a direction finder.
-    pub(crate) fn hear_bearings(&mut self, bearings: &[SensorBearing]) {
-        for bearing in bearings {
-            let record = records::bearing(bearing);
-            add(
-                &mut self.stamp,
-                &mut self.bearings,
-                bearing.time_of_measurement_ns,
-                record,
-            );
-        }
-    }
-
-    /// Receives the counts of a wide-area sensor.
-    pub(crate) fn hear_counts(&mut self, counts: &[WideArea]) {
-        for count in counts {
-            let record = records::count(count);
-            add(&mut self.stamp, &mut self.areas, count.time_of_observation_ns, record);
-        }
-    }
-
-    /// Receives the cues for a sensor.
-    pub(crate) fn hear_cues(&mut self, cues: &[Cue]) {
-        for cue in cues {
-            add(&mut self.stamp, &mut self.areas, cue.time_ns, records::cue(cue));
-        }
+    /// Receives a record of a layer that passes, valid at `time_ns`.
+    pub(crate) fn pass<T: LayerRecord>(&mut self, time_ns: i64, record: &T) {
+        self.stamp += 1;
+        self.passing.add(self.stamp, time_ns, record);
     }
 
     /// Receives the decisions of fusion.
@@ -503,17 +459,4 @@ impl World {
         self.decisions
             .forget_before(past_ns, |number| tracks.contains_key(&number));
     }
-}
-
-/// Appends a received record to the recent records of its kind.
-fn add<T>(stamp: &mut u64, recent: &mut VecDeque<ReceivedRecord<T>>, time_ns: i64, record: T) {
-    *stamp += 1;
-    if recent.len() == RECENT_MAX {
-        recent.pop_front();
-    }
-    recent.push_back(ReceivedRecord {
-        stamp: *stamp,
-        time_ns,
-        record,
-    });
 }
