@@ -10,10 +10,10 @@ use scenario::{Instrument, SensorKind};
 use settings::SettingsError;
 
 use super::checked::{Checked, CheckedSource};
-use super::tables::{AsterixTable, LiveTable, ReceiverTable, UdpTable};
+use super::tables::{AsterixTable, FeedTable, LiveTable, ReceiverTable, UdpTable};
 use deployment::{
-    Asterix, DatagramInput, Input, Live, Receiver, ReceiverTransport, RecordedFormat, SampleDelivery, Technology,
-    WideAreaSensor, check_name,
+    Asterix, DatagramInput, Feed, FeedFormat, FeedLink, Input, Live, Receiver, ReceiverTransport, SampleDelivery,
+    Technology, WideAreaSensor, check_name,
 };
 
 /// Port of the first simulated sensor on the deployment's loopback address; the others follow.
@@ -50,17 +50,19 @@ impl Network {
                 );
                 return Err(SettingsError::new(key("name"), what));
             }
-            let transport = match (&each.udp, &each.tcp, &each.sbs) {
-                (Some(udp), ..) => ReceiverTransport::Udp(check_udp(&key("udp"), udp)?),
-                (_, Some(tcp), _) => ReceiverTransport::Rows {
+            let transport = match each {
+                ReceiverTable { udp: Some(udp), .. } => ReceiverTransport::Udp(check_udp(&key("udp"), udp)?),
+                ReceiverTable { tcp: Some(tcp), .. } => ReceiverTransport::Rows {
                     server: server(&key("tcp.connect"), &tcp.connect)?,
                 },
-                (.., sbs) => {
+                ReceiverTable { feed: Some(feed), .. } => ReceiverTransport::Feed(check_feed(&key("feed"), feed)?),
+                ReceiverTable { sbs, .. } => {
                     let sbs = sbs.clone().unwrap_or_default();
-                    ReceiverTransport::Sbs {
-                        server: server(&key("sbs.connect"), &sbs.connect)?,
+                    ReceiverTransport::Feed(Feed {
+                        format: FeedFormat::Sbs,
+                        link: FeedLink::Tcp(server(&key("sbs.connect"), &sbs.connect)?),
                         ahead_of_utc_min: sbs.ahead_of_utc_min,
-                    }
+                    })
                 }
             };
             receivers.push(Receiver {
@@ -116,11 +118,13 @@ impl Network {
         }
     }
 
-    /// Whether the receiver called `name` reads SBS-1.
-    pub(super) fn is_sbs(&self, name: &str) -> bool {
-        let is_it =
-            |receiver: &Receiver| receiver.name == name && matches!(receiver.transport, ReceiverTransport::Sbs { .. });
-        self.receivers.iter().any(is_it)
+    /// Content of the feed that the receiver called `name` reads; `None` if the receiver reads no feed.
+    pub(super) fn feed(&self, name: &str) -> Option<FeedFormat> {
+        let receiver = self.receivers.iter().find(|receiver| receiver.name == name)?;
+        match &receiver.transport {
+            ReceiverTransport::Feed(feed) => Some(feed.format),
+            _ => None,
+        }
     }
 
     /// Whether the receiver called `name` takes datagrams.
@@ -206,9 +210,10 @@ impl Network {
                 return Err(SettingsError::new(key, what));
             }
             check_plots(receiver, &behind).map_err(|what| SettingsError::new(&key, what))?;
-            if matches!(receiver.transport, ReceiverTransport::Sbs { .. }) && behind.len() > 1 {
+            if let (ReceiverTransport::Feed(feed), 2..) = (&receiver.transport, behind.len()) {
                 let what = format!(
-                    "an SBS-1 feed is one source, but {} have receiver = \"{name}\"",
+                    "a feed of {} is one source, but {} have receiver = \"{name}\"",
+                    feed.format.word(),
                     behind.len()
                 );
                 return Err(SettingsError::new(key, what));
@@ -253,9 +258,10 @@ fn check_plots(receiver: &Receiver, behind: &[&CheckedSource]) -> Result<(), Str
     if !behind.iter().any(|source| plots(source).is_some()) {
         return Ok(());
     }
-    if matches!(receiver.transport, ReceiverTransport::Sbs { .. }) {
+    if let ReceiverTransport::Feed(feed) = &receiver.transport {
         return Err(format!(
-            "\"{name}\" takes lines of SBS-1, which no sensor of a tracker sends; give it [receiver.udp] or [receiver.tcp]"
+            "\"{name}\" takes a feed of {}, which no sensor of a tracker sends; give it [receiver.udp] or [receiver.tcp]",
+            feed.format.word()
         ));
     }
     let with_rows: Vec<_> = behind.iter().filter(|source| source.has_rows()).collect();
@@ -340,11 +346,47 @@ pub(super) fn technology(input: &Input, instrument: Option<&Instrument>, network
         };
     }
     match input {
-        Input::Live(live) if network.is_sbs(&live.receiver) => Technology::AdsB,
-        Input::Live(live) => of_categories(&live.asterix),
-        Input::Recorded(recorded) if recorded.format == RecordedFormat::Sbs => Technology::AdsB,
-        Input::Recorded(recorded) => of_categories(&recorded.asterix),
+        Input::Live(live) => network
+            .feed(&live.receiver)
+            .map_or_else(|| of_categories(&live.asterix), of_feed),
+        Input::Recorded(recorded) => recorded
+            .format
+            .feed()
+            .map_or_else(|| of_categories(&recorded.asterix), of_feed),
         Input::Simulated(_) | Input::External | Input::Tracker(_) => Technology::Other,
+    }
+}
+
+/// Checks a feed. Without a server and a document, datagrams are expected.
+fn check_feed(key: &str, raw: &FeedTable) -> Checked<Feed> {
+    let link = match (&raw.connect, &raw.url, &raw.udp) {
+        (Some(connect), None, None) => FeedLink::Tcp(server(&format!("{key}.connect"), connect)?),
+        (None, Some(url), None) => {
+            if !url.starts_with("http://") {
+                let what = format!("\"{url}\" is no address that begins with http://");
+                return Err(SettingsError::new(format!("{key}.url"), what));
+            }
+            FeedLink::Http {
+                url: url.clone(),
+                period_ns: raw.period_s.ns(),
+            }
+        }
+        (None, None, Some(udp)) => FeedLink::Udp(check_udp(&format!("{key}.udp"), udp)?),
+        _ => {
+            let what = "needs exactly one of connect (a server), udp (datagrams) and url (a document)";
+            return Err(SettingsError::new(key, what));
+        }
+    };
+    Ok(Feed {
+        format: raw.format,
+        link,
+        ahead_of_utc_min: raw.ahead_of_utc_min,
+    })
+}
+
+fn of_feed(format: FeedFormat) -> Technology {
+    match format {
+        FeedFormat::Sbs => Technology::AdsB,
     }
 }
 

@@ -100,7 +100,8 @@ pub(super) fn check_source(
     let weighed = SourceSettings::new(&raw.name, &raw.weighing, usual, place_m, &AccuracyTable::default());
     let mut weighed = weighed.map_err(|error| error.under(&format!("source[{index}]")))?;
     weighed.sensor_uid = source.uid;
-    let is_self_reported = source.technology == deployment::Technology::AdsB;
+    use deployment::Technology;
+    let is_self_reported = [Technology::AdsB, Technology::Ais].contains(&source.technology);
     weighed.is_self_reported = raw.weighing.self_reported.unwrap_or(is_self_reported);
     let is_radar = |simulated: &SensorSettings| simulated.kind == SensorKind::Radar;
     if raw.place.is_some() || raw.simulated.as_ref().is_some_and(is_radar) {
@@ -151,7 +152,7 @@ fn check_tracker(
     let key = || format!("source[{index}].tracker");
     let has_detections = match input {
         Input::Recorded(recorded) => recorded.format == RecordedFormat::Asterix,
-        Input::Live(live) => !network.is_sbs(&live.receiver),
+        Input::Live(live) => network.feed(&live.receiver).is_none(),
         Input::Simulated(_) => matches!(instrument, Some(Instrument::Sensor(sensor)) if sensor.plots),
         // Its tracker is a process of its own.
         Input::External if takes_detections(raw) => return Ok(None),

@@ -14,7 +14,7 @@ use tracking::cutting::Boundaries;
 use tracking::settings::SensorModel;
 
 use super::words::ExternalInput;
-use deployment::{Checkpoint, Fusion, Link, Machine, PlotFormat, RecordedFormat, ReportOrder, Truncated};
+use deployment::{Checkpoint, FeedFormat, Fusion, Link, Machine, PlotFormat, RecordedFormat, ReportOrder, Truncated};
 
 settings::settings! {
     /// A deployment.
@@ -120,7 +120,7 @@ settings::settings! {
         date: Option<String> = None, usually "must be given with recordings";
     }
 
-    /// A network input: exactly one of `udp`, `tcp` and `sbs`.
+    /// A network input: exactly one of `udp`, `tcp`, `feed` and `sbs`.
     pub struct ReceiverTable {
         check ReceiverTable::check;
         /// Name of the adapter process.
@@ -129,8 +129,27 @@ settings::settings! {
         udp: Option<UdpTable> = None;
         /// Rows of detections from a server, for the sensors of trackers.
         tcp: Option<TcpTable> = None;
-        /// Lines of SBS-1 (BaseStation) from a server.
+        /// Targets that state their own positions, from a receiver of transponders or of AIS.
+        feed: Option<FeedTable> = None;
+        /// Lines of SBS-1 (BaseStation) from a server: short for a `feed` with `format = "sbs"`.
         sbs: Option<SbsTable> = None;
+    }
+
+    /// A feed of a receiver: exactly one of `connect`, `udp` and `url`.
+    pub struct FeedTable {
+        /// Content: `mode-s` has the frames of Beast, AVR or hexadecimal lines; `ais` has lines of NMEA 0183; `readsb`
+        /// is `aircraft.json`.
+        format: FeedFormat;
+        /// Address and port of a server: `"127.0.0.1:30005"` for Beast.
+        connect: Option<String> = None;
+        /// Datagrams: `"0.0.0.0:10110"` is usual for AIS.
+        udp: Option<UdpTable> = None;
+        /// Address of a document: `"http://192.168.1.7/data/aircraft.json"`.
+        url: Option<String> = None;
+        /// Time between two fetches of the document.
+        period_s: Seconds = Seconds::of(1.0), in [0.1, 3600];
+        /// Minutes by which the receiver's clock shows more than UTC, for lines of SBS-1.
+        ahead_of_utc_min: i32 = 0, in [-840, 840];
     }
 
     /// Datagrams.
@@ -494,6 +513,7 @@ impl ReceiverTable {
             &[
                 ("udp", self.udp.is_some()),
                 ("tcp", self.tcp.is_some()),
+                ("feed", self.feed.is_some()),
                 ("sbs", self.sbs.is_some()),
             ],
         )

@@ -25,7 +25,10 @@ use frames::SystemFrame;
 pub use fusion::{Checkpoint, Fusion, Machine, WaitWord};
 pub use link::{Link, LinkPeer, LinkTls, RemoteTopic, check_endpoint, check_links};
 pub use names::check_name;
-pub use network::{Asterix, DatagramInput, DatagramOutput, Live, NetworkOutput, Receiver, ReceiverTransport};
+pub use network::{
+    Asterix, DatagramInput, DatagramOutput, Feed, FeedFormat, FeedLink, Live, NetworkOutput, Receiver,
+    ReceiverTransport,
+};
 pub use observed::SourceFacts;
 pub use parts::Parts;
 pub use platform::{Platform, PlatformFeed, PlatformInput};

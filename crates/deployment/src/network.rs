@@ -26,13 +26,50 @@ pub enum ReceiverTransport {
         /// The server.
         server: SocketAddr,
     },
-    /// Lines of SBS-1 (BaseStation) from a server.
-    Sbs {
-        /// The server.
-        server: SocketAddr,
-        /// How far the receiver's clock is ahead of UTC, minutes.
-        ahead_of_utc_min: i32,
+    /// Reports of targets that state their own positions, from a receiver of transponders or of AIS.
+    Feed(Feed),
+}
+
+/// A feed of a receiver.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Feed {
+    /// Content.
+    pub format: FeedFormat,
+    /// Where the data come from.
+    pub link: FeedLink,
+    /// How far the receiver's clock is ahead of UTC, minutes.
+    pub ahead_of_utc_min: i32,
+}
+
+/// Where a feed comes from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum FeedLink {
+    /// A server, to which a connection is made.
+    Tcp(SocketAddr),
+    /// Datagrams.
+    Udp(DatagramInput),
+    /// A document that is fetched again and again.
+    Http {
+        /// Address of the document, beginning with `http://`.
+        url: String,
+        /// Time between two fetches, nanoseconds.
+        period_ns: i64,
     },
+}
+
+settings::words! {
+    /// Content of a feed.
+    pub enum FeedFormat {
+        /// Lines of SBS-1 (BaseStation).
+        Sbs = "sbs",
+    }
+}
+
+impl FeedFormat {
+    /// Whether the data are lines of text.
+    pub const fn is_lines(self) -> bool {
+        matches!(self, Self::Sbs)
+    }
 }
 
 /// Datagrams from the network, as the file states them.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use frames::SensorFrame;
 use settings::Seconds;
 
-use crate::network::{Asterix, Live};
+use crate::network::{Asterix, FeedFormat, Live};
 use crate::technology::Technology;
 
 /// One source.
@@ -206,6 +206,16 @@ settings::words! {
         Sbs = "sbs",
         /// A table of sensor tracks (FM-5).
         SensorTracks = "sensor-tracks",
+    }
+}
+
+impl RecordedFormat {
+    /// The feed whose data the file holds; `None` if the data are of no feed.
+    pub const fn feed(self) -> Option<FeedFormat> {
+        match self {
+            Self::Sbs => Some(FeedFormat::Sbs),
+            Self::Asterix | Self::SensorTracks => None,
+        }
     }
 }
 

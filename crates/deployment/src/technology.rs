@@ -15,5 +15,7 @@ settings::words! {
         Multilateration = "multilateration",
         /// Something else, or several of these in one.
         Other = "other",
+        /// AIS of ships, which CAT062 counts among the others.
+        Ais = "ais",
     }
 }

@@ -8,6 +8,7 @@
 //! - [`recording`]: a recording as a whole: its credible records, and statistics;
 //! - [`foreign`]: kinds of files that are taken for recordings of ASTERIX and are none;
 //! - [`observation`]: the meaning of ASTERIX target reports, as observations;
+//! - [`feed`]: the data of a receiver in any of the following formats;
 //! - [`sbs`]: lines of transponder receivers (SBS-1, BaseStation);
 //! - [`snapshot_datagram`]: snapshots of an antenna array in datagrams;
 //! - [`autoferry`]: a public data set of detections;
@@ -30,6 +31,7 @@ pub mod decisions_csv;
 mod designated_velocity;
 pub mod detections_csv;
 pub mod emitter_rows_csv;
+pub mod feed;
 pub mod foreign;
 mod identity_columns;
 pub mod nmea;

@@ -9,6 +9,7 @@
 //!   count of the datagrams that the kernel had to drop;
 //! - [`UdpSender`]: datagrams to an address or a group;
 //! - [`TcpLines`]: lines of a server, connected to again whenever the connection is lost;
+//! - [`Document`]: a document that is fetched again and again over HTTP;
 //! - [`LineServer`]: bytes to all connected clients;
 //! - [`Door`]: the permitted connections to a listening socket, and the permitted duration;
 //! - [`Reach`]: whether other machines may reach a listening socket.
@@ -25,6 +26,7 @@
 compile_error!("the crate `net` reads control messages as the kernel of 64-bit Linux lays them out");
 
 mod batch;
+mod document;
 mod door;
 mod error;
 mod interface;
@@ -38,6 +40,7 @@ mod splitter;
 mod wait;
 
 pub use batch::BATCH_MAX;
+pub use document::{Document, DocumentCounters};
 pub use door::{Admitted, Door, DoorCounters, DoorLimits, DoorNews, DoorRefusal, Ended, Peer, Ticket};
 pub use error::NetError;
 pub use interface::Interface;

@@ -44,8 +44,9 @@ pub struct LinesSettings {
     pub pause_max: Duration,
     /// Longest silence before the connection is given up.
     pub silence_max: Duration,
-    /// Longest line that is accepted, without the end, at most 1 MiB.
-    pub line_octets_max: usize,
+    /// Longest line that is accepted, without the end, at most 1 MiB; `None` for a stream without lines, whose octets
+    /// are handed on as they come.
+    pub line_octets_max: Option<usize>,
 }
 
 impl LinesSettings {
@@ -57,7 +58,7 @@ impl LinesSettings {
             pause_min: Duration::from_millis(500),
             pause_max: Duration::from_secs(30),
             silence_max: Duration::from_secs(60),
-            line_octets_max: 1024,
+            line_octets_max: Some(1024),
         }
     }
 
@@ -87,9 +88,9 @@ impl LinesSettings {
                 reason,
             ));
         }
-        if !LINE_OCTETS.contains(&self.line_octets_max) {
+        if let Some(octets) = self.line_octets_max.filter(|octets| !LINE_OCTETS.contains(octets)) {
             let reason = format!("must be {} to {} octets", LINE_OCTETS.start(), LINE_OCTETS.end());
-            return Err(NetError::setting("longest line", self.line_octets_max, reason));
+            return Err(NetError::setting("longest line", octets, reason));
         }
         Ok(())
     }
@@ -154,8 +155,8 @@ impl TcpLines {
     }
 
     /// Takes a step: begins or continues an attempt to connect, or takes the received bytes, at most a single read.
-    /// Without work, waits up to `timeout`. `visit` receives each complete line without the end; returns the number of
-    /// lines. `now_ns` is a monotonic time, nanoseconds.
+    /// Without work, waits up to `timeout`. `visit` receives each complete line without the end, or the octets of a
+    /// stream without lines; returns the number of calls. `now_ns` is a monotonic time, nanoseconds.
     ///
     /// Faults of the server are no errors: such faults are counted, and the attempt is repeated later.
     pub fn poll(&mut self, now_ns: i64, timeout: Duration, mut visit: impl FnMut(&[u8])) -> usize {

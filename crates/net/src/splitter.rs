@@ -12,16 +12,17 @@ const READ_OCTETS: usize = 16 << 10;
 pub(crate) struct Splitter {
     buffer: Box<[u8]>,
     filled: usize,
-    line_octets_max: usize,
+    /// `None`: there are no lines.
+    line_octets_max: Option<usize>,
     /// Within a line that is too long already.
     skipping: bool,
     oversized: u64,
 }
 
 impl Splitter {
-    pub(crate) fn new(line_octets_max: usize) -> Self {
+    pub(crate) fn new(line_octets_max: Option<usize>) -> Self {
         Self {
-            buffer: vec![0; line_octets_max + READ_OCTETS].into_boxed_slice(),
+            buffer: vec![0; line_octets_max.unwrap_or(0) + READ_OCTETS].into_boxed_slice(),
             filled: 0,
             line_octets_max,
             skipping: false,
@@ -36,8 +37,12 @@ impl Splitter {
 
     /// Accepts the first `octets` bytes of [free](Self::free), and passes each complete line without the end to
     /// `visit`. Empty lines, which some servers send to keep a connection alive, are skipped. Returns the number of
-    /// lines.
+    /// lines. Without lines, `visit` gets the bytes.
     pub(crate) fn fill(&mut self, octets: usize, visit: &mut impl FnMut(&[u8])) -> usize {
+        let Some(line_octets_max) = self.line_octets_max else {
+            visit(&self.buffer[..octets]);
+            return 1;
+        };
         let end = self.filled + octets;
         let (mut start, mut lines) = (0, 0);
         // The bytes before contain no line feed.
@@ -46,7 +51,7 @@ impl Splitter {
             let line = &self.buffer[start..searched + place];
             let line = line.strip_suffix(b"\r").unwrap_or(line);
             let counted_already = std::mem::take(&mut self.skipping);
-            if !counted_already && line.len() > self.line_octets_max {
+            if !counted_already && line.len() > line_octets_max {
                 self.oversized += 1;
             } else if !counted_already && !line.is_empty() {
                 visit(line);
@@ -58,7 +63,7 @@ impl Splitter {
         self.buffer.copy_within(start..end, 0);
         self.filled = end - start;
         // A further byte may be the carriage return.
-        if !self.skipping && self.filled > self.line_octets_max + 1 {
+        if !self.skipping && self.filled > line_octets_max + 1 {
             self.skipping = true;
             self.oversized += 1;
         }
@@ -111,7 +116,7 @@ mod tests {
 
     #[test]
     fn lines_end_with_a_line_feed_and_lose_a_carriage_return() {
-        let mut splitter = Splitter::new(10);
+        let mut splitter = Splitter::new(Some(10));
         assert_eq!(split(&mut splitter, b"one\r\n\r\n\ntwo\nthr", &[]), [b"one", b"two"]);
         assert_eq!(split(&mut splitter, b"ee\n", &[]), [b"three"]);
         assert!(!splitter.reset());
@@ -122,7 +127,7 @@ mod tests {
 
     #[test]
     fn a_line_may_be_exactly_as_long_as_allowed_with_either_ending() {
-        let mut splitter = Splitter::new(4);
+        let mut splitter = Splitter::new(Some(4));
         for cut in 0..6 {
             assert_eq!(split(&mut splitter, b"1234\r\n", &[cut]), [b"1234"]);
             assert_eq!(split(&mut splitter, b"1234\n", &[cut]), [b"1234"]);
@@ -136,7 +141,7 @@ mod tests {
 
     #[test]
     fn a_line_without_end_is_counted_once_and_takes_no_room() {
-        let mut splitter = Splitter::new(8);
+        let mut splitter = Splitter::new(Some(8));
         let endless = vec![b'x'; 10 * READ_OCTETS];
         assert!(split(&mut splitter, &endless, &[3, 5000]).is_empty());
         assert_eq!((splitter.oversized(), splitter.filled), (1, 0));
@@ -151,7 +156,7 @@ mod tests {
             mut cuts in prop::collection::vec(0usize..200, 0..20),
         ) {
             cuts.sort_unstable();
-            let (mut whole, mut pieces) = (Splitter::new(5), Splitter::new(5));
+            let (mut whole, mut pieces) = (Splitter::new(Some(5)), Splitter::new(Some(5)));
             prop_assert_eq!(split(&mut whole, &octets, &[]), split(&mut pieces, &octets, &cuts));
             // A line without an end may count as too long in both, or in neither.
             prop_assert_eq!(whole.oversized(), pieces.oversized());

@@ -5,23 +5,27 @@ use std::io::Cursor;
 
 use asterix::{Block, Decoder, Error, StatedTables, blocks};
 use csv_table::CsvError;
-use deployment::{Recorded, RecordedFormat};
+use deployment::{FeedFormat, Recorded, RecordedFormat};
 use formats::containers::{Container, TimeStamp, datagrams};
+use formats::feed::{Fed, FeedCounts, FeedReader};
 use formats::observation::{self, Reading};
-use formats::sbs::{AircraftMerger, SbsSettings};
 use formats::sensor_tracks_csv::SensorTrackReader;
 use messages::{Counter, Counters};
 
-use crate::counted::{decoded, merged};
+use crate::counted::decoded;
+use crate::feed;
 use crate::intake::Intake;
+
+/// Longest piece of a recorded feed without lines, bytes.
+const PIECE_OCTETS_MAX: usize = 1 << 16;
 
 /// Recorded file, and the reader's progress.
 #[derive(Debug)]
 pub(crate) enum RecordedContent {
     /// ASTERIX data blocks, and the reader of the blocks.
     Asterix(Packed, Box<Decoder>),
-    /// Lines of SBS-1.
-    Lines(RecordedLines),
+    /// Data of a feed.
+    Feed(Box<RecordedFeed>),
     /// Table of sensor tracks.
     Tracks(RecordedTracks),
 }
@@ -30,17 +34,13 @@ impl RecordedContent {
     /// # Errors
     /// If the file is configured as a table and the header is not the header of a table of sensor tracks.
     pub(crate) fn open(bytes: Vec<u8>, recorded: &Recorded, first_day_ns: i64) -> Result<Self, CsvError> {
-        Ok(match recorded.format {
-            RecordedFormat::Asterix => {
+        Ok(match recorded.format.feed() {
+            Some(feed) => Self::Feed(Box::new(RecordedFeed::open(feed, bytes, first_day_ns))),
+            None if recorded.format == RecordedFormat::Asterix => {
                 let tables = StatedTables::new(&recorded.asterix.editions, recorded.asterix.is_strict);
                 Self::Asterix(Packed::new(bytes), Box::new(tables.decoder()))
             }
-            RecordedFormat::Sbs => Self::Lines(RecordedLines {
-                packed: Packed::new(bytes),
-                first_day_ns,
-                merger: AircraftMerger::new(SbsSettings::default()),
-            }),
-            RecordedFormat::SensorTracks => Self::Tracks(RecordedTracks::open(bytes, first_day_ns)?),
+            None => Self::Tracks(RecordedTracks::open(bytes, first_day_ns)?),
         })
     }
 
@@ -48,7 +48,7 @@ impl RecordedContent {
     pub(crate) fn is_exhausted(&self) -> bool {
         match self {
             Self::Asterix(packed, _) => packed.is_exhausted(),
-            Self::Lines(lines) => lines.packed.is_exhausted(),
+            Self::Feed(feed) => feed.packed.is_exhausted(),
             Self::Tracks(tracks) => tracks.reader.is_none(),
         }
     }
@@ -66,7 +66,11 @@ impl RecordedContent {
                     }
                 }
             }
-            Self::Lines(lines) => lines.read_line(intake),
+            Self::Feed(feed) => feed.read_piece(&mut |fed| {
+                if let Fed::Target(observed) = fed {
+                    intake.observe(observed);
+                }
+            }),
             Self::Tracks(tracks) => tracks.read_row(intake),
         }
     }
@@ -75,7 +79,7 @@ impl RecordedContent {
     pub(crate) fn count(&self, counters: &mut Counters) {
         match self {
             Self::Asterix(_, decoder) => *counters += &decoded(decoder.counts()),
-            Self::Lines(lines) => *counters += &merged(&lines.merger),
+            Self::Feed(feed) => *counters += &feed::counted(&feed.reader),
             Self::Tracks(tracks) => {
                 counters[Counter::Records] += tracks.rows;
                 counters[Counter::BlocksRejected] += tracks.rejected;
@@ -84,26 +88,50 @@ impl RecordedContent {
     }
 }
 
-/// Lines of SBS-1 in a file, or in the datagrams of a capture.
+/// Data of a feed in a file, or in the datagrams of a capture.
 #[derive(Debug)]
-pub(crate) struct RecordedLines {
+pub(crate) struct RecordedFeed {
     packed: Packed,
     first_day_ns: i64,
-    merger: AircraftMerger,
+    format: FeedFormat,
+    reader: FeedReader,
 }
 
-impl RecordedLines {
-    fn read_line(&mut self, intake: &mut Intake) {
-        let (line, received_ns) = self.packed.next_piece(|rest| {
-            let end = rest.iter().position(|octet| *octet == b'\n');
-            let length = end.map_or(rest.len(), |end| end + 1);
+impl RecordedFeed {
+    /// Opens the data of `bytes`; `first_day_ns` is the time of receipt where none is known, UTC, nanoseconds.
+    pub(crate) fn open(format: FeedFormat, bytes: Vec<u8>, first_day_ns: i64) -> Self {
+        Self {
+            packed: Packed::new(bytes),
+            first_day_ns,
+            format,
+            reader: FeedReader::new(feed::settings(format, 0)),
+        }
+    }
+
+    /// Reads the next piece.
+    fn read_piece(&mut self, out: &mut dyn FnMut(Fed<'_>)) {
+        let is_lines = self.format.is_lines();
+        let (piece, received_ns) = self.packed.next_piece(|rest| {
+            let end = rest.iter().position(|octet| is_lines && *octet == b'\n');
+            let length = end.map_or(rest.len().min(PIECE_OCTETS_MAX), |end| end + 1);
             (&rest[..length], length)
         });
-        // A rejected line is counted by reason. Lines without a time have no use in a text file.
+        let piece = if is_lines { piece.trim_ascii_end() } else { piece };
+        // Refused data are counted by reason. Lines without a time have no use in a text file.
         let received_ns = received_ns.unwrap_or(self.first_day_ns);
-        if let Ok(Some(observed)) = self.merger.take(line.trim_ascii_end(), received_ns) {
-            intake.observe(&observed);
+        self.reader.take(piece, received_ns, out);
+    }
+
+    /// Reads everything; `observed` gets the time of day of each target report, nanoseconds. Returns the counts.
+    pub(crate) fn survey(mut self, observed: &mut dyn FnMut(Option<i64>)) -> FeedCounts {
+        while !self.packed.is_exhausted() {
+            self.read_piece(&mut |fed| {
+                if let Fed::Target(report) = fed {
+                    observed(report.time_of_day_ns);
+                }
+            });
         }
+        self.reader.counts()
     }
 }
 

@@ -1,12 +1,13 @@
 //! Adapter process: a process per sensor or network input, converts sensors' data to sensor tracks and publishes these.
 //!
 //! Live data arrive in datagrams (`receiver`), which contain ASTERIX (`blocks`), bearings, detections or counts
-//! (`tables`) or snapshots of an antenna array (`snapshots`), or in lines over a connection (`lines`, `row_lines`). The
-//! source's pipeline converts observations to samples ([`sources`]), and `channel` publishes them; `capture` stores the
-//! received bytes on request. Recorded data are read as a whole: a source's data are decoded piece by piece
-//! (`recorded_source`, `content`), a wide-area sensor's data as counts; `replay` publishes both, paced by the data's
-//! own times. A tracker process (`tracker`) takes the detections of its sensors from topics, or reads recordings.
-//! Sensors that only count are in `wide_area`, the states of platforms that carry sensors in `platform`.
+//! (`tables`) or snapshots of an antenna array (`snapshots`), in rows over a connection (`row_lines`), or as the feed
+//! of a receiver (`feed`). The source's pipeline converts observations to samples ([`sources`]), and `channel`
+//! publishes them; `capture` stores the received bytes on request. Recorded data are read as a whole: a source's data
+//! are decoded piece by piece (`recorded_source`, `content`), a wide-area sensor's data as counts; `replay` publishes
+//! both, paced by the data's own times. A tracker process (`tracker`) takes the detections of its sensors from topics,
+//! or reads recordings. Sensors that only count are in `wide_area`, the states of platforms that carry sensors in
+//! `platform`.
 
 #![forbid(unsafe_code)]
 
@@ -17,8 +18,8 @@ mod channel;
 mod content;
 mod continuity;
 mod counted;
+mod feed;
 mod intake;
-mod lines;
 mod misfits;
 mod outlet;
 mod platform;
@@ -34,15 +35,16 @@ mod tracker;
 mod wide_area;
 
 use anyhow::Context as _;
-use deployment::{Input, Platform, ReceiverTransport, Source};
-use formats::sbs::SbsSettings;
+use deployment::{FeedFormat, Input, Platform, ReceiverTransport, Source};
+use formats::feed::FeedCounts;
 use runtime::Agent;
 use runtime::Process;
 use sources::{Readings, SourceReading};
 
 use crate::bearings::Bearings;
 use crate::blocks::BlockSources;
-use crate::lines::LineAgent;
+use crate::content::RecordedFeed;
+use crate::feed::FeedAgent;
 use crate::plot_rows::PlotRows;
 use crate::receiver::DatagramAgent;
 use crate::row_lines::RowLineAgent;
@@ -60,6 +62,12 @@ impl<'a> Processed<'a> {
     pub(crate) fn reading(self) -> &'a SourceReading {
         &self.readings.sources[usize::from(self.source.number)]
     }
+}
+
+/// Reads the data of a feed in `bytes` as the adapter of a recording does; `observed` gets the time of day of each
+/// target report, nanoseconds. Returns the counts.
+pub fn survey_feed(bytes: &[u8], format: FeedFormat, observed: &mut dyn FnMut(Option<i64>)) -> FeedCounts {
+    RecordedFeed::open(format, bytes.to_vec(), 0).survey(observed)
 }
 
 /// Runs the adapter named in `process` (of a receiver, a recorded source or a wide-area sensor) until the work is done
@@ -92,16 +100,7 @@ pub fn run(process: &Process, readings: &Readings) -> anyhow::Result<()> {
         let has_bearings = sources.iter().any(|processed| processed.source.has_bearings());
         let mut agent: Box<dyn Agent> =
             match &receiver.transport {
-                ReceiverTransport::Sbs {
-                    server,
-                    ahead_of_utc_min,
-                } => {
-                    let settings = SbsSettings {
-                        ahead_of_utc_min: *ahead_of_utc_min,
-                        ..SbsSettings::default()
-                    };
-                    Box::new(LineAgent::new(process, *server, settings, &sources)?)
-                }
+                ReceiverTransport::Feed(feed) => Box::new(FeedAgent::new(process, feed, &sources)?),
                 ReceiverTransport::Rows { server } => {
                     Box::new(RowLineAgent::new(*server, PlotRows::new(process, &sources)?)?)
                 }

@@ -89,8 +89,8 @@ impl<D: DatagramReader> DatagramAgent<D> {
             }
             // A simulated sensor sends to the deployment's own loopback address.
             ReceiverTransport::Loopback { port } => ReceiverSettings::new(IpAddr::V4(process.loopback), *port),
-            ReceiverTransport::Rows { server } | ReceiverTransport::Sbs { server, .. } => {
-                anyhow::bail!("{server} sends lines and no datagrams")
+            ReceiverTransport::Rows { .. } | ReceiverTransport::Feed(_) => {
+                anyhow::bail!("a receiver of rows or of a feed has no agent of datagrams")
             }
         };
         let socket = UdpReceiver::open(&settings)?;

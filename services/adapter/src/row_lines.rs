@@ -87,7 +87,7 @@ impl TableOfLines {
 impl RowLineAgent {
     pub(crate) fn new(server: SocketAddr, reader: PlotRows) -> anyhow::Result<Self> {
         let settings = LinesSettings {
-            line_octets_max: ROW_OCTETS_MAX,
+            line_octets_max: Some(ROW_OCTETS_MAX),
             ..LinesSettings::new(server)
         };
         Ok(Self {

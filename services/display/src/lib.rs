@@ -293,7 +293,7 @@ fn fact(observed: deployment::SourceFacts, source: &deployment::Source) -> Sourc
             Technology::Primary | Technology::Secondary | Technology::ModeS => "radar",
             Technology::Multilateration => "mlat",
             Technology::AdsB => "adsb",
-            Technology::Other => "other",
+            Technology::Other | Technology::Ais => "other",
         },
         site_m: Some(source.frame.place()),
     }

@@ -25,6 +25,7 @@ mod feed;
 mod generate;
 mod given;
 mod instances;
+mod kinds;
 mod lab;
 mod link;
 mod order;

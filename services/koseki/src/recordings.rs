@@ -15,16 +15,15 @@ use std::path::{Path, PathBuf};
 use asterix::{Edition, Error as BlockError, StatedTables, blocks, registry};
 use csv_table::CsvError;
 use deployment::{
-    Input, Platform, PlatformInput, PlotFormat, Recorded, RecordedFormat, SampleDelivery, Source, Truncated,
-    WideAreaInput, WideAreaSensor,
+    FeedFormat, Input, Platform, PlatformInput, PlotFormat, Recorded, RecordedFormat, SampleDelivery, Source,
+    Truncated, WideAreaInput, WideAreaSensor,
 };
 use formats::autoferry;
-use formats::containers::{Container, TimeStamp, datagrams};
+use formats::containers::{Container, datagrams};
 use formats::foreign::Foreign;
 use formats::observation::{Reading, read};
 use formats::platform_states_csv::PlatformStateReader;
 use formats::recording::{RecordingBytes, RecordingSurvey};
-use formats::sbs::{AircraftMerger, SbsLine, SbsSettings};
 use formats::scan_rows_csv::ScanRowReader;
 use formats::sensor_tracks_csv::SensorTrackReader;
 use formats::wide_area_csv::WideAreaReader;
@@ -36,6 +35,7 @@ use tracking::wide_area::arrivals::Arrivals;
 
 use crate::config::Config;
 use crate::editions;
+use crate::kinds::feed_of;
 
 /// Thoroughness of a look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -237,8 +237,9 @@ fn inspect_wide_area(sensor: &WideAreaSensor, data: &Path, depth: Depth) -> Resu
 }
 
 fn look(bytes: &[u8], recorded: &Recorded, key: &RecordingOwner, depth: Depth) -> Result<RecordingFindings, String> {
-    let (blocks, found) = match recorded.format {
-        RecordedFormat::Asterix => {
+    let (blocks, found) = match recorded.format.feed() {
+        Some(feed) => (0, read_feed(bytes, feed, key)?),
+        None if recorded.format == RecordedFormat::Asterix => {
             let survey = survey(bytes, recorded);
             check_kind(bytes, recorded, &survey, key)?;
             let doubts = doubts(&survey, recorded, key)?;
@@ -246,8 +247,7 @@ fn look(bytes: &[u8], recorded: &Recorded, key: &RecordingOwner, depth: Depth) -
             let decoded = decode(bytes, recorded, depth);
             (blocks, RecordingFindings { doubts, ..decoded })
         }
-        RecordedFormat::Sbs => (0, read_lines(bytes, key)?),
-        RecordedFormat::SensorTracks => (0, read_rows(bytes, key)?),
+        None => (0, read_rows(bytes, key)?),
     };
     if found.first_time_ns.is_none() {
         return Err(format!(
@@ -415,40 +415,27 @@ fn turn(
     None
 }
 
-/// Reads the lines of a transponder receiver.
-fn read_lines(bytes: &[u8], key: &RecordingOwner) -> Result<RecordingFindings, String> {
-    let mut merger = AircraftMerger::new(SbsSettings::default());
-    let (mut found, mut timed) = (RecordingFindings::default(), false);
-    for datagram in datagrams(bytes).flatten() {
-        let received_ns = datagram.time_stamp.map_or(0, TimeStamp::ns);
-        timed |= datagram.time_stamp.is_some();
-        for line in datagram.bytes.split(|octet| *octet == b'\n') {
-            let line = line.trim_ascii_end();
-            if let Ok(SbsLine::Message(message)) = SbsLine::parse(line) {
-                timed |= message.received.time_of_day_ns.is_some() || message.written.time_of_day_ns.is_some();
-            }
-            match merger.take(line, received_ns) {
-                Ok(Some(observed)) => {
-                    found.first_time_ns = found.first_time_ns.or(observed.time_of_day_ns);
-                    found.last_time_ns = observed.time_of_day_ns.or(found.last_time_ns);
-                }
-                Ok(None) => {}
-                Err(_) => found.skipped += line.len() as u64,
-            }
-        }
-    }
-    found.records = merger.counters().messages;
-    let foreign = Foreign::of(bytes).filter(|kind| ![Foreign::Sbs, Foreign::Empty].contains(kind));
-    if let Some(kind) = foreign.filter(|_| found.records == 0) {
+/// Reads the data of a feed.
+fn read_feed(bytes: &[u8], format: FeedFormat, key: &RecordingOwner) -> Result<RecordingFindings, String> {
+    let mut found = RecordingFindings::default();
+    let counts = adapter::survey_feed(bytes, format, &mut |time_of_day_ns| {
+        found.first_time_ns = found.first_time_ns.or(time_of_day_ns);
+        found.last_time_ns = time_of_day_ns.or(found.last_time_ns);
+    });
+    found.records = counts.records;
+    found.skipped = counts.refused_octets;
+    let kind = Foreign::of(bytes).filter(|kind| feed_of(*kind) != Some(format) && *kind != Foreign::Empty);
+    if let Some(kind) = kind.filter(|_| found.records == 0) {
         let (whose, place) = (&key.whose, &key.place);
         return Err(format!(
-            "no line of SBS-1, expected some for {whose}: {kind}; correct {place}.file or .format"
+            "nothing of format \"{}\", expected some for {whose}: {kind}; correct {place}.file or .format",
+            format.word()
         ));
     }
-    if found.records > 0 && !timed {
+    let has_receipts = Container::detect(bytes) != Container::Raw;
+    if found.records > 0 && counts.timed == 0 && !has_receipts {
         return Err(format!(
-            "no line has a time (values 7 to 10): the times of {} are unknown; record the lines with their \
-             times, or as a capture (pcap)",
+            "nothing has a time: the times of {} are unknown; record the data with their times, or as a capture (pcap)",
             key.whose
         ));
     }
@@ -552,7 +539,7 @@ mod tests {
         let timed = outcome(line("2016/05/10,12:00:00.000").as_bytes(), &sbs).unwrap();
         assert_eq!((timed.records, timed.first_time_ns), (1, Some(43_200_000_000_000)));
         let refused = outcome(line(",").repeat(3).as_bytes(), &sbs).unwrap_err();
-        assert!(refused.starts_with("no line has a time (values 7 to 10)"), "{refused}");
+        assert!(refused.starts_with("nothing has a time"), "{refused}");
     }
 
     /// A CAT010 block with a target report: source, message type and time of day.

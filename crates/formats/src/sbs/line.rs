@@ -67,6 +67,13 @@ pub struct SbsMessage {
     pub on_ground: Option<bool>,
 }
 
+impl SbsMessage {
+    /// Time of day in the receiver's zone, nanoseconds: of reception, else of writing.
+    pub fn stamped_ns(&self) -> Option<i64> {
+        self.received.time_of_day_ns.or(self.written.time_of_day_ns)
+    }
+}
+
 /// A date and a time of day, of an unknown zone, each of which may be missing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SbsTime {

@@ -65,6 +65,8 @@ pub struct SbsCounters {
     pub others: u64,
     /// Lines that were rejected, by [`LineRejection`].
     pub rejected: [u64; LineRejection::ALL.len()],
+    /// Transmissions with a time in their line.
+    pub timed: u64,
     /// Observations given.
     pub observations: u64,
     /// Messages that announce a position and hold none.
@@ -130,6 +132,7 @@ impl AircraftMerger {
         match SbsLine::parse(line) {
             Ok(SbsLine::Message(message)) => {
                 self.counters.messages += 1;
+                self.counters.timed += u64::from(message.stamped_ns().is_some());
                 Ok(self.merge(&message, received_utc_ns))
             }
             Ok(SbsLine::Other(_)) => {
@@ -170,8 +173,9 @@ impl AircraftMerger {
     /// UTC time of day: of reception, else of writing, else of receipt here.
     fn time_of_day_ns(&self, message: &SbsMessage, received_utc_ns: i64) -> i64 {
         let ahead_ns = i64::from(self.settings.ahead_of_utc_min) * 60 * NS_PER_S;
-        let stamped_ns = message.received.time_of_day_ns.or(message.written.time_of_day_ns);
-        let utc_ns = stamped_ns.map_or(received_utc_ns, |stamped_ns| stamped_ns - ahead_ns);
+        let utc_ns = message
+            .stamped_ns()
+            .map_or(received_utc_ns, |stamped_ns| stamped_ns - ahead_ns);
         utc_ns.rem_euclid(NS_PER_DAY)
     }
 

@@ -59,7 +59,7 @@ fn settings(server: SocketAddr) -> LinesSettings {
     LinesSettings {
         pause_min: Duration::from_secs(1),
         pause_max: Duration::from_secs(4),
-        line_octets_max: 100,
+        line_octets_max: Some(100),
         ..LinesSettings::new(server)
     }
 }
@@ -257,14 +257,14 @@ fn settings_that_cannot_be_meant_are_refused() {
         ),
         (
             LinesSettings {
-                line_octets_max: 0,
+                line_octets_max: Some(0),
                 ..good
             },
             "1 to 1048576",
         ),
         (
             LinesSettings {
-                line_octets_max: 2 << 20,
+                line_octets_max: Some(2 << 20),
                 ..good
             },
             "1 to 1048576",

@@ -1,0 +1,252 @@
+//! Feed of a receiver from the network: a connection, datagrams or a document, and the feed's source.
+//!
+//! A server may start later, end and return; a lost connection is made again. The time of receipt of a piece is the
+//! time of the read, since TCP has no time stamps; datagrams have the kernel's.
+
+use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr};
+use std::time::Duration;
+
+use anyhow::Context as _;
+use deployment::{Feed, FeedFormat, FeedLink};
+use formats::feed::{Fed, FeedReader, FeedSettings};
+use formats::sbs::SbsSettings;
+use messages::{Counter, Counters};
+use net::{Document, LinesSettings, ReceiverSettings, TcpLines, UdpReceiver};
+use runtime::Process;
+use runtime::clock::SteadyClock;
+use runtime::{Agent, HealthEntry, Now, Turn};
+
+use crate::Processed;
+use crate::capture::Capture;
+use crate::channel::SourceChannel;
+use crate::receiver::ReceiptTime;
+use crate::refusals::LatestRefusals;
+
+/// Longest wait for a piece in a turn, bounded by health messages and stop requests.
+const PATIENCE: Duration = Duration::from_millis(50);
+
+/// Agent of a receiver of a feed.
+#[derive(Debug)]
+pub(crate) struct FeedAgent {
+    way_in: WayIn,
+    capture: Option<Capture>,
+    reader: FeedReader,
+    channel: SourceChannel,
+    steady: SteadyClock,
+    refusals: LatestRefusals,
+}
+
+/// Where the pieces come from.
+#[derive(Debug)]
+enum WayIn {
+    Tcp(TcpLines, SocketAddr),
+    Udp(Box<UdpReceiver>, FeedFormat),
+    Http(Document, String),
+}
+
+impl WayIn {
+    fn open(feed: &Feed) -> anyhow::Result<Self> {
+        Ok(match &feed.link {
+            FeedLink::Tcp(server) => {
+                let usual = LinesSettings::new(*server);
+                let settings = LinesSettings {
+                    line_octets_max: usual.line_octets_max.filter(|_| feed.format.is_lines()),
+                    ..usual
+                };
+                Self::Tcp(TcpLines::new(settings)?, *server)
+            }
+            FeedLink::Udp(input) => {
+                let interface = input.interface.as_deref();
+                let settings = ReceiverSettings::stated(input.listen, interface, &input.senders, input.buffer_bytes)?;
+                Self::Udp(Box::new(UdpReceiver::open(&settings)?), feed.format)
+            }
+            FeedLink::Http { url, period_ns } => {
+                let period = Duration::from_nanos(period_ns.unsigned_abs());
+                Self::Http(Document::open(url, period)?, url.clone())
+            }
+        })
+    }
+
+    /// Address to which recorded pieces were sent; its readers are unknown here.
+    fn recorded_to(&self) -> SocketAddr {
+        let any = match self {
+            Self::Tcp(_, SocketAddr::V6(_)) => Ipv6Addr::UNSPECIFIED.into(),
+            Self::Tcp(..) | Self::Http(..) => Ipv4Addr::UNSPECIFIED.into(),
+            Self::Udp(socket, _) => return socket.local_address(),
+        };
+        SocketAddr::new(any, 0)
+    }
+
+    /// Passes the next pieces to `visit`, each with the time of receipt; waits at most [`PATIENCE`]. The capture gets
+    /// what came from an address.
+    fn poll(
+        &mut self,
+        (now, steady): (Now, SteadyClock),
+        capture: &mut Option<Capture>,
+        mut visit: impl FnMut(&[u8], ReceiptTime),
+    ) -> anyhow::Result<()> {
+        let read = |utc_ns: Option<i64>| {
+            let read = Now::read();
+            ReceiptTime::of(utc_ns.unwrap_or(read.utc_ns), read, steady)
+        };
+        match self {
+            Self::Tcp(client, server) => {
+                client.poll(now.mono_ns, PATIENCE, |piece| {
+                    let received = read(None);
+                    if let Some(capture) = capture {
+                        capture.take(*server, received.utc_ns, piece);
+                    }
+                    visit(piece, received);
+                });
+            }
+            Self::Udp(socket, format) => {
+                socket.receive(PATIENCE, |datagram| {
+                    let received = read(Some(datagram.received_utc_ns));
+                    if let Some(capture) = capture {
+                        capture.take(datagram.sender, received.utc_ns, datagram.bytes);
+                    }
+                    if format.is_lines() {
+                        let lines = datagram
+                            .bytes
+                            .split(|octet| *octet == b'\n')
+                            .map(<[u8]>::trim_ascii_end);
+                        lines
+                            .filter(|line| !line.is_empty())
+                            .for_each(|line| visit(line, received));
+                    } else {
+                        visit(datagram.bytes, received);
+                    }
+                })?;
+            }
+            Self::Http(document, _) => document.poll(PATIENCE, |octets| visit(octets, read(None))),
+        }
+        Ok(())
+    }
+
+    /// Counts of the network, and what is wrong with it, in words.
+    fn count(&self, whole: &mut HealthEntry) {
+        match self {
+            Self::Tcp(client, server) => {
+                whole.set(Counter::Connections, client.counters().connections);
+                if !client.is_connected() {
+                    whole.note = format!("not connected to {server}");
+                }
+            }
+            Self::Udp(socket, _) => {
+                let counted = socket.counters();
+                whole.set(Counter::Datagrams, counted.datagrams);
+                whole.set(Counter::DatagramsRejected, counted.refused_senders);
+                whole.set(
+                    Counter::DatagramsRejectedLength,
+                    counted.empty + counted.oversized + counted.unstamped,
+                );
+                whole.set(Counter::DatagramsDropped, counted.kernel_drops);
+                whole.note = socket.warning().unwrap_or_default().to_owned();
+            }
+            Self::Http(document, url) => {
+                whole.set(Counter::Connections, document.counters().documents);
+                if !document.trouble().is_empty() {
+                    whole.note = format!("{url}: {}", document.trouble());
+                }
+            }
+        }
+    }
+
+    /// Lines that were too long so far.
+    fn too_long(&self) -> u64 {
+        match self {
+            Self::Tcp(client, _) => client.counters().oversized,
+            Self::Udp(..) | Self::Http(..) => 0,
+        }
+    }
+}
+
+/// How the pieces of a feed are read.
+pub(crate) fn settings(format: FeedFormat, ahead_of_utc_min: i32) -> FeedSettings {
+    match format {
+        FeedFormat::Sbs => FeedSettings::Sbs(SbsSettings {
+            ahead_of_utc_min,
+            ..SbsSettings::default()
+        }),
+    }
+}
+
+/// Counts of a feed as counters.
+pub(crate) fn counted(reader: &FeedReader) -> Counters {
+    let counts = reader.counts();
+    let mut counters = Counters::default();
+    counters[Counter::Records] = counts.records;
+    counters[Counter::BlocksRejected] = counts.refused;
+    counters[Counter::RejectedNoPosition] = counts.without_position;
+    counters[Counter::TracksDropped] = counts.without_room;
+    counters
+}
+
+impl FeedAgent {
+    pub(crate) fn new(process: &Process, feed: &Feed, sources: &[Processed<'_>]) -> anyhow::Result<Self> {
+        let source = *sources.first().context("no source is behind this receiver")?;
+        let way_in = WayIn::open(feed)?;
+        Ok(Self {
+            capture: Capture::open(process, way_in.recorded_to())?,
+            way_in,
+            reader: FeedReader::new(settings(feed.format, feed.ahead_of_utc_min)),
+            channel: SourceChannel::open(process, source)?,
+            steady: SteadyClock::of(Now::read()),
+            refusals: LatestRefusals::default(),
+        })
+    }
+}
+
+impl Agent for FeedAgent {
+    fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
+        let (reader, channel, refusals) = (&mut self.reader, &mut self.channel, &mut self.refusals);
+        let steady = self.steady;
+        let mut failed = Ok(());
+        self.way_in.poll((now, steady), &mut self.capture, |piece, received| {
+            reader.take(piece, received.utc_ns, &mut |fed| match fed {
+                Fed::Target(observed) => {
+                    let taken = channel
+                        .received(received)
+                        .and_then(|()| channel.take(observed, received.mono_ns));
+                    if let Some(place) = channel.take_refused_place() {
+                        refusals.place(place, received);
+                    }
+                    if failed.is_ok() {
+                        failed = taken;
+                    }
+                }
+                Fed::Statement(_) => {}
+                // Refused data are counted by reason.
+                Fed::Refused(reason, words) => refusals.note((reason, ""), received, words),
+            });
+        })?;
+        failed?;
+        self.refusals.too_long(self.way_in.too_long(), || {
+            let read = Now::read();
+            ReceiptTime::of(read.utc_ns, read, steady)
+        });
+        self.channel.publish()?;
+        if let Some(capture) = &mut self.capture {
+            capture.hand_over();
+        }
+        Ok(Turn::Worked)
+    }
+
+    fn health(&self, entries: &mut Vec<HealthEntry>) {
+        let mut decoded = counted(&self.reader);
+        decoded[Counter::BlocksRejected] += self.way_in.too_long();
+        let mut of_source = self.channel.health(&decoded);
+        self.refusals.state(&mut of_source);
+        let mut whole = HealthEntry {
+            progress_ns: of_source.progress_ns,
+            ..HealthEntry::default()
+        };
+        whole.add_sources(std::slice::from_ref(&of_source));
+        self.way_in.count(&mut whole);
+        if let Some(capture) = &self.capture {
+            capture.count(&mut whole);
+        }
+        entries.push(whole);
+        entries.push(of_source);
+    }
+}
