@@ -10,6 +10,8 @@
 //! - [`observation`]: the meaning of ASTERIX target reports, as observations;
 //! - [`feed`]: the data of a receiver in any of the following formats;
 //! - [`sbs`]: lines of transponder receivers (SBS-1, BaseStation);
+//! - [`ais`]: lines of receivers of ships' automatic identification (AIS);
+//! - [`nmea`]: sentences of navigation receivers, compasses and radars on ships;
 //! - [`snapshot_datagram`]: snapshots of an antenna array in datagrams;
 //! - [`autoferry`]: a public data set of detections;
 //! - [`rows`]: tables of values, a row each, whatever their kind; each table declares its columns in one list;
@@ -20,6 +22,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod ais;
 pub mod alarms_csv;
 pub mod autoferry;
 pub mod bearings_csv;

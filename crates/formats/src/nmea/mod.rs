@@ -28,5 +28,6 @@ mod writer;
 
 pub use reader::{NmeaReader, NmeaSettings};
 pub use refusal::NmeaRefusal;
+pub(crate) use sentence::summed;
 pub use sentence::{NmeaCounts, NmeaFault};
 pub use writer::write_sentences;

@@ -106,13 +106,9 @@ pub(super) fn framed(line: &[u8]) -> Result<Option<(SentenceKind, &str)>, NmeaFa
     if !text.bytes().all(|octet| (0x20..0x7f).contains(&octet)) {
         return Err(NmeaFault::NoSentence);
     }
-    let (text, stated) = text.split_once('*').ok_or(NmeaFault::Partial)?;
-    if stated.len() != 2 {
+    let (text, behind) = summed(text)?;
+    if !behind.is_empty() {
         return Err(NmeaFault::Partial);
-    }
-    let stated = u8::from_str_radix(stated, 16).map_err(|_| NmeaFault::Checksum)?;
-    if text.bytes().fold(0, |sum, octet| sum ^ octet) != stated {
-        return Err(NmeaFault::Checksum);
     }
     let (name, fields) = text.split_once(',').ok_or(NmeaFault::Field)?;
     if name == "PASHR" {
@@ -134,4 +130,16 @@ pub(super) fn framed(line: &[u8]) -> Result<Option<(SentenceKind, &str)>, NmeaFa
         _ => return Ok(None),
     };
     Ok(Some((kind, fields)))
+}
+
+/// Checks the sum of a sentence without its first character, or of a tag block. Returns the summed characters, and those
+/// behind the sum.
+pub(crate) fn summed(text: &str) -> Result<(&str, &str), NmeaFault> {
+    let (text, behind) = text.split_once('*').ok_or(NmeaFault::Partial)?;
+    let (stated, behind) = behind.split_at_checked(2).ok_or(NmeaFault::Partial)?;
+    let stated = u8::from_str_radix(stated, 16).map_err(|_| NmeaFault::Checksum)?;
+    match text.bytes().fold(0, |sum, octet| sum ^ octet) == stated {
+        true => Ok((text, behind)),
+        false => Err(NmeaFault::Checksum),
+    }
 }

@@ -1,0 +1,259 @@
+//! Reports of positions, as observations.
+//!
+//! # Time
+//!
+//! A report states the second of the minute at which its position was measured, nothing more. The position is of the
+//! latest time with this second that is not more than 2 s, the error of clocks, after the time of receipt. A time more
+//! than 30 s before the receipt is none of a ship that reports by itself; then, and where the second is not stated, the
+//! time of receipt serves. Type 27 states no second.
+//!
+//! # Accuracy
+//!
+//! A flag states whether the position is better or worse than 10 m. The recommendation takes 10 m from the expected error
+//! that receivers with integrity monitoring give, or from the use of differential corrections. 10 m is therefore the
+//! radius within which a flagged position lies with 95 % probability, and 30 m of one without the flag: receivers without
+//! corrections keep within 13 m (resolution MSC.112(73)), but the flag is down, too, where a ship does not know.
+//! Positions by hand, by dead reckoning, or of a system out of order have an unknown accuracy.
+//!
+//! Coordinates are whole ten-thousandths of a minute, 0.2 m. Those of type 27 are whole tenths of a minute: the error is
+//! evenly distributed within 93 m in both directions on the equator, so that 95 % lie within 111 m. Its variance, a third
+//! of the square of 93 m, goes into the covariance; for a ship at rest, the error stays the same in all reports.
+//!
+//! Speeds are whole tenths of a knot (0.05 m/s), courses of a degree; whole knots and degrees in type 27, whole knots in
+//! type 9. No accuracy is stated, and none is added.
+
+use aivdm::{AisMessage, Timestamp};
+use frames::Geodetic;
+use frames::time::{NS_PER_DAY, NS_PER_S};
+use messages::{Identity, TrackState, alert_bits};
+use observations::{
+    Alerts, Axes, Emergency, NavigationStatus, Observation, Quality, RADIUS95_SIGMAS, Statement, TargetCategory,
+};
+
+use super::codes;
+use super::static_data::Known;
+
+const MPS_PER_KT: f64 = 1852.0 / 3600.0;
+/// Metres of a minute of latitude.
+const M_PER_MINUTE: f64 = 1852.0;
+/// Radius within which positions lie with 95 % probability, metres: of low and high accuracy.
+const RADIUS95_M: [f64; 2] = [30.0, 10.0];
+/// Step of the coordinates of type 27, minutes.
+const COARSE_STEP_MIN: f64 = 0.1;
+/// Most that the clock of receipt may be behind that of the ship, nanoseconds.
+const CLOCK_ERROR_MAX_NS: i64 = 2 * NS_PER_S;
+/// Age of a position at its receipt up to which its second is believed, nanoseconds.
+const AGE_MAX_NS: i64 = 30 * NS_PER_S;
+/// Speed below which a ship without a course is at rest, knots.
+const REST_KT: f64 = 0.2;
+/// Speed above which a ship without a heading points to its course, knots.
+const UNDER_WAY_KT: f64 = 2.0;
+
+/// A report of a position, of any type. Values that are not available are `None`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Report {
+    pub(super) mmsi: u32,
+    /// Latitude and longitude, degrees.
+    position_deg: Option<[f64; 2]>,
+    is_accurate: bool,
+    /// The coordinates are whole tenths of a minute.
+    is_coarse: bool,
+    speed_kt: Option<f64>,
+    course_deg: Option<f64>,
+    heading_deg: Option<f64>,
+    time: Timestamp,
+    /// Code of the navigation status.
+    navigation: Option<u8>,
+    /// Height, metres, and whether it is barometric.
+    height_m: Option<(f64, bool)>,
+    /// The report is one of a rescue aircraft.
+    is_aircraft: bool,
+}
+
+impl Report {
+    /// The report in a message of type 1, 2, 3, 9, 18, 19 or 27.
+    pub(super) fn of(message: &AisMessage) -> Option<Self> {
+        macro_rules! report {
+            ($of:ident) => {
+                Self {
+                    mmsi: $of.mmsi.raw(),
+                    position_deg: position_deg([$of.latitude.raw(), $of.longitude.raw()], 600_000),
+                    is_accurate: $of.position_accuracy,
+                    is_coarse: false,
+                    speed_kt: None,
+                    course_deg: below($of.cog.raw(), 3600).map(|tenths| tenths / 10.0),
+                    heading_deg: None,
+                    time: $of.timestamp,
+                    navigation: None,
+                    height_m: None,
+                    is_aircraft: false,
+                }
+            };
+        }
+        // The greatest number of a speed or height stands for all greater values.
+        let speed_kt = |tenths: u16| below(tenths, 1022).map(|tenths| tenths / 10.0);
+        Some(match message {
+            AisMessage::PositionReportClassA(of) => Self {
+                speed_kt: speed_kt(of.sog.raw()),
+                heading_deg: below(of.heading.raw(), 360),
+                navigation: Some(of.navigation_status.to_raw()),
+                ..report!(of)
+            },
+            AisMessage::PositionReportClassB(of) => Self {
+                speed_kt: speed_kt(of.sog.raw()),
+                heading_deg: below(of.heading.raw(), 360),
+                ..report!(of)
+            },
+            AisMessage::PositionReportClassBExtended(of) => Self {
+                speed_kt: speed_kt(of.sog.raw()),
+                heading_deg: below(of.heading.raw(), 360),
+                ..report!(of)
+            },
+            AisMessage::SarAircraftPositionReport(of) => Self {
+                speed_kt: below(of.sog_knots, 1022),
+                height_m: below(of.altitude_meters, 4094).map(|height_m| (height_m, of.barometric_altitude)),
+                is_aircraft: true,
+                ..report!(of)
+            },
+            AisMessage::LongRangeBroadcast(of) => Self {
+                mmsi: of.mmsi.raw(),
+                // `aivdm` 0.3.0 takes other numbers for "not available" than the recommendation.
+                position_deg: position_deg([of.latitude_raw, of.longitude_raw], 600),
+                is_accurate: of.position_accuracy,
+                is_coarse: true,
+                speed_kt: below(of.sog_knots.into(), 63),
+                course_deg: below(of.cog_degrees, 360),
+                heading_deg: None,
+                time: Timestamp::NotAvailable,
+                navigation: Some(of.navigation_status.to_raw()),
+                height_m: None,
+                is_aircraft: false,
+            },
+            _ => return None,
+        })
+    }
+
+    /// The observation of the position, received at `received_ns` (UTC, nanoseconds since 1970); `None` without one.
+    pub(super) fn observation(&self, known: &Known, received_ns: i64) -> Option<Observation> {
+        let [latitude, longitude] = self.position_deg?;
+        let antenna = Geodetic::from_degrees(latitude, longitude, 0.0).ok()?;
+        let is_under_way = self.speed_kt.is_some_and(|speed| speed > UNDER_WAY_KT);
+        let heading_deg = self.heading_deg.or(self.course_deg.filter(|_| is_under_way));
+        let place = match (known.hull, heading_deg) {
+            (Some(hull), Some(heading_deg)) => hull.centre(antenna, heading_deg.to_radians()),
+            _ => antenna,
+        };
+        let is_distress = self.emergency(known) == Emergency::Distress;
+        Some(Observation {
+            time_of_day_ns: Some(measured_ns(self.time, received_ns).rem_euclid(NS_PER_DAY)),
+            test: self.is_test(known),
+            // A station is its own track.
+            track_number: Some(self.mmsi),
+            identity: Identity::default().with_mmsi(self.mmsi).or(&known.identity),
+            geodetic: Some([place.latitude_deg().to_radians(), place.longitude_deg().to_radians()]),
+            velocity: self.velocity(),
+            axes: Axes::Target,
+            pressure_altitude_m: self
+                .height_m
+                .and_then(|(height, is_barometric)| is_barometric.then_some(height)),
+            geometric_height_m: self
+                .height_m
+                .and_then(|(height, is_barometric)| (!is_barometric).then_some(height)),
+            alerts: match codes::is_distress_device(self.category()) {
+                true => Alerts::flag(alert_bits::EMERGENCY, is_distress),
+                false => Alerts::default(),
+            },
+            state: TrackState::Confirmed,
+            quality: self.quality(latitude),
+            ..Observation::default()
+        })
+    }
+
+    /// What the report states beside its motion; `None` if it states nothing.
+    pub(super) fn statement(&self, known: &Known) -> Option<Statement> {
+        let statement = Statement {
+            track_number: self.mmsi,
+            category: self.category(),
+            navigation: codes::navigation_status(self.navigation.unwrap_or(15)),
+            emergency: self.emergency(known),
+            ..Statement::default()
+        };
+        let is_empty = (statement.category, statement.navigation) == Default::default();
+        (!is_empty).then_some(statement)
+    }
+
+    fn category(&self) -> TargetCategory {
+        match self.is_aircraft {
+            true => TargetCategory::Rescue,
+            false => codes::category_of_number(self.mmsi),
+        }
+    }
+
+    /// Only devices for distress state one: many ships have the status of an active device by mistake.
+    fn emergency(&self, known: &Known) -> Emergency {
+        let is_active = codes::navigation_status(self.navigation.unwrap_or(15)) == NavigationStatus::Rescue;
+        match codes::is_distress_device(self.category()) {
+            true if self.is_test(known) => Emergency::None,
+            true if is_active => Emergency::Distress,
+            _ => Emergency::Unknown,
+        }
+    }
+
+    /// A device under test has the status 15, and announces the test in a text.
+    fn is_test(&self, known: &Known) -> bool {
+        let is_device = codes::is_distress_device(self.category());
+        is_device && (known.is_under_test || self.navigation == Some(15))
+    }
+
+    /// East and north, metres per second.
+    fn velocity(&self) -> Option<[f64; 2]> {
+        let speed_kt = self.speed_kt?;
+        let (sine, cosine) = match self.course_deg {
+            Some(course_deg) => course_deg.to_radians().sin_cos(),
+            None if speed_kt < REST_KT => return Some([0.0; 2]),
+            None => return None,
+        };
+        let speed_mps = speed_kt * MPS_PER_KT;
+        Some([speed_mps * sine, speed_mps * cosine])
+    }
+
+    fn quality(&self, latitude_deg: f64) -> Quality {
+        let radius_m = RADIUS95_M[usize::from(self.is_accurate)];
+        match self.time {
+            Timestamp::ManualInputMode | Timestamp::DeadReckoning | Timestamp::Inoperative => Quality::Unknown,
+            _ if self.is_coarse => {
+                let own_m2 = (radius_m / RADIUS95_SIGMAS).powi(2);
+                let step_m2 = (COARSE_STEP_MIN * M_PER_MINUTE).powi(2) / 12.0;
+                let shrunk = latitude_deg.to_radians().cos().powi(2);
+                Quality::Covariance([own_m2 + step_m2 * shrunk, 0.0, own_m2 + step_m2])
+            }
+            _ => Quality::Radius95(radius_m),
+        }
+    }
+}
+
+/// Latitude and longitude of whole parts of a degree; `None` if they are not available, or on no globe.
+pub(super) fn position_deg([latitude, longitude]: [i32; 2], per_degree: i32) -> Option<[f64; 2]> {
+    let is_place = latitude.abs() <= 90 * per_degree && longitude.abs() <= 180 * per_degree;
+    is_place.then(|| [latitude, longitude].map(|parts| f64::from(parts) / f64::from(per_degree)))
+}
+
+/// A number below the first one that stands for no value.
+fn below(number: u16, end: u16) -> Option<f64> {
+    (number < end).then(|| f64::from(number))
+}
+
+/// Time of a measurement with its second of the minute, received at `received_ns`.
+pub(super) fn measured_ns(time: Timestamp, received_ns: i64) -> i64 {
+    let Timestamp::Second(second) = time else {
+        return received_ns;
+    };
+    let latest_ns = received_ns.saturating_add(CLOCK_ERROR_MAX_NS);
+    let behind_ns = latest_ns
+        .saturating_sub(i64::from(second) * NS_PER_S)
+        .rem_euclid(60 * NS_PER_S);
+    if behind_ns - CLOCK_ERROR_MAX_NS > AGE_MAX_NS {
+        return received_ns;
+    }
+    latest_ns.saturating_sub(behind_ns)
+}
