@@ -1,5 +1,7 @@
 //! Formats of recordings, from outside.
 
+mod ais;
+mod ais_lines;
 mod autoferry;
 mod containers;
 mod nmea;
