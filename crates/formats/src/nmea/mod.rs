@@ -1,9 +1,9 @@
 //! NMEA 0183: navigation receivers, compasses and inertial sensors on ships.
 //!
-//! Read are position (GGA, RMC), velocity (RMC, VTG), heading (HDT, THS) and attitude (PASHR). The crate `nmea` would
-//! read four of these, but depends on `chrono`, which `deny.toml` excludes; `nmea0183` gives reasons as texts, so
-//! wrong checksums and cut sentences could not be counted apart. The sentences are short; the framing below is what
-//! matters.
+//! Read are position (GGA, RMC), velocity (RMC, VTG), heading (HDT, THS) and attitude (PASHR), and apart from these the
+//! targets of a radar (TTM, TLL: [`RadarTarget`]). The crate `nmea` would read four of these, but depends on `chrono`,
+//! which `deny.toml` excludes; `nmea0183` gives reasons as texts, so wrong checksums and cut sentences could not be
+//! counted apart. The sentences are short; the framing below is what matters.
 //!
 //! # Time
 //!
@@ -21,11 +21,13 @@
 //! Every refusal is counted by reason ([`NmeaCounts`]), and the latest is named ([`NmeaRefusal`]).
 
 mod fields;
+mod radar_targets;
 mod reader;
 mod refusal;
 mod sentence;
 mod writer;
 
+pub use radar_targets::{RadarPlace, RadarTarget, Reference, Referred};
 pub use reader::{NmeaReader, NmeaSettings};
 pub use refusal::NmeaRefusal;
 pub(crate) use sentence::summed;
