@@ -51,7 +51,8 @@ impl<'a> AisLine<'a> {
             .ok()
             .filter(|text| text.len() <= LINE_OCTETS_MAX);
         let text = text.ok_or(AisRejection::Text)?;
-        let start = text.find(['!', '$']).ok_or(AisRejection::NoSentence)?;
+        // The last one: a sentence that was cut may stand before it.
+        let start = text.rfind(['!', '$']).ok_or(AisRejection::NoSentence)?;
         let (before, text) = text.split_at(start);
         let name = text[1..].split([',', '*']).next().unwrap_or_default();
         if !(name.len() == 5 && (name.ends_with("VDM") || name.ends_with("VDO"))) {
@@ -199,6 +200,7 @@ mod tests {
                 of("b003669710"),
             ),
             (format!("7,18:{SENTENCE}"), None, None),
+            (format!("!AIVDM,1,1,,B,177K{SENTENCE}"), None, None),
         ] {
             assert_eq!(stated(&line), (received_ns, station, false), "{line}");
         }

@@ -179,8 +179,8 @@ impl AisReader {
         let has_room = data.is_none_or(|data| self.stations.take(&data, now_ns));
         self.counters.refused_stations += u64::from(!has_room);
         if let Some(report) = Report::of(message) {
-            let known = self.stations.known(report.mmsi, now_ns);
-            let observation = report.observation(&known, now_ns);
+            let sender = self.stations.sender(report.mmsi, now_ns);
+            let observation = report.observation(&sender, now_ns);
             self.count_position(observation.is_some());
             let target = if is_own_ship {
                 AisOutput::OwnShip
@@ -189,7 +189,7 @@ impl AisReader {
             };
             observation.map(target).into_iter().for_each(&mut each);
             report
-                .statement(&known)
+                .statement(&sender)
                 .map(AisOutput::Statement)
                 .into_iter()
                 .for_each(&mut each);

@@ -40,10 +40,10 @@ impl Repeats {
         }
         if self.recent.len() >= REMEMBERED_MAX {
             self.recent.retain(|_, time_ns| is_recent(*time_ns));
-        }
-        if self.recent.len() >= REMEMBERED_MAX / 2 {
-            // A flood: to search the whole table at each message would take longer than to let some copies pass.
-            self.recent.clear();
+            if self.recent.len() > REMEMBERED_MAX / 2 {
+                // A flood: to search the table again soon would cost more than to let some copies pass.
+                self.recent.clear();
+            }
         }
         self.recent.insert(hash, now_ns);
         false
@@ -73,8 +73,23 @@ mod tests {
     #[test]
     fn the_memory_is_bounded() {
         let mut repeats = Repeats::new();
+        let message = |number: usize| format!("{number:012}");
+        for number in 0..REMEMBERED_MAX {
+            repeats.is_repeat(
+                message(number).as_bytes(),
+                false,
+                if number < 40_000 { 0 } else { 20 * S },
+            );
+        }
+        assert!(!repeats.is_repeat(message(REMEMBERED_MAX).as_bytes(), false, 20 * S));
+        assert_eq!(
+            repeats.recent.len(),
+            REMEMBERED_MAX - 40_000 + 1,
+            "old ones are forgotten"
+        );
+        assert!(repeats.is_repeat(message(40_000).as_bytes(), false, 21 * S));
         for number in 0..3 * REMEMBERED_MAX {
-            repeats.is_repeat(format!("{number:012}").as_bytes(), false, 0);
+            repeats.is_repeat(message(number).as_bytes(), false, 30 * S);
             assert!(repeats.recent.len() <= REMEMBERED_MAX);
         }
     }

@@ -31,7 +31,7 @@ use observations::{
 };
 
 use super::codes;
-use super::static_data::Known;
+use super::static_data::Station;
 
 const MPS_PER_KT: f64 = 1852.0 / 3600.0;
 /// Metres of a minute of latitude.
@@ -134,22 +134,22 @@ impl Report {
     }
 
     /// The observation of the position, received at `received_ns` (UTC, nanoseconds since 1970); `None` without one.
-    pub(super) fn observation(&self, known: &Known, received_ns: i64) -> Option<Observation> {
+    pub(super) fn observation(&self, sender: &Station, received_ns: i64) -> Option<Observation> {
         let [latitude, longitude] = self.position_deg?;
         let antenna = Geodetic::from_degrees(latitude, longitude, 0.0).ok()?;
         let is_under_way = self.speed_kt.is_some_and(|speed| speed > UNDER_WAY_KT);
         let heading_deg = self.heading_deg.or(self.course_deg.filter(|_| is_under_way));
-        let place = match (known.hull, heading_deg) {
+        let place = match (sender.hull, heading_deg) {
             (Some(hull), Some(heading_deg)) => hull.centre(antenna, heading_deg.to_radians()),
             _ => antenna,
         };
-        let is_distress = self.emergency(known) == Emergency::Distress;
+        let is_distress = self.emergency(sender) == Emergency::Distress;
         Some(Observation {
             time_of_day_ns: Some(measured_ns(self.time, received_ns).rem_euclid(NS_PER_DAY)),
-            test: self.is_test(known),
+            test: self.is_test(sender),
             // A station is its own track.
             track_number: Some(self.mmsi),
-            identity: Identity::default().with_mmsi(self.mmsi).or(&known.identity),
+            identity: Identity::default().with_mmsi(self.mmsi).or(&sender.identity),
             geodetic: Some([place.latitude_deg().to_radians(), place.longitude_deg().to_radians()]),
             velocity: self.velocity(),
             axes: Axes::Target,
@@ -170,12 +170,12 @@ impl Report {
     }
 
     /// What the report states beside its motion; `None` if it states nothing.
-    pub(super) fn statement(&self, known: &Known) -> Option<Statement> {
+    pub(super) fn statement(&self, sender: &Station) -> Option<Statement> {
         let statement = Statement {
             track_number: self.mmsi,
             category: self.category(),
             navigation: codes::navigation_status(self.navigation.unwrap_or(15)),
-            emergency: self.emergency(known),
+            emergency: self.emergency(sender),
             ..Statement::default()
         };
         let is_empty = (statement.category, statement.navigation) == Default::default();
@@ -190,19 +190,19 @@ impl Report {
     }
 
     /// Only devices for distress state one: many ships have the status of an active device by mistake.
-    fn emergency(&self, known: &Known) -> Emergency {
+    fn emergency(&self, sender: &Station) -> Emergency {
         let is_active = codes::navigation_status(self.navigation.unwrap_or(15)) == NavigationStatus::Rescue;
         match codes::is_distress_device(self.category()) {
-            true if self.is_test(known) => Emergency::None,
+            true if self.is_test(sender) => Emergency::None,
             true if is_active => Emergency::Distress,
             _ => Emergency::Unknown,
         }
     }
 
     /// A device under test has the status 15, and announces the test in a text.
-    fn is_test(&self, known: &Known) -> bool {
+    fn is_test(&self, sender: &Station) -> bool {
         let is_device = codes::is_distress_device(self.category());
-        is_device && (known.is_under_test || self.navigation == Some(15))
+        is_device && (sender.is_under_test() || self.navigation == Some(15))
     }
 
     /// East and north, metres per second.

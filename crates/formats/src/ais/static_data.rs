@@ -135,24 +135,34 @@ pub(super) fn named(mut identity: Identity, name: &str, callsign: &str) -> Ident
     identity
 }
 
-/// Static data of a station that are recent enough.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Known {
-    /// Name and call sign.
-    pub(super) identity: Identity,
-    pub(super) hull: Option<Hull>,
-    /// The station has announced a test.
-    pub(super) is_under_test: bool,
-}
-
 /// A station in the table.
 #[derive(Clone, Copy, Debug, Default)]
-struct Station {
+pub(super) struct Station {
     last_ns: i64,
     static_ns: i64,
     test_ns: Option<i64>,
-    identity: Identity,
-    hull: Option<Hull>,
+    /// Name and call sign.
+    pub(super) identity: Identity,
+    /// Hull, if the dimensions are stated.
+    pub(super) hull: Option<Hull>,
+}
+
+impl Station {
+    /// Whether the station has announced a test.
+    pub(super) fn is_under_test(&self) -> bool {
+        self.test_ns.is_some()
+    }
+
+    /// Notes a message received at `now_ns`, and drops what is too old.
+    fn note(&mut self, now_ns: i64) {
+        self.last_ns = now_ns;
+        if now_ns.abs_diff(self.static_ns) > STATIC_AGE_MAX_NS {
+            (self.identity, self.hull) = (Identity::default(), None);
+        }
+        self.test_ns = self
+            .test_ns
+            .filter(|test_ns| now_ns.abs_diff(*test_ns) <= TEST_AGE_MAX_NS);
+    }
 }
 
 /// The stations with static data.
@@ -171,16 +181,12 @@ impl Stations {
 
     /// Takes static data received at `now_ns`; whether there was room.
     pub(super) fn take(&mut self, data: &StaticData, now_ns: i64) -> bool {
-        let Some(station) = self.entry(data.mmsi, now_ns) else {
-            return false;
-        };
-        if now_ns.abs_diff(station.static_ns) > STATIC_AGE_MAX_NS {
-            (station.identity, station.hull) = (Identity::default(), None);
-        }
-        station.static_ns = now_ns;
-        station.identity = data.identity.or(&station.identity);
-        station.hull = data.hull.or(station.hull);
-        true
+        let station = self.entry(data.mmsi, now_ns).map(|station| {
+            station.static_ns = now_ns;
+            station.identity = data.identity.or(&station.identity);
+            station.hull = data.hull.or(station.hull);
+        });
+        station.is_some()
     }
 
     /// Takes the announcement of a test, or of its end; whether there was room.
@@ -191,24 +197,13 @@ impl Stations {
             .is_some()
     }
 
-    /// What is known about the sender of a message received at `now_ns`.
-    pub(super) fn known(&mut self, mmsi: u32, now_ns: i64) -> Known {
-        let Some(station) = self.stations.get_mut(&mmsi) else {
-            return Known::default();
-        };
-        station.last_ns = now_ns;
-        let is_recent = now_ns.abs_diff(station.static_ns) <= STATIC_AGE_MAX_NS;
-        Known {
-            identity: if is_recent {
-                station.identity
-            } else {
-                Identity::default()
-            },
-            hull: station.hull.filter(|_| is_recent),
-            is_under_test: station
-                .test_ns
-                .is_some_and(|test_ns| now_ns.abs_diff(test_ns) <= TEST_AGE_MAX_NS),
-        }
+    /// The sender of a message received at `now_ns`, with what it has stated lately.
+    pub(super) fn sender(&mut self, mmsi: u32, now_ns: i64) -> Station {
+        let station = self.stations.get_mut(&mmsi);
+        station.map_or_else(Station::default, |station| {
+            station.note(now_ns);
+            *station
+        })
     }
 
     fn entry(&mut self, mmsi: u32, now_ns: i64) -> Option<&mut Station> {
@@ -220,7 +215,7 @@ impl Stations {
             }
         }
         let station = self.stations.entry(mmsi).or_default();
-        station.last_ns = now_ns;
+        station.note(now_ns);
         Some(station)
     }
 }
@@ -288,14 +283,14 @@ mod tests {
         let mut stations = Stations::new(2);
         assert!(stations.take(&data(1, "ONE"), 0) && stations.take(&data(2, "TWO"), 300 * S));
         assert!(!stations.take(&data(3, "THREE"), 600 * S));
-        assert_eq!(stations.known(2, 600 * S).identity.name(), Some("TWO"));
+        assert_eq!(stations.sender(2, 600 * S).identity.name(), Some("TWO"));
         assert!(stations.take(&data(3, "THREE"), 601 * S), "the first is forgotten");
-        assert_eq!(stations.known(1, 601 * S).identity.name(), None);
-        assert_eq!(stations.known(3, 2401 * S).identity.name(), Some("THREE"));
-        assert_eq!(stations.known(3, 2402 * S).identity.name(), None);
+        assert_eq!(stations.sender(1, 601 * S).identity.name(), None);
+        assert_eq!(stations.sender(3, 2401 * S).identity.name(), Some("THREE"));
+        assert_eq!(stations.sender(3, 2402 * S).identity.name(), None);
         assert!(stations.take(&data(3, ""), 2403 * S));
         assert_eq!(
-            stations.known(3, 2403 * S).identity.name(),
+            stations.sender(3, 2403 * S).identity.name(),
             None,
             "old names do not come back"
         );
