@@ -157,18 +157,10 @@ fn rate_mps(record: &Record<'_>, rate: &Elements<2>) -> Option<f64> {
 }
 
 fn alerts_of_status(record: &Record<'_>) -> Alerts {
-    const TRANSPONDER: u8 = alert_bits::TRANSPONDER_ALERT | alert_bits::SPECIAL_IDENTIFICATION;
     let status = record.octets(STATUS);
     let has_military = record.table().edition >= ME.since && !status.is_empty();
     let military = Alerts::flag(alert_bits::EMERGENCY, has_military && ME.is_set(status));
-    let surveillance = SS.code(status).map_or(Alerts::default(), |code| {
-        let raised = match code {
-            1 | 2 => alert_bits::TRANSPONDER_ALERT, // permanent, or temporary
-            3 => alert_bits::SPECIAL_IDENTIFICATION,
-            _ => 0,
-        };
-        Alerts::of(TRANSPONDER, raised)
-    });
+    let surveillance = SS.code(status).map_or(Alerts::default(), alerts_of_surveillance_status);
     let stated = alerts_of_emergency(PS.code(status)) | surveillance;
     if has_military { stated | military } else { stated }
 }

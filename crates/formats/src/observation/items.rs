@@ -78,13 +78,13 @@ pub(super) fn identity(code: Option<u16>, address: Option<u64>, characters: Opti
 
 /// Eight characters of six bits. A code outside the alphabet becomes a `?`, which the alphabet does not have. `None`
 /// if none of them is a letter or digit: the sender has no identification.
-pub(super) fn callsign(packed: u64) -> Option<Callsign> {
+pub(crate) fn callsign(packed: u64) -> Option<Callsign> {
     let characters: Callsign = std::array::from_fn(|i| icao_character((packed >> (42 - 6 * i)) as u8).unwrap_or(b'?'));
     characters.iter().any(u8::is_ascii_alphanumeric).then_some(characters)
 }
 
 /// East and north components of a speed and a direction clockwise from north.
-pub(super) fn components([speed, track]: [f64; 2]) -> [f64; 2] {
+pub(crate) fn components([speed, track]: [f64; 2]) -> [f64; 2] {
     let (sine, cosine) = track.sin_cos();
     [speed * sine, speed * cosine]
 }
@@ -115,7 +115,7 @@ pub(super) fn state(ended: bool, tentative: bool, extrapolated: bool) -> TrackSt
 }
 
 /// Statement about emergencies, by the numbers of ADS-B; nothing is stated where there is no number.
-pub(super) fn alerts_of_emergency(number: Option<u8>) -> Alerts {
+pub(crate) fn alerts_of_emergency(number: Option<u8>) -> Alerts {
     const ALL: u8 = alert_bits::EMERGENCY
         | alert_bits::MEDICAL
         | alert_bits::MINIMUM_FUEL
@@ -132,8 +132,21 @@ pub(super) fn alerts_of_emergency(number: Option<u8>) -> Alerts {
     number.map_or(Alerts::default(), |number| Alerts::of(ALL, raised(number)))
 }
 
+/// Statement about code and identification, by the surveillance status of a position (SS).
+pub(crate) fn alerts_of_surveillance_status(status: u8) -> Alerts {
+    let raised = match status {
+        1 | 2 => alert_bits::TRANSPONDER_ALERT, // permanent, or temporary
+        3 => alert_bits::SPECIAL_IDENTIFICATION,
+        _ => 0,
+    };
+    Alerts::of(
+        alert_bits::TRANSPONDER_ALERT | alert_bits::SPECIAL_IDENTIFICATION,
+        raised,
+    )
+}
+
 /// Alerts, and whether the aircraft is on the ground, by the flight status that a Mode S transponder states (STAT).
-pub(super) fn flight_status(status: Option<u8>) -> (Alerts, bool) {
+pub(crate) fn flight_status(status: Option<u8>) -> (Alerts, bool) {
     const BOTH: u8 = alert_bits::TRANSPONDER_ALERT | alert_bits::SPECIAL_IDENTIFICATION;
     let (raised, on_ground) = match status {
         Some(0) => (0, false),
@@ -150,7 +163,7 @@ pub(super) fn flight_status(status: Option<u8>) -> (Alerts, bool) {
 /// Statement about a resolution advisory of a collision avoidance system; nothing is stated by an empty register.
 /// Several categories contain BDS register 3,0 of ICAO Annex 10 volume IV, 4.3.8.4.2.2, as bytes; CAT021 has its
 /// fields as separate elements.
-pub(super) fn alerts_of_advisory(register: &[u8]) -> Alerts {
+pub(crate) fn alerts_of_advisory(register: &[u8]) -> Alerts {
     const ADVISORIES: Field = field(CAT021_V2, &["260", "ARA"]);
     const TERMINATED: Field = field(CAT021_V2, &["260", "RAT"]);
     const MULTIPLE_THREATS: Field = field(CAT021_V2, &["260", "MTE"]);

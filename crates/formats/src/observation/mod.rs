@@ -9,8 +9,8 @@ mod cat021_v0;
 mod cat021_v2;
 mod cat048;
 mod cat062;
-mod items;
-mod navigation;
+pub(crate) mod items;
+pub(crate) mod navigation;
 mod services;
 
 use asterix::field::{Elements, Field, elements, field, item, whole};
@@ -19,8 +19,8 @@ use messages::{TrackState, alert_bits};
 use observations::{Alerts, Axes, Observation, Plane, Quality, ServiceMessage};
 
 use items::{
-    Reply, alerts_of_advisory, alerts_of_emergency, callsign, components, covariance, flight_status, identity,
-    nanoseconds, secondary, service, state, time_of_day_ns,
+    Reply, alerts_of_advisory, alerts_of_emergency, alerts_of_surveillance_status, callsign, components, covariance,
+    flight_status, identity, nanoseconds, secondary, service, state, time_of_day_ns,
 };
 
 /// Meaning of a record to the pipeline.

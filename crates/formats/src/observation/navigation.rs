@@ -26,7 +26,7 @@ pub(super) fn radius_of_nucp(category: u8) -> Quality {
 
 /// Returns the covariance of a velocity category, NUCr or NACv: RTCA DO-260, DO-260A and DO-260B define the same
 /// horizontal 95 % errors for both. `None` for the category "unknown".
-pub(super) fn covariance_of_velocity_category(category: u8) -> Option<[f64; 3]> {
+pub(crate) fn covariance_of_velocity_category(category: u8) -> Option<[f64; 3]> {
     let error_mps = match category {
         4 => 0.3,
         3 => 1.0,
@@ -60,9 +60,9 @@ pub(super) fn radius_of_nacp(category: u8) -> Quality {
 /// Integrity of a position: category of the containment radius (NIC), and level of the probability that the error
 /// exceeds the radius (SIL).
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Integrity {
-    pub(super) category: u8,
-    pub(super) level: Option<u8>,
+pub(crate) struct Integrity {
+    pub(crate) category: u8,
+    pub(crate) level: Option<u8>,
 }
 
 /// Factor on the radius of an accuracy category where nothing is known of the integrity. The standards give none: a
@@ -71,7 +71,7 @@ const UNMONITORED: f64 = 2.0;
 
 /// Quality of a position by version, integrity and accuracy category (NACp). An aircraft that sends no version is of
 /// version 0.
-pub(super) fn position_quality(version: Option<u64>, integrity: Integrity, accuracy: Option<u8>) -> Quality {
+pub(crate) fn position_quality(version: Option<u64>, integrity: Integrity, accuracy: Option<u8>) -> Quality {
     if version.unwrap_or(0) == 0 {
         return radius_of_nucp(integrity.category);
     }
