@@ -12,6 +12,7 @@
 //! - [`sbs`]: lines of transponder receivers (SBS-1, BaseStation);
 //! - [`ais`]: lines of receivers of ships' automatic identification (AIS);
 //! - [`nmea`]: sentences of navigation receivers, compasses and radars on ships;
+//! - [`mode_s`]: frames of transponders as radio receivers pass them on (Mode S, ADS-B);
 //! - [`snapshot_datagram`]: snapshots of an antenna array in datagrams;
 //! - [`autoferry`]: a public data set of detections;
 //! - [`rows`]: tables of values, a row each, whatever their kind; each table declares its columns in one list;
@@ -37,6 +38,7 @@ pub mod emitter_rows_csv;
 pub mod feed;
 pub mod foreign;
 mod identity_columns;
+pub mod mode_s;
 pub mod nmea;
 pub mod observation;
 mod on_board;
