@@ -40,7 +40,7 @@ pub(crate) fn covariance_of_velocity_category(category: u8) -> Option<[f64; 3]> 
 
 /// Radius of 95 % containment for a navigation accuracy category (NACp): RTCA DO-260B, table of the estimated position
 /// uncertainty.
-pub(super) fn radius_of_nacp(category: u8) -> Quality {
+pub(crate) fn radius_of_nacp(category: u8) -> Quality {
     match category {
         11 => Quality::Radius95(3.0),
         10 => Quality::Radius95(10.0),

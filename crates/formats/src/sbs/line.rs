@@ -6,8 +6,8 @@ use std::str::FromStr;
 
 use messages::{Callsign, IdentityText};
 
-const M_PER_FT: f64 = 0.3048;
-const MPS_PER_KT: f64 = 1852.0 / 3600.0;
+pub(crate) const M_PER_FT: f64 = 0.3048;
+pub(crate) const MPS_PER_KT: f64 = 1852.0 / 3600.0;
 /// Values that a message must have: up to the times. Those that are missing at the end are empty.
 const VALUES_MIN: usize = 10;
 /// Values that have a meaning; some programs append more.
@@ -16,11 +16,11 @@ const VALUES_MAX: usize = 22;
 const SHOWN_MAX: usize = 40;
 
 /// Altitudes that transponders can code, feet: from the lowest to the highest of both codings.
-const ALTITUDE_FT: RangeInclusive<f64> = -1_500.0..=126_750.0;
+pub(crate) const ALTITUDE_FT: RangeInclusive<f64> = -1_500.0..=126_750.0;
 /// Speeds that transponders can code, knots, with some margin for slow additions.
-const SPEED_KT: RangeInclusive<f64> = 0.0..=6_000.0;
+pub(crate) const SPEED_KT: RangeInclusive<f64> = 0.0..=6_000.0;
 /// Vertical rates that transponders can code, feet per minute.
-const VERTICAL_RATE_FTPMIN: RangeInclusive<f64> = -32_640.0..=32_640.0;
+pub(crate) const VERTICAL_RATE_FTPMIN: RangeInclusive<f64> = -32_640.0..=32_640.0;
 
 /// One line.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -350,7 +350,8 @@ fn address(text: &str) -> Option<u32> {
     number.filter(|_| text.len() == IdentityText::ADDRESS.digits)
 }
 
-fn callsign(text: &str) -> Option<Callsign> {
+/// A callsign, padded with blanks.
+pub(crate) fn callsign(text: &str) -> Option<Callsign> {
     let mut callsign = *b"        ";
     callsign.get_mut(..text.len())?.copy_from_slice(text.as_bytes());
     let fits = |octet: u8| octet.is_ascii_uppercase() || octet.is_ascii_digit() || octet == b' ';

@@ -32,6 +32,7 @@ mod line;
 mod merger;
 mod moving;
 
+pub(crate) use line::{ALTITUDE_FT, M_PER_FT, MPS_PER_KT, SPEED_KT, VERTICAL_RATE_FTPMIN, callsign};
 pub use line::{Date, LineRejection, OtherKind, SbsError, SbsLine, SbsMessage, SbsTime};
 pub use merger::{
     AircraftMerger, CALLSIGN_AGE_MAX_NS, CODE_AGE_MAX_NS, MOTION_AGE_MAX_NS, SILENCE_MAX_NS, SbsCounters, SbsSettings,
