@@ -12,8 +12,8 @@ use settings::SettingsError;
 use super::checked::{Checked, CheckedSource};
 use super::tables::{AsterixTable, FeedTable, LiveTable, ReceiverTable, UdpTable};
 use deployment::{
-    Asterix, DatagramInput, Feed, FeedFormat, FeedLink, Input, Live, Receiver, ReceiverTransport, SampleDelivery,
-    Technology, WideAreaSensor, check_name,
+    Asterix, DatagramInput, Feed, FeedFormat, FeedLink, FeedOrigin, Input, Live, Receiver, ReceiverTransport,
+    SampleDelivery, Technology, WideAreaSensor, check_name,
 };
 
 /// Port of the first simulated sensor on the deployment's loopback address; the others follow.
@@ -83,6 +83,7 @@ impl Network {
         Ok(Live {
             receiver: raw.receiver.clone(),
             asterix: asterix(&key("editions"), &raw.sender.reading)?,
+            origin: raw.sender.origin,
         })
     }
 
@@ -143,6 +144,7 @@ impl Network {
                 is_strict: true,
                 ..Asterix::default()
             },
+            origin: FeedOrigin::Any,
         }
     }
 
@@ -160,6 +162,7 @@ impl Network {
                 is_strict: true,
                 ..Asterix::default()
             },
+            origin: FeedOrigin::Any,
         }
     }
 
@@ -210,13 +213,9 @@ impl Network {
                 return Err(SettingsError::new(key, what));
             }
             check_plots(receiver, &behind).map_err(|what| SettingsError::new(&key, what))?;
-            if let (ReceiverTransport::Feed(feed), 2..) = (&receiver.transport, behind.len()) {
-                let what = format!(
-                    "a feed of {} is one source, but {} have receiver = \"{name}\"",
-                    feed.format.word(),
-                    behind.len()
-                );
-                return Err(SettingsError::new(key, what));
+            if matches!(receiver.transport, ReceiverTransport::Feed(_)) {
+                check_origins(&behind).map_err(|what| SettingsError::new(&key, what))?;
+                continue;
             }
             if behind.len() > 1 && behind.iter().any(|source| source.has_bearings()) {
                 let what = format!(
@@ -246,6 +245,28 @@ impl Network {
         }
         Ok(self.receivers)
     }
+}
+
+/// Checks that each position of a feed is of one source.
+fn check_origins(behind: &[&CheckedSource]) -> Result<(), String> {
+    let origin = |source: &CheckedSource| match &source.input {
+        Input::Live(live) => live.origin,
+        _ => FeedOrigin::Any,
+    };
+    for (place, source) in behind.iter().enumerate() {
+        let own = origin(source);
+        let other = behind[..place].iter().find(|other| {
+            let other = origin(other);
+            other == own || [own, other].contains(&FeedOrigin::Any)
+        });
+        if let Some(other) = other {
+            return Err(format!(
+                "the sources \"{}\" and \"{}\" take the same positions of one feed; give each its own origin",
+                other.name, source.name
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// Checks the sensors of tracker processes among the sources behind a receiver.
@@ -348,11 +369,11 @@ pub(super) fn technology(input: &Input, instrument: Option<&Instrument>, network
     match input {
         Input::Live(live) => network
             .feed(&live.receiver)
-            .map_or_else(|| of_categories(&live.asterix), of_feed),
-        Input::Recorded(recorded) => recorded
-            .format
-            .feed()
-            .map_or_else(|| of_categories(&recorded.asterix), of_feed),
+            .map_or_else(|| of_categories(&live.asterix), |format| of_feed(format, live.origin)),
+        Input::Recorded(recorded) => recorded.format.feed().map_or_else(
+            || of_categories(&recorded.asterix),
+            |format| of_feed(format, recorded.origin),
+        ),
         Input::Simulated(_) | Input::External | Input::Tracker(_) => Technology::Other,
     }
 }
@@ -377,6 +398,10 @@ fn check_feed(key: &str, raw: &FeedTable) -> Checked<Feed> {
             return Err(SettingsError::new(key, what));
         }
     };
+    if matches!(link, FeedLink::Http { .. }) != (raw.format == FeedFormat::Readsb) {
+        let what = "a document is fetched by url for format = \"readsb\" only, and this format comes by url only";
+        return Err(SettingsError::new(format!("{key}.format"), what));
+    }
     Ok(Feed {
         format: raw.format,
         link,
@@ -384,9 +409,13 @@ fn check_feed(key: &str, raw: &FeedTable) -> Checked<Feed> {
     })
 }
 
-fn of_feed(format: FeedFormat) -> Technology {
-    match format {
-        FeedFormat::Sbs => Technology::AdsB,
+fn of_feed(format: FeedFormat, origin: FeedOrigin) -> Technology {
+    match (format, origin) {
+        (FeedFormat::Ais, _) => Technology::Ais,
+        (_, FeedOrigin::Multilateration) => Technology::Multilateration,
+        // A ground station states what radars see.
+        (_, FeedOrigin::Traffic) => Technology::Other,
+        (FeedFormat::Sbs | FeedFormat::ModeS | FeedFormat::Readsb, _) => Technology::AdsB,
     }
 }
 

@@ -90,6 +90,10 @@ pub(super) fn check_source(
         required: raw.required,
         sac_sic: model.sac_sic,
         frame: model.frame,
+        stated_place_deg: raw
+            .place
+            .as_ref()
+            .map(|place| [place.latitude_deg, place.longitude_deg]),
         clock_step: model.limits.clock_step(),
         tracks_max: model.limits.tracks,
         input,
@@ -235,6 +239,7 @@ fn check_recorded(index: usize, raw: &RecordedTable) -> Checked<Recorded> {
         file: PathBuf::from(&raw.file),
         format: raw.format,
         asterix: asterix(&format!("source[{index}].recorded.editions"), &raw.sender.reading)?,
+        origin: raw.sender.origin,
         reorder_ns: raw.reorder_s.ns(),
         truncated: raw.truncated,
     })

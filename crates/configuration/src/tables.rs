@@ -14,7 +14,9 @@ use tracking::cutting::Boundaries;
 use tracking::settings::SensorModel;
 
 use super::words::ExternalInput;
-use deployment::{Checkpoint, FeedFormat, Fusion, Link, Machine, PlotFormat, RecordedFormat, ReportOrder, Truncated};
+use deployment::{
+    Checkpoint, FeedFormat, FeedOrigin, Fusion, Link, Machine, PlotFormat, RecordedFormat, ReportOrder, Truncated,
+};
 
 settings::settings! {
     /// A deployment.
@@ -253,6 +255,9 @@ settings::settings! {
         /// Reports of a radar used by this source, by method of observation (TI-2): a radar with a primary and a
         /// secondary antenna is two sources with the same SAC/SIC.
         method: Method = Method::Any;
+        /// Positions of a feed used by this source, by their origin: the errors of multilateration have nothing in
+        /// common with those of positions that targets state themselves.
+        origin: FeedOrigin = FeedOrigin::Any;
     }
 
     /// Identity of a sender.

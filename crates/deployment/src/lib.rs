@@ -26,7 +26,7 @@ pub use fusion::{Checkpoint, Fusion, Machine, WaitWord};
 pub use link::{Link, LinkPeer, LinkTls, RemoteTopic, check_endpoint, check_links};
 pub use names::check_name;
 pub use network::{
-    Asterix, DatagramInput, DatagramOutput, Feed, FeedFormat, FeedLink, Live, NetworkOutput, Receiver,
+    Asterix, DatagramInput, DatagramOutput, Feed, FeedFormat, FeedLink, FeedOrigin, Live, NetworkOutput, Receiver,
     ReceiverTransport,
 };
 pub use observed::SourceFacts;

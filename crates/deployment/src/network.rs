@@ -62,13 +62,35 @@ settings::words! {
     pub enum FeedFormat {
         /// Lines of SBS-1 (BaseStation).
         Sbs = "sbs",
+        /// Mode S frames: Beast, AVR, or hexadecimal lines.
+        ModeS = "mode-s",
+        /// AIS: lines of NMEA 0183.
+        Ais = "ais",
+        /// JSON of readsb and its relatives.
+        Readsb = "readsb",
+    }
+}
+
+settings::words! {
+    /// Origin of the positions of a feed that a source uses.
+    pub enum FeedOrigin {
+        /// Every origin.
+        Any = "any",
+        /// Targets that state their own positions.
+        Own = "own",
+        /// Multilateration by a network of receivers.
+        Multilateration = "mlat",
+        /// Ground stations about targets of other sensors.
+        Traffic = "tis-b",
+        /// Ground stations that repeat another link.
+        Repeated = "ads-r",
     }
 }
 
 impl FeedFormat {
     /// Whether the data are lines of text.
     pub const fn is_lines(self) -> bool {
-        matches!(self, Self::Sbs)
+        matches!(self, Self::Sbs | Self::Ais)
     }
 }
 
@@ -112,6 +134,8 @@ pub struct Live {
     pub receiver: String,
     /// How its records are read.
     pub asterix: Asterix,
+    /// Positions of a feed that the source uses.
+    pub origin: FeedOrigin,
 }
 
 /// An output to the network: one gateway process.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use frames::SensorFrame;
 use settings::Seconds;
 
-use crate::network::{Asterix, FeedFormat, Live};
+use crate::network::{Asterix, FeedFormat, FeedOrigin, Live};
 use crate::technology::Technology;
 
 /// One source.
@@ -27,6 +27,8 @@ pub struct Source {
     pub sac_sic: Option<(u8, u8)>,
     /// Where it stands.
     pub frame: SensorFrame,
+    /// Latitude and longitude where the file states that it stands, degrees.
+    pub stated_place_deg: Option<[f64; 2]>,
     /// Distance of a time from that of receipt beyond which the time is not believed.
     pub clock_step: Seconds,
     /// Most of its tracks at a time.
@@ -191,6 +193,8 @@ pub struct Recorded {
     pub format: RecordedFormat,
     /// How its ASTERIX records are read.
     pub asterix: Asterix,
+    /// Positions of a feed that the source uses.
+    pub origin: FeedOrigin,
     /// How far reports may come out of order, nanoseconds.
     pub reorder_ns: i64,
     /// Whether the file may end in the middle of a data block.
@@ -204,6 +208,12 @@ settings::words! {
         Asterix = "asterix",
         /// Lines of SBS-1 (BaseStation).
         Sbs = "sbs",
+        /// Mode S frames: Beast, AVR, or hexadecimal lines with or without times.
+        ModeS = "mode-s",
+        /// AIS: lines of NMEA 0183.
+        Ais = "ais",
+        /// JSON of readsb and its relatives: documents, lines of history, traces.
+        Readsb = "readsb",
         /// A table of sensor tracks (FM-5).
         SensorTracks = "sensor-tracks",
     }
@@ -214,6 +224,9 @@ impl RecordedFormat {
     pub const fn feed(self) -> Option<FeedFormat> {
         match self {
             Self::Sbs => Some(FeedFormat::Sbs),
+            Self::ModeS => Some(FeedFormat::ModeS),
+            Self::Ais => Some(FeedFormat::Ais),
+            Self::Readsb => Some(FeedFormat::Readsb),
             Self::Asterix | Self::SensorTracks => None,
         }
     }

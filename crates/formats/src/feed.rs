@@ -9,21 +9,46 @@ use std::fmt;
 
 use observations::{Observation, Statement};
 
-use crate::sbs::{AircraftMerger, LineRejection, SbsSettings};
+use crate::ais::{AisOutput, AisReader, AisSettings};
+use crate::mode_s::{ModeSOrigin, ModeSReader, ModeSSettings, ModeSValue};
+use crate::readsb::{self, ReadsbReader, ReadsbSettings};
+use crate::sbs::{AircraftMerger, SbsSettings};
+
+/// Number of the only connection of a feed.
+const CONNECTION: u32 = 0;
 
 /// How a feed is read.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FeedSettings {
     /// Lines of SBS-1; a piece is a line.
     Sbs(SbsSettings),
+    /// Mode S frames; a piece is any part of the stream.
+    ModeS(ModeSSettings),
+    /// Lines of AIS; a piece is a line.
+    Ais(AisSettings),
+    /// JSON of readsb; a piece is a document, or several.
+    Readsb(ReadsbSettings),
+}
+
+/// Origin of a position in a feed: the errors of two origins have nothing in common.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FeedOrigin {
+    /// The target states its own position.
+    Own,
+    /// A network of receivers has calculated the position from times of arrival.
+    Multilateration,
+    /// A ground station sends the position of a target that other sensors see (TIS-B).
+    Traffic,
+    /// A ground station repeats the position that the target states on another link (ADS-R).
+    Repeated,
 }
 
 /// What a piece of a feed has brought.
 pub enum Fed<'a> {
     /// Report of a target.
-    Target(&'a Observation),
+    Target(FeedOrigin, &'a Observation),
     /// Statement of a target beside its motion.
-    Statement(&'a Statement),
+    Statement(FeedOrigin, &'a Statement),
     /// Refused data: the reason, and the refusal in words.
     Refused(&'static str, &'a dyn fmt::Display),
 }
@@ -39,23 +64,28 @@ pub struct FeedCounts {
     pub refused: u64,
     /// Octets of these.
     pub refused_octets: u64,
-    /// Transmissions that announce a position and hold none, or whose position is ambiguous.
+    /// Transmissions that announce a position and hold none.
     pub without_position: u64,
     /// Transmissions of targets for which the table had no room.
     pub without_room: u64,
+    /// Positions that another transmission has brought already.
+    pub repeated: u64,
 }
 
 /// Reader of a feed.
 #[derive(Debug)]
 pub struct FeedReader {
     reader: Reader,
-    /// Octets of refused lines.
+    /// Octets of refused pieces.
     refused_octets: u64,
 }
 
 #[derive(Debug)]
 enum Reader {
     Sbs(AircraftMerger),
+    ModeS(Box<ModeSReader>),
+    Ais(Box<AisReader>),
+    Readsb(Box<ReadsbReader>),
 }
 
 impl FeedReader {
@@ -64,40 +94,143 @@ impl FeedReader {
         Self {
             reader: match settings {
                 FeedSettings::Sbs(settings) => Reader::Sbs(AircraftMerger::new(settings)),
+                FeedSettings::ModeS(settings) => Reader::ModeS(Box::new(ModeSReader::new(settings))),
+                FeedSettings::Ais(settings) => Reader::Ais(Box::new(AisReader::new(settings))),
+                FeedSettings::Readsb(settings) => Reader::Readsb(Box::new(ReadsbReader::new(settings))),
             },
             refused_octets: 0,
         }
     }
 
-    /// Takes a piece that was received at `received_utc_ns` (UTC, nanoseconds).
-    pub fn take(&mut self, piece: &[u8], received_utc_ns: i64, out: &mut dyn FnMut(Fed<'_>)) {
+    /// Takes a piece that was received at `received_utc_ns` (UTC, nanoseconds); `None` in a file without times of
+    /// receipt, where the times of the data alone count.
+    pub fn take(&mut self, piece: &[u8], received_utc_ns: Option<i64>, out: &mut dyn FnMut(Fed<'_>)) {
+        let received_ns = received_utc_ns.unwrap_or(0);
         match &mut self.reader {
-            Reader::Sbs(merger) => match merger.take(piece, received_utc_ns) {
-                Ok(Some(observed)) => out(Fed::Target(&observed)),
+            Reader::Sbs(merger) => match merger.take(piece, received_ns) {
+                Ok(Some(observed)) => out(Fed::Target(FeedOrigin::Own, &observed)),
                 Ok(None) => {}
                 Err(error) => {
                     self.refused_octets += piece.len() as u64;
                     out(Fed::Refused(error.rejection.sentence(), &error));
                 }
             },
+            Reader::ModeS(reader) => {
+                let before = reader.counters().refused;
+                reader.take(piece, received_utc_ns, &mut |output| {
+                    let origin = match output.origin {
+                        ModeSOrigin::Own => FeedOrigin::Own,
+                        ModeSOrigin::TisB => FeedOrigin::Traffic,
+                        ModeSOrigin::Rebroadcast => FeedOrigin::Repeated,
+                    };
+                    match &output.value {
+                        ModeSValue::Observation(observed) => out(Fed::Target(origin, observed)),
+                        ModeSValue::Statement(statement) => out(Fed::Statement(origin, statement)),
+                    }
+                });
+                for (reason, count) in reader.counters().refusals() {
+                    let new = count - before[reason as usize];
+                    if new > 0 {
+                        let words = format!("{new} times, a frame {}", reason.sentence());
+                        out(Fed::Refused(reason.sentence(), &words));
+                    }
+                }
+            }
+            Reader::Ais(reader) => {
+                let taken = reader.take(CONNECTION, piece, received_ns, |output| match output {
+                    AisOutput::Target(observed) => out(Fed::Target(FeedOrigin::Own, &observed)),
+                    AisOutput::Statement(statement) => out(Fed::Statement(FeedOrigin::Own, &statement)),
+                    // Own ship and stations ashore are no targets.
+                    AisOutput::OwnShip(_) | AisOutput::Fixed(_) => {}
+                });
+                if let Err(error) = taken {
+                    self.refused_octets += piece.len() as u64;
+                    out(Fed::Refused(error.rejection.sentence(), &error));
+                }
+            }
+            Reader::Readsb(reader) => {
+                for document in readsb::documents(piece) {
+                    let before = *reader.counters();
+                    reader.take(document, |origin, message| {
+                        let origin = match origin {
+                            readsb::Origin::Multilateration => FeedOrigin::Multilateration,
+                            readsb::Origin::Traffic => FeedOrigin::Traffic,
+                            readsb::Origin::Repeated => FeedOrigin::Repeated,
+                            readsb::Origin::Own | readsb::Origin::Contract | readsb::Origin::Other => FeedOrigin::Own,
+                        };
+                        if let Some(observed) = &message.observation {
+                            out(Fed::Target(origin, observed));
+                        }
+                        if let Some(statement) = &message.statement {
+                            out(Fed::Statement(origin, statement));
+                        }
+                    });
+                    let now = reader.counters();
+                    if now.refused_documents > before.refused_documents {
+                        self.refused_octets += document.len() as u64;
+                    }
+                    if now.refused != before.refused
+                        && let Some(refusal) = reader.refused()
+                    {
+                        out(Fed::Refused(refusal.reason.word(), refusal));
+                    }
+                }
+            }
         }
     }
 
     /// Returns the counts so far.
     pub fn counts(&self) -> FeedCounts {
-        match &self.reader {
+        let counts = match &self.reader {
             Reader::Sbs(merger) => {
                 let counted = merger.counters();
-                let refused = LineRejection::ALL.iter().map(|reason| counted.rejected(*reason));
                 FeedCounts {
                     records: counted.messages,
                     timed: counted.timed,
-                    refused: refused.sum(),
-                    refused_octets: self.refused_octets,
+                    refused: counted.rejected.iter().sum(),
                     without_position: counted.without_position,
                     without_room: counted.refused_aircraft,
+                    ..FeedCounts::default()
                 }
             }
+            Reader::ModeS(reader) => {
+                let counted = reader.counters();
+                FeedCounts {
+                    records: counted.accepted,
+                    timed: counted.timed,
+                    refused: counted.refused_sum(),
+                    refused_octets: counted.damaged_octets,
+                    without_position: counted.unpaired,
+                    ..FeedCounts::default()
+                }
+            }
+            Reader::Ais(reader) => {
+                let counted = reader.counters();
+                FeedCounts {
+                    records: counted.messages,
+                    timed: counted.timed,
+                    refused: counted.rejected.iter().sum(),
+                    without_position: counted.without_position,
+                    without_room: counted.refused_stations,
+                    repeated: counted.repeats,
+                    ..FeedCounts::default()
+                }
+            }
+            Reader::Readsb(reader) => {
+                let counted = reader.counters();
+                FeedCounts {
+                    records: counted.states,
+                    timed: counted.states,
+                    refused: counted.refused.iter().sum(),
+                    without_position: counted.without_position,
+                    repeated: counted.repetitions,
+                    ..FeedCounts::default()
+                }
+            }
+        };
+        FeedCounts {
+            refused_octets: counts.refused_octets + self.refused_octets,
+            ..counts
         }
     }
 }

@@ -5,10 +5,11 @@ use std::io::Cursor;
 
 use asterix::{Block, Decoder, Error, StatedTables, blocks};
 use csv_table::CsvError;
-use deployment::{FeedFormat, Recorded, RecordedFormat};
+use deployment::{FeedFormat, FeedOrigin, Recorded, RecordedFormat};
 use formats::containers::{Container, TimeStamp, datagrams};
 use formats::feed::{Fed, FeedCounts, FeedReader};
 use formats::observation::{self, Reading};
+use formats::readsb::documents;
 use formats::sensor_tracks_csv::SensorTrackReader;
 use messages::{Counter, Counters};
 
@@ -25,7 +26,7 @@ pub(crate) enum RecordedContent {
     /// ASTERIX data blocks, and the reader of the blocks.
     Asterix(Packed, Box<Decoder>),
     /// Data of a feed.
-    Feed(Box<RecordedFeed>),
+    Feed(Box<RecordedFeed>, FeedOrigin),
     /// Table of sensor tracks.
     Tracks(RecordedTracks),
 }
@@ -33,9 +34,17 @@ pub(crate) enum RecordedContent {
 impl RecordedContent {
     /// # Errors
     /// If the file is configured as a table and the header is not the header of a table of sensor tracks.
-    pub(crate) fn open(bytes: Vec<u8>, recorded: &Recorded, first_day_ns: i64) -> Result<Self, CsvError> {
+    pub(crate) fn open(
+        bytes: Vec<u8>,
+        recorded: &Recorded,
+        place_deg: Option<[f64; 2]>,
+        first_day_ns: i64,
+    ) -> Result<Self, CsvError> {
         Ok(match recorded.format.feed() {
-            Some(feed) => Self::Feed(Box::new(RecordedFeed::open(feed, bytes, first_day_ns))),
+            Some(feed) => {
+                let read = (feed, place_deg, first_day_ns);
+                Self::Feed(Box::new(RecordedFeed::open(read, bytes)), recorded.origin)
+            }
             None if recorded.format == RecordedFormat::Asterix => {
                 let tables = StatedTables::new(&recorded.asterix.editions, recorded.asterix.is_strict);
                 Self::Asterix(Packed::new(bytes), Box::new(tables.decoder()))
@@ -48,7 +57,7 @@ impl RecordedContent {
     pub(crate) fn is_exhausted(&self) -> bool {
         match self {
             Self::Asterix(packed, _) => packed.is_exhausted(),
-            Self::Feed(feed) => feed.packed.is_exhausted(),
+            Self::Feed(feed, _) => feed.packed.is_exhausted(),
             Self::Tracks(tracks) => tracks.reader.is_none(),
         }
     }
@@ -66,8 +75,10 @@ impl RecordedContent {
                     }
                 }
             }
-            Self::Feed(feed) => feed.read_piece(&mut |fed| {
-                if let Fed::Target(observed) = fed {
+            Self::Feed(feed, wanted) => feed.read_piece(&mut |fed| {
+                if let Fed::Target(origin, observed) = fed
+                    && feed::uses(*wanted, origin)
+                {
                     intake.observe(observed);
                 }
             }),
@@ -79,7 +90,7 @@ impl RecordedContent {
     pub(crate) fn count(&self, counters: &mut Counters) {
         match self {
             Self::Asterix(_, decoder) => *counters += &decoded(decoder.counts()),
-            Self::Feed(feed) => *counters += &feed::counted(&feed.reader),
+            Self::Feed(feed, _) => *counters += &feed::counted(&feed.reader),
             Self::Tracks(tracks) => {
                 counters[Counter::Records] += tracks.rows;
                 counters[Counter::BlocksRejected] += tracks.rejected;
@@ -98,27 +109,37 @@ pub(crate) struct RecordedFeed {
 }
 
 impl RecordedFeed {
-    /// Opens the data of `bytes`; `first_day_ns` is the time of receipt where none is known, UTC, nanoseconds.
-    pub(crate) fn open(format: FeedFormat, bytes: Vec<u8>, first_day_ns: i64) -> Self {
+    /// Opens the data of `bytes`, with the receiver's latitude and longitude, degrees, if known, and the begin of the
+    /// first day, UTC, nanoseconds: ticks of receivers without a date begin there.
+    pub(crate) fn open((format, place_deg, first_day_ns): (FeedFormat, Option<[f64; 2]>, i64), bytes: Vec<u8>) -> Self {
         Self {
             packed: Packed::new(bytes),
-            first_day_ns,
             format,
-            reader: FeedReader::new(feed::settings(format, 0)),
+            reader: FeedReader::new(feed::settings(format, 0, place_deg, first_day_ns)),
+            first_day_ns,
         }
     }
 
     /// Reads the next piece.
     fn read_piece(&mut self, out: &mut dyn FnMut(Fed<'_>)) {
-        let is_lines = self.format.is_lines();
+        let (format, is_lines) = (self.format, self.format.is_lines());
         let (piece, received_ns) = self.packed.next_piece(|rest| {
-            let end = rest.iter().position(|octet| is_lines && *octet == b'\n');
-            let length = end.map_or(rest.len().min(PIECE_OCTETS_MAX), |end| end + 1);
+            let length = match format {
+                FeedFormat::Sbs | FeedFormat::Ais => rest.iter().position(|octet| *octet == b'\n').map(|end| end + 1),
+                FeedFormat::ModeS => Some(PIECE_OCTETS_MAX),
+                FeedFormat::Readsb => {
+                    let mut further = documents(rest);
+                    further.next();
+                    Some(rest.len() - further.rest().len())
+                }
+            };
+            let length = length.map_or(rest.len(), |length| length.min(rest.len()));
             (&rest[..length], length)
         });
         let piece = if is_lines { piece.trim_ascii_end() } else { piece };
-        // Refused data are counted by reason. Lines without a time have no use in a text file.
-        let received_ns = received_ns.unwrap_or(self.first_day_ns);
+        // Lines without a time have no use in a text file; frames may have ticks.
+        let received_ns = received_ns.or(is_lines.then_some(self.first_day_ns));
+        // Refused data are counted by reason.
         self.reader.take(piece, received_ns, out);
     }
 
@@ -126,7 +147,7 @@ impl RecordedFeed {
     pub(crate) fn survey(mut self, observed: &mut dyn FnMut(Option<i64>)) -> FeedCounts {
         while !self.packed.is_exhausted() {
             self.read_piece(&mut |fed| {
-                if let Fed::Target(report) = fed {
+                if let Fed::Target(_, report) = fed {
                     observed(report.time_of_day_ns);
                 }
             });

@@ -6,9 +6,11 @@
 use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::time::Duration;
 
-use anyhow::Context as _;
-use deployment::{Feed, FeedFormat, FeedLink};
+use deployment::{Feed, FeedFormat, FeedLink, FeedOrigin, Input};
+use formats::ais::AisSettings;
 use formats::feed::{Fed, FeedReader, FeedSettings};
+use formats::mode_s::{ModeSSettings, ReceiverRange};
+use formats::readsb::ReadsbSettings;
 use formats::sbs::SbsSettings;
 use messages::{Counter, Counters};
 use net::{Document, LinesSettings, ReceiverSettings, TcpLines, UdpReceiver};
@@ -25,13 +27,17 @@ use crate::refusals::LatestRefusals;
 /// Longest wait for a piece in a turn, bounded by health messages and stop requests.
 const PATIENCE: Duration = Duration::from_millis(50);
 
+/// Distance from a receiver at which no aircraft is received, metres: 400 NM, beyond the horizon of the highest.
+const RANGE_MAX_M: f64 = 740_800.0;
+
 /// Agent of a receiver of a feed.
 #[derive(Debug)]
 pub(crate) struct FeedAgent {
     way_in: WayIn,
     capture: Option<Capture>,
     reader: FeedReader,
-    channel: SourceChannel,
+    /// Sources behind the receiver, each with the origin of its positions.
+    channels: Vec<(FeedOrigin, SourceChannel)>,
     steady: SteadyClock,
     refusals: LatestRefusals,
 }
@@ -161,13 +167,41 @@ impl WayIn {
     }
 }
 
-/// How the pieces of a feed are read.
-pub(crate) fn settings(format: FeedFormat, ahead_of_utc_min: i32) -> FeedSettings {
+/// How the pieces of a feed are read: `place_deg` is the receiver's latitude and longitude, `start_ns` the UTC of the
+/// first frame of a recording that has ticks only.
+pub(crate) fn settings(
+    format: FeedFormat,
+    ahead_of_utc_min: i32,
+    place_deg: Option<[f64; 2]>,
+    start_ns: i64,
+) -> FeedSettings {
     match format {
         FeedFormat::Sbs => FeedSettings::Sbs(SbsSettings {
             ahead_of_utc_min,
             ..SbsSettings::default()
         }),
+        FeedFormat::ModeS => FeedSettings::ModeS(ModeSSettings {
+            start_utc_ns: start_ns,
+            receiver: place_deg.map(|place_deg| ReceiverRange {
+                place_deg,
+                range_m: RANGE_MAX_M,
+            }),
+            ..ModeSSettings::default()
+        }),
+        FeedFormat::Ais => FeedSettings::Ais(AisSettings::default()),
+        FeedFormat::Readsb => FeedSettings::Readsb(ReadsbSettings::default()),
+    }
+}
+
+/// Whether a source uses positions of this origin.
+pub(crate) fn uses(wanted: FeedOrigin, origin: formats::feed::FeedOrigin) -> bool {
+    use formats::feed::FeedOrigin as Origin;
+    match wanted {
+        FeedOrigin::Any => true,
+        FeedOrigin::Own => origin == Origin::Own,
+        FeedOrigin::Multilateration => origin == Origin::Multilateration,
+        FeedOrigin::Traffic => origin == Origin::Traffic,
+        FeedOrigin::Repeated => origin == Origin::Repeated,
     }
 }
 
@@ -184,13 +218,20 @@ pub(crate) fn counted(reader: &FeedReader) -> Counters {
 
 impl FeedAgent {
     pub(crate) fn new(process: &Process, feed: &Feed, sources: &[Processed<'_>]) -> anyhow::Result<Self> {
-        let source = *sources.first().context("no source is behind this receiver")?;
         let way_in = WayIn::open(feed)?;
+        let place_deg = sources.iter().find_map(|processed| processed.source.stated_place_deg);
+        let channels = sources.iter().map(|processed| {
+            let origin = match &processed.source.input {
+                Input::Live(live) => live.origin,
+                _ => FeedOrigin::Any,
+            };
+            Ok((origin, SourceChannel::open(process, *processed)?))
+        });
         Ok(Self {
             capture: Capture::open(process, way_in.recorded_to())?,
             way_in,
-            reader: FeedReader::new(settings(feed.format, feed.ahead_of_utc_min)),
-            channel: SourceChannel::open(process, source)?,
+            reader: FeedReader::new(settings(feed.format, feed.ahead_of_utc_min, place_deg, 0)),
+            channels: channels.collect::<anyhow::Result<_>>()?,
             steady: SteadyClock::of(Now::read()),
             refusals: LatestRefusals::default(),
         })
@@ -199,12 +240,15 @@ impl FeedAgent {
 
 impl Agent for FeedAgent {
     fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
-        let (reader, channel, refusals) = (&mut self.reader, &mut self.channel, &mut self.refusals);
+        let (reader, channels, refusals) = (&mut self.reader, &mut self.channels, &mut self.refusals);
         let steady = self.steady;
         let mut failed = Ok(());
         self.way_in.poll((now, steady), &mut self.capture, |piece, received| {
-            reader.take(piece, received.utc_ns, &mut |fed| match fed {
-                Fed::Target(observed) => {
+            reader.take(piece, Some(received.utc_ns), &mut |fed| match fed {
+                Fed::Target(origin, observed) => {
+                    let Some((_, channel)) = channels.iter_mut().find(|(wanted, _)| uses(*wanted, origin)) else {
+                        return;
+                    };
                     let taken = channel
                         .received(received)
                         .and_then(|()| channel.take(observed, received.mono_ns));
@@ -215,7 +259,7 @@ impl Agent for FeedAgent {
                         failed = taken;
                     }
                 }
-                Fed::Statement(_) => {}
+                Fed::Statement(..) => {}
                 // Refused data are counted by reason.
                 Fed::Refused(reason, words) => refusals.note((reason, ""), received, words),
             });
@@ -225,7 +269,9 @@ impl Agent for FeedAgent {
             let read = Now::read();
             ReceiptTime::of(read.utc_ns, read, steady)
         });
-        self.channel.publish()?;
+        for (_, channel) in &mut self.channels {
+            channel.publish()?;
+        }
         if let Some(capture) = &mut self.capture {
             capture.hand_over();
         }
@@ -233,20 +279,33 @@ impl Agent for FeedAgent {
     }
 
     fn health(&self, entries: &mut Vec<HealthEntry>) {
+        // The feed is read once: its counts are those of the first source.
         let mut decoded = counted(&self.reader);
         decoded[Counter::BlocksRejected] += self.way_in.too_long();
-        let mut of_source = self.channel.health(&decoded);
-        self.refusals.state(&mut of_source);
+        let mut sources = Vec::new();
+        for (place, (_, channel)) in self.channels.iter().enumerate() {
+            let is_first = place == 0;
+            let counted = if is_first { decoded } else { Counters::default() };
+            let mut of_source = channel.health(&counted);
+            if is_first {
+                self.refusals.state(&mut of_source);
+            }
+            sources.push(of_source);
+        }
         let mut whole = HealthEntry {
-            progress_ns: of_source.progress_ns,
+            progress_ns: sources
+                .iter()
+                .map(|source| source.progress_ns)
+                .max()
+                .unwrap_or(i64::MIN),
             ..HealthEntry::default()
         };
-        whole.add_sources(std::slice::from_ref(&of_source));
+        whole.add_sources(&sources);
         self.way_in.count(&mut whole);
         if let Some(capture) = &self.capture {
             capture.count(&mut whole);
         }
         entries.push(whole);
-        entries.push(of_source);
+        entries.extend(sources);
     }
 }

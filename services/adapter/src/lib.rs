@@ -67,7 +67,7 @@ impl<'a> Processed<'a> {
 /// Reads the data of a feed in `bytes` as the adapter of a recording does; `observed` gets the time of day of each
 /// target report, nanoseconds. Returns the counts.
 pub fn survey_feed(bytes: &[u8], format: FeedFormat, observed: &mut dyn FnMut(Option<i64>)) -> FeedCounts {
-    RecordedFeed::open(format, bytes.to_vec(), 0).survey(observed)
+    RecordedFeed::open((format, None, 0), bytes.to_vec()).survey(observed)
 }
 
 /// Runs the adapter named in `process` (of a receiver, a recorded source or a wide-area sensor) until the work is done

@@ -7,6 +7,9 @@ use formats::foreign::Foreign;
 pub(crate) fn feed_of(kind: Foreign) -> Option<FeedFormat> {
     match kind {
         Foreign::Sbs => Some(FeedFormat::Sbs),
+        Foreign::Beast | Foreign::ModeS => Some(FeedFormat::ModeS),
+        Foreign::Ais => Some(FeedFormat::Ais),
+        Foreign::Json => Some(FeedFormat::Readsb),
         _ => None,
     }
 }

@@ -15,8 +15,8 @@ use std::path::{Path, PathBuf};
 use asterix::{Edition, Error as BlockError, StatedTables, blocks, registry};
 use csv_table::CsvError;
 use deployment::{
-    FeedFormat, Input, Platform, PlatformInput, PlotFormat, Recorded, RecordedFormat, SampleDelivery, Source,
-    Truncated, WideAreaInput, WideAreaSensor,
+    FeedFormat, FeedOrigin, Input, Platform, PlatformInput, PlotFormat, Recorded, RecordedFormat, SampleDelivery,
+    Source, Truncated, WideAreaInput, WideAreaSensor,
 };
 use formats::autoferry;
 use formats::containers::{Container, datagrams};
@@ -223,6 +223,7 @@ fn inspect_wide_area(sensor: &WideAreaSensor, data: &Path, depth: Depth) -> Resu
                     file: file.clone(),
                     format: RecordedFormat::Asterix,
                     asterix: tracks.asterix.clone(),
+                    origin: FeedOrigin::Any,
                     reorder_ns: 0,
                     truncated: Truncated::Accept,
                 };

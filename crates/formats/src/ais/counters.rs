@@ -68,6 +68,8 @@ impl AisRejection {
 pub struct AisCounters {
     /// Lines with a message, or with the last part of one.
     pub messages: u64,
+    /// Messages with a time in their lines.
+    pub timed: u64,
     /// Lines with another part of a message.
     pub parts: u64,
     /// Lines with a message that another line has brought already.

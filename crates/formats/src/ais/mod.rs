@@ -155,12 +155,14 @@ impl AisReader {
         }
         let is_own_ship = line.sentence.is_own_ship;
         // The last part of a message need not repeat the time of the first.
-        let now_ns = line.received_ns.or(whole.received_ns).unwrap_or(received_utc_ns);
+        let stated_ns = line.received_ns.or(whole.received_ns);
+        let now_ns = stated_ns.unwrap_or(received_utc_ns);
         if self.repeats.is_repeat(whole.payload(), is_own_ship, now_ns) {
             self.counters.repeats += 1;
             return Ok(());
         }
         self.counters.messages += 1;
+        self.counters.timed += u64::from(stated_ns.is_some());
         self.counters.types[usize::from(message.message_type())] += 1;
         self.give(&message, is_own_ship, now_ns, each);
         Ok(())

@@ -11,6 +11,8 @@ pub struct ModeSCounters {
     pub other: u64,
     /// Frames and lines that were refused, by [`ModeSRefusal`].
     pub refused: [u64; ModeSRefusal::ALL.len()],
+    /// Frames with a time or with ticks of their own.
+    pub timed: u64,
     /// Accepted frames with a position that waits for its pair.
     pub unpaired: u64,
     /// Accepted frames of ground stations about aircraft (TIS-B).
@@ -30,6 +32,11 @@ pub struct ModeSCounters {
 }
 
 impl ModeSCounters {
+    /// Refused frames by reason.
+    pub fn refusals(&self) -> impl Iterator<Item = (ModeSRefusal, u64)> {
+        ModeSRefusal::ALL.into_iter().zip(self.refused)
+    }
+
     /// Frames refused for one reason.
     pub fn refused(&self, reason: ModeSRefusal) -> u64 {
         self.refused[reason as usize]

@@ -152,6 +152,7 @@ impl Merger {
     ) -> Result<bool, ModeSRefusal> {
         let (clock, utc_ns) = self.clock.date(stamp, received_utc_ns).ok_or(ModeSRefusal::Time)?;
         self.counters.tick_restarts = self.clock.restarts;
+        self.counters.timed += u64::from(stamp != FrameStamp::None);
         let Some(message) = ModeSMessage::read(frame)? else {
             return Ok(false);
         };

@@ -18,12 +18,9 @@ use asterix::{Frn, Record};
 use messages::{TrackState, alert_bits};
 use observations::{Alerts, Axes, Observation, Plane, Quality, ServiceMessage};
 
-pub(crate) use items::{alerts_of_emergency, components};
-pub(crate) use navigation::{covariance_of_velocity_category, radius_of_nacp};
-
 use items::{
-    Reply, alerts_of_advisory, alerts_of_surveillance_status, callsign, covariance, flight_status, identity,
-    nanoseconds, secondary, service, state, time_of_day_ns,
+    Reply, alerts_of_advisory, alerts_of_emergency, alerts_of_surveillance_status, callsign, components, covariance,
+    flight_status, identity, nanoseconds, secondary, service, state, time_of_day_ns,
 };
 
 /// Meaning of a record to the pipeline.

@@ -9,7 +9,8 @@ use serde::Deserialize;
 
 use super::origin::Origin;
 use super::reason::{Read, ReadsbReason};
-use crate::observation::{alerts_of_emergency, components, covariance_of_velocity_category, radius_of_nacp};
+use crate::observation::items::{alerts_of_emergency, components};
+use crate::observation::navigation::{covariance_of_velocity_category, radius_of_nacp};
 use crate::sbs::{ALTITUDE_FT, M_PER_FT, MPS_PER_KT, SPEED_KT, VERTICAL_RATE_FTPMIN, callsign};
 use crate::target_message::Refusal;
 

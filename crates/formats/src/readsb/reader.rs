@@ -228,6 +228,13 @@ pub struct Documents<'a> {
     rest: &'a [u8],
 }
 
+impl<'a> Documents<'a> {
+    /// The part of the file that was not given yet.
+    pub fn rest(&self) -> &'a [u8] {
+        self.rest
+    }
+}
+
 impl<'a> Iterator for Documents<'a> {
     type Item = &'a [u8];
 
