@@ -5,10 +5,10 @@ usage: compare_ais.py AIS_FIELDS [POSITIONS.csv]
 
 AIS_FIELDS is the example of that name of the crate `formats`.  Messages of all 27 types with random fields, a fifth of
 which are not available or out of range, are encoded and decoded by pyais; ours comes from the same sentences.  What
-follows from the fields (velocities, times, accuracies, centres of hulls, categories) is computed here a second time, from
-recommendation ITU-R M.1371-5.  Each message with static data is followed by a position of the same ship, which shows its
-name and call sign.  POSITIONS.csv holds real positions, with the columns Time, MMSI, Latitude_degrees, Longitude_degrees,
-COG_degrees and SOG_knots; each becomes a message of type 1.
+follows from the fields (velocities, times, accuracies, centres of hulls, categories) is computed here a second time,
+from recommendation ITU-R M.1371-5.  Each message with static data is followed by a position of the same ship, which
+shows its name and call sign.  POSITIONS.csv holds real positions, with the columns Time, MMSI, Latitude_degrees,
+Longitude_degrees, COG_degrees and SOG_knots; each becomes a message of type 1.
 Exit status 1 on any difference that KNOWN does not explain.
 """
 import collections
@@ -27,8 +27,8 @@ PER_TYPE = 150
 SEED = 20260301
 KNOT_MPS = 1852 / 3600
 START_S = 1_577_836_800
-STATUS = {0: 'engine', 1: 'anchored', 2: 'not-under-command', 3: 'restricted', 4: 'constrained', 5: 'moored', 6: 'aground',
-          7: 'fishing', 8: 'sailing', 14: 'rescue'}
+STATUS = {0: 'engine', 1: 'anchored', 2: 'not-under-command', 3: 'restricted', 4: 'constrained', 5: 'moored',
+          6: 'aground', 7: 'fishing', 8: 'sailing', 14: 'rescue'}
 SHIP = {30: 'fishing', 31: 'towing', 32: 'towing', 33: 'dredging', 34: 'diving', 35: 'military', 36: 'sailing',
         37: 'pleasure', 50: 'pilot', 51: 'rescue', 52: 'tug', 53: 'tender', 54: 'anti-pollution', 55: 'law-enforcement',
         56: 'ship', 57: 'ship', 58: 'medical', 59: 'ship'}
@@ -88,12 +88,14 @@ def fields(dice, kind):
         'virtual_aid': dice.random() < 0.5, 'destination': text(dice, 20),
         'to_bow': distance(511), 'to_stern': distance(511), 'to_port': distance(63), 'to_starboard': distance(63),
         'alt': round(number(dice, 0, 4094, (4095, 4094, 0))), 'reserved_1': dice.choice((0, 0x80, 0xff)),
-        'dest_mmsi': 211000001, 'data': bytes(dice.randint(0, 255) for _ in range(8)), 'radio': dice.randint(0, 2**19 - 1),
+        'dest_mmsi': 211000001, 'data': bytes(dice.randint(0, 255) for _ in range(8)),
+        'radio': dice.randint(0, 2**19 - 1),
     }
     if kind == 9:
         all_of['speed'] = round(number(dice, 0, 300, (1023, 1022, 1021, 0)))
     if kind == 27:
-        all_of.update(lat=number(dice, -90, 90, (91, 0, 90, 910 / 600)), lon=number(dice, -180, 180, (181, 0, 180, 1810 / 600)),
+        all_of.update(lat=number(dice, -90, 90, (91, 0, 90, 910 / 600)),
+                      lon=number(dice, -180, 180, (181, 0, 180, 1810 / 600)),
                       speed=round(number(dice, 0, 40, (63, 62, 0))), course=round(number(dice, 0, 359, (511, 360, 0))))
     if kind == 21 and dice.random() < 0.3:
         all_of.update(name='A' * 19 + 'B', name_ext='EXT %d' % dice.randint(0, 999))
@@ -202,7 +204,8 @@ def target(message, known, received_s):
     status = message.get('status')
     is_test = is_device and status == 15
     return {
-        'identity': {'mmsi': message['mmsi'], 'name': known.get('name') or None, 'callsign': known.get('callsign') or None},
+        'identity': {'mmsi': message['mmsi'], 'name': known.get('name') or None,
+                     'callsign': known.get('callsign') or None},
         'track_number': message['mmsi'], 'time_of_day_ns': time_of_day_ns(second, received_s), 'position_deg': position,
         'velocity_mps': velocity, 'pressure_altitude_m': altitude if is_barometric else None,
         'geometric_height_m': None if is_barometric else altitude, 'is_test': is_test,
@@ -217,8 +220,8 @@ def statements(message):
         emergency = {14: 'distress', 15: 'none'}.get(status, 'unknown') if category(own) in DEVICES else 'unknown'
         if kind in (18, 19) and category(own) in DEVICES:
             emergency = 'unknown'
-        stated = {'track_number': message['mmsi'], 'category': category(own), 'navigation': STATUS.get(status, 'unknown'),
-                  'emergency': emergency, 'size_m': None}
+        stated = {'track_number': message['mmsi'], 'category': category(own),
+                  'navigation': STATUS.get(status, 'unknown'), 'emergency': emergency, 'size_m': None}
         found += [stated] if (stated['category'], stated['navigation']) != ('unknown', 'unknown') else []
     if kind in (5, 19, 24):
         hull = hull_of(message)
@@ -262,7 +265,8 @@ def differences(path, ours, theirs, counts):
     """Paths at which the two differ; counts compared values."""
     if isinstance(theirs, dict) and isinstance(ours, dict):
         names = sorted(set(ours) | set(theirs))
-        return [found for name in names for found in differences(path + (name,), ours.get(name), theirs.get(name), counts)]
+        pairs = [(name, ours.get(name), theirs.get(name)) for name in names]
+        return [found for name, *pair in pairs for found in differences(path + (name,), *pair, counts)]
     field = next(name for name in reversed(path) if isinstance(name, str))
     if field == 'position_deg' and ours and theirs:
         counts[field] += 1
@@ -295,8 +299,9 @@ def real_messages(path):
         for row in csv.DictReader(file):
             at = datetime.datetime.fromisoformat(row['Time']).replace(tzinfo=datetime.timezone.utc)
             number_of = lambda name, default: float(row[name]) if row[name] else default
-            yield 1, {'mmsi': int(row['MMSI']), 'lat': float(row['Latitude_degrees']), 'lon': float(row['Longitude_degrees']),
-                      'course': number_of('COG_degrees', 360), 'speed': number_of('SOG_knots', 102.3), 'heading': 511,
+            yield 1, {'mmsi': int(row['MMSI']), 'lat': float(row['Latitude_degrees']),
+                      'lon': float(row['Longitude_degrees']), 'course': number_of('COG_degrees', 360),
+                      'speed': number_of('SOG_knots', 102.3), 'heading': 511,
                       'second': at.second, 'status': 0, 'turn': 0, 'accuracy': True, 'repeat': 0}, int(at.timestamp())
 
 

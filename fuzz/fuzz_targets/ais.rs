@@ -1,7 +1,7 @@
 //! Lines of AIS receivers.
 //!
-//! The first byte selects the time between lines and the number of connections. Each line must be counted once, positions
-//! must be on the globe, and values finite.
+//! The first byte selects the time between lines and the number of connections. Each line must be counted once,
+//! positions must be on the globe, and values finite.
 
 #![no_main]
 

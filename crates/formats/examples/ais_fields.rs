@@ -1,4 +1,5 @@
-//! Lines of AIS receivers from standard input, as one line of JSON for each message: for comparisons with other decoders.
+//! Lines of AIS receivers from standard input, as one line of JSON for each message: for comparisons with other
+//! decoders.
 //!
 //! Lines that hold no message, or a part of one, give nothing. Refused lines give their number and the reason.
 

@@ -5,47 +5,33 @@ use std::fmt;
 /// Octets of a line that an error shows.
 const SHOWN_MAX: usize = 100;
 
-/// Why a line was refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub enum AisRejection {
-    /// The line is no text, or too long.
-    Text,
-    /// No sentence begins in the line.
-    NoSentence,
-    /// The sentence has no checksum: it was cut.
-    Partial,
-    /// The checksum is another.
-    Checksum,
-    /// The number of fields, of parts or of fill bits cannot be.
-    Fields,
-    /// The payload has a character that codes no six bits.
-    Payload,
-    /// The part of a message has no predecessor, or another one.
-    Order,
-    /// The number of the message's type or part is unknown.
-    Type,
-    /// The message is shorter or longer than its type.
-    Length,
-    /// No station has the MMSI.
-    Mmsi,
+messages::codes! {
+    /// Why a line was refused.
+    pub enum AisRejection {
+        /// The line is no text, or too long.
+        Text, "text";
+        /// No sentence begins in the line.
+        NoSentence, "no-sentence";
+        /// The sentence has no checksum: it was cut.
+        Partial, "partial";
+        /// The checksum is another.
+        Checksum, "checksum";
+        /// The number of fields, of parts or of fill bits cannot be.
+        Fields, "fields";
+        /// The payload has a character that codes no six bits.
+        Payload, "payload";
+        /// The part of a message has no predecessor, or another one.
+        Order, "order";
+        /// The number of the message's type or part is unknown.
+        Type, "type";
+        /// The message is shorter or longer than its type.
+        Length, "length";
+        /// No station has the MMSI.
+        Mmsi, "mmsi";
+    }
 }
 
 impl AisRejection {
-    /// Every reason, in the order of its code.
-    pub const ALL: [Self; 10] = [
-        Self::Text,
-        Self::NoSentence,
-        Self::Partial,
-        Self::Checksum,
-        Self::Fields,
-        Self::Payload,
-        Self::Order,
-        Self::Type,
-        Self::Length,
-        Self::Mmsi,
-    ];
-
     /// Returns the fault, and what is permitted.
     pub fn sentence(self) -> &'static str {
         match self {

@@ -1,7 +1,7 @@
 //! Lines around the sentences of AIS: tag blocks, times of loggers, stations.
 //!
-//! A sentence states neither when nor where it was received. Receivers, loggers and collecting centres add both, each in
-//! a form of its own, before or behind the sentence:
+//! A sentence states neither when nor where it was received. Receivers, loggers and collecting centres add both, each
+//! in a form of its own, before or behind the sentence:
 //!
 //! ```text
 //! \s:2573135,c:1577836800*01\!BSVDM,1,1,,A,1…,0*5C      tag block of IEC 61162-450 and NMEA 0183 since 4.0

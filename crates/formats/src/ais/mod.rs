@@ -1,7 +1,7 @@
 //! Lines of receivers of ships' automatic identification (AIS).
 //!
-//! Ships, rescue aircraft, base stations and aids to navigation send their positions on two VHF channels. Receivers pass
-//! the messages on in sentences of NMEA 0183, a line each, with the bits of a message in six-bit characters:
+//! Ships, rescue aircraft, base stations and aids to navigation send their positions on two VHF channels. Receivers
+//! pass the messages on in sentences of NMEA 0183, a line each, with the bits of a message in six-bit characters:
 //!
 //! ```text
 //! !AIVDM,1,1,,B,177KQJ5000G?tO`K>RA1wUbN0TKH,0*5C
@@ -13,7 +13,7 @@
 //!
 //! | types | meaning | given as |
 //! | --- | --- | --- |
-//! | 1, 2, 3; 18; 27 | position of a ship: class A; class B; coarse, for satellites | observation, statement of its status |
+//! | 1, 2, 3; 18; 27 | position of a ship: class A; class B; coarse, for satellites | observation, statement of status |
 //! | 9 | position of a rescue aircraft | observation, statement |
 //! | 19 | position and static data of a ship of class B | observation, statement |
 //! | 5; 24 | static data: class A; class B | statement; name and call sign in later observations |
@@ -21,17 +21,18 @@
 //! | 14 | text: announces tests of distress devices | counted |
 //! | others | binary data, management of the channels | counted |
 //!
-//! Positions are those of the antenna. If static data state where the antenna is, and a heading or a course is known, the
-//! observation has the position of the hull's centre instead. Otherwise the position may be half a ship away from it.
+//! Positions are those of the antenna. If static data state where the antenna is, and a heading or a course is known,
+//! the observation has the position of the hull's centre instead. Otherwise the position may be half a ship away from
+//! it.
 //!
 //! VDO sentences are reports of own ship, and are given apart. Distress devices (numbers 970, 972 and 974) state an
 //! emergency if they are active; under test their observations are marked as tests.
 //!
-//! Positions that jump or do not change are left to reception, which has the same task for ADS-B. A wrong setting, such as
-//! a foreign number or a wrong type of ship, looks like a right one.
+//! Positions that jump or do not change are left to reception, which has the same task for ADS-B. A wrong setting, such
+//! as a foreign number or a wrong type of ship, looks like a right one.
 //!
-//! Sources: recommendation ITU-R M.1371-5; IEC 61162-1 and 61162-450 (sentences, tag blocks); E. S. Raymond, "AIVDM/AIVDO
-//! protocol decoding", for what transponders do in fact.
+//! Sources: recommendation ITU-R M.1371-5; IEC 61162-1 and 61162-450 (sentences, tag blocks); E. S. Raymond,
+//! "AIVDM/AIVDO protocol decoding", for what transponders do in fact.
 
 mod assembler;
 mod codes;
@@ -189,15 +190,18 @@ impl AisReader {
             } else {
                 AisOutput::Target
             };
-            observation.map(target).into_iter().for_each(&mut each);
-            report
-                .statement(&sender)
-                .map(AisOutput::Statement)
+            observation
                 .into_iter()
-                .for_each(&mut each);
+                .for_each(|observation| each(target(observation)));
+            let statement = report.statement(&sender);
+            statement
+                .into_iter()
+                .for_each(|statement| each(AisOutput::Statement(statement)));
         }
         let statement = data.and_then(|data| data.statement());
-        statement.map(AisOutput::Statement).into_iter().for_each(each);
+        statement
+            .into_iter()
+            .for_each(|statement| each(AisOutput::Statement(statement)));
     }
 
     fn give_fixed(&mut self, station: Option<FixedStation>, each: impl FnMut(AisOutput)) {

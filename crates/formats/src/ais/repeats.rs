@@ -1,8 +1,8 @@
 //! Messages that several receivers have received.
 //!
-//! Each receiver within range of a ship reports the same message, seconds apart where some of them are remote. The copies
-//! carry the same bits, except for the two that a repeater sets. A ship does not send the same bits again so soon: its
-//! reports state the second of the minute and the state of the radio channel.
+//! Each receiver within range of a ship reports the same message, seconds apart where some of them are remote. The
+//! copies carry the same bits, except for the two that a repeater sets. A ship does not send the same bits again so
+//! soon: its reports state the second of the minute and the state of the radio channel.
 
 use std::hash::BuildHasher;
 

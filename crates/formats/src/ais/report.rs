@@ -9,20 +9,20 @@
 //!
 //! # Accuracy
 //!
-//! A flag states whether the position is better or worse than 10 m. The recommendation takes 10 m from the expected error
-//! that receivers with integrity monitoring give, or from the use of differential corrections. 10 m is therefore the
-//! radius within which a flagged position lies with 95 % probability, and 30 m of one without the flag: receivers without
-//! corrections keep within 13 m (resolution MSC.112(73)), but the flag is down, too, where a ship does not know.
-//! Positions by hand, by dead reckoning, or of a system out of order have an unknown accuracy.
+//! A flag states whether the position is better or worse than 10 m. The recommendation takes 10 m from the expected
+//! error that receivers with integrity monitoring give, or from the use of differential corrections. 10 m is therefore
+//! the radius within which a flagged position lies with 95 % probability, and 30 m of one without the flag: receivers
+//! without corrections keep within 13 m (resolution MSC.112(73)), but the flag is down, too, where a ship does not
+//! know. Positions by hand, by dead reckoning, or of a system out of order have an unknown accuracy.
 //!
-//! Coordinates are whole ten-thousandths of a minute, 0.2 m. Those of type 27 are whole tenths of a minute: the error is
-//! evenly distributed within 93 m in both directions on the equator, so that 95 % lie within 111 m. Its variance, a third
-//! of the square of 93 m, goes into the covariance; for a ship at rest, the error stays the same in all reports.
+//! Coordinates are whole ten-thousandths of a minute, 0.2 m. Those of type 27 are whole tenths of a minute: the error
+//! is evenly distributed within 93 m in both directions on the equator, so that 95 % lie within 111 m. Its variance, a
+//! third of the square of 93 m, goes into the covariance; for a ship at rest, the error stays the same in all reports.
 //!
-//! Speeds are whole tenths of a knot (0.05 m/s), courses of a degree; whole knots and degrees in type 27, whole knots in
-//! type 9. No accuracy is stated, and none is added.
+//! Speeds are whole tenths of a knot (0.05 m/s), courses of a degree; whole knots and degrees in type 27, whole knots
+//! in type 9. No accuracy is stated, and none is added.
 
-use aivdm::{AisMessage, Timestamp};
+use aivdm::{AisMessage, Heading, Sog, Timestamp};
 use frames::Geodetic;
 use frames::time::{NS_PER_DAY, NS_PER_S};
 use messages::{Identity, TrackState, alert_bits};
@@ -74,46 +74,38 @@ impl Report {
     /// The report in a message of type 1, 2, 3, 9, 18, 19 or 27.
     pub(super) fn of(message: &AisMessage) -> Option<Self> {
         macro_rules! report {
-            ($of:ident) => {
+            ($of:ident, $speed_kt:expr, $heading_deg:expr, $navigation:expr) => {
                 Self {
                     mmsi: $of.mmsi.raw(),
                     position_deg: position_deg([$of.latitude.raw(), $of.longitude.raw()], 600_000),
                     is_accurate: $of.position_accuracy,
                     is_coarse: false,
-                    speed_kt: None,
+                    speed_kt: $speed_kt,
                     course_deg: below($of.cog.raw(), 3600).map(|tenths| tenths / 10.0),
-                    heading_deg: None,
+                    heading_deg: $heading_deg,
                     time: $of.timestamp,
-                    navigation: None,
+                    navigation: $navigation,
                     height_m: None,
                     is_aircraft: false,
                 }
             };
         }
         // The greatest number of a speed or height stands for all greater values.
-        let speed_kt = |tenths: u16| below(tenths, 1022).map(|tenths| tenths / 10.0);
+        let speed_kt = |speed: Sog| below(speed.raw(), 1022).map(|tenths| tenths / 10.0);
+        let heading_deg = |heading: Heading| below(heading.raw(), 360);
         Some(match message {
-            AisMessage::PositionReportClassA(of) => Self {
-                speed_kt: speed_kt(of.sog.raw()),
-                heading_deg: below(of.heading.raw(), 360),
-                navigation: Some(of.navigation_status.to_raw()),
-                ..report!(of)
-            },
-            AisMessage::PositionReportClassB(of) => Self {
-                speed_kt: speed_kt(of.sog.raw()),
-                heading_deg: below(of.heading.raw(), 360),
-                ..report!(of)
-            },
-            AisMessage::PositionReportClassBExtended(of) => Self {
-                speed_kt: speed_kt(of.sog.raw()),
-                heading_deg: below(of.heading.raw(), 360),
-                ..report!(of)
-            },
+            AisMessage::PositionReportClassA(of) => {
+                let navigation = Some(of.navigation_status.to_raw());
+                report!(of, speed_kt(of.sog), heading_deg(of.heading), navigation)
+            }
+            AisMessage::PositionReportClassB(of) => report!(of, speed_kt(of.sog), heading_deg(of.heading), None),
+            AisMessage::PositionReportClassBExtended(of) => {
+                report!(of, speed_kt(of.sog), heading_deg(of.heading), None)
+            }
             AisMessage::SarAircraftPositionReport(of) => Self {
-                speed_kt: below(of.sog_knots, 1022),
                 height_m: below(of.altitude_meters, 4094).map(|height_m| (height_m, of.barometric_altitude)),
                 is_aircraft: true,
-                ..report!(of)
+                ..report!(of, below(of.sog_knots, 1022), None, None)
             },
             AisMessage::LongRangeBroadcast(of) => Self {
                 mmsi: of.mmsi.raw(),

@@ -1,9 +1,10 @@
 //! Static data of stations: names, call signs, hulls.
 //!
 //! A ship sends its name, call sign and dimensions every six minutes (types 5, 19 and 24), its position up to every two
-//! seconds. The table keeps the static data of each station for half an hour after they came last; a number may meanwhile
-//! have passed to another ship. A full table forgets stations that have been silent for ten minutes, more than three
-//! reports of a ship at anchor. If none is silent, further stations are refused: their reports have no static data.
+//! seconds. The table keeps the static data of each station for half an hour after they came last; a number may
+//! meanwhile have passed to another ship. A full table forgets stations that have been silent for ten minutes, more
+//! than three reports of a ship at anchor. If none is silent, further stations are refused: their reports have no
+//! static data.
 
 use aivdm::AisMessage;
 use aivdm::message::StaticDataReport;

@@ -132,8 +132,8 @@ pub(super) fn framed(line: &[u8]) -> Result<Option<(SentenceKind, &str)>, NmeaFa
     Ok(Some((kind, fields)))
 }
 
-/// Checks the sum of a sentence without its first character, or of a tag block. Returns the summed characters, and those
-/// behind the sum.
+/// Checks the sum of a sentence without its first character, or of a tag block. Returns the summed characters, and
+/// those behind the sum.
 pub(crate) fn summed(text: &str) -> Result<(&str, &str), NmeaFault> {
     let (text, behind) = text.split_once('*').ok_or(NmeaFault::Partial)?;
     let (stated, behind) = behind.split_at_checked(2).ok_or(NmeaFault::Partial)?;

@@ -249,7 +249,10 @@ proptest! {
     }
 
     #[test]
-    fn any_octets_are_counted(lines in prop::collection::vec(prop::collection::vec(any::<u8>(), 0..80), 1..20), at: i64) {
+    fn any_octets_are_counted(
+        lines in prop::collection::vec(prop::collection::vec(any::<u8>(), 0..80), 1..20),
+        at: i64,
+    ) {
         let mut reader = AisReader::new(AisSettings { stations_max: 4 });
         for line in &lines {
             let _ = reader.take(0, line, at, |_| {});
