@@ -3,8 +3,8 @@
 
 usage: compare_mode_s.py FRAMES.jsonl[.gz] OURS.jsonl [LATITUDE LONGITUDE]
 
-FRAMES holds a line of JSON for each frame, with `timestamp`, `frame` and the values that rs1090 (jet1090) decoded.  OURS
-is the output of crates/formats/examples/mode_s_fields.rs for the same lines:
+FRAMES holds a line of JSON for each frame, with `timestamp`, `frame` and the values that rs1090 (jet1090) decoded.
+OURS is the output of crates/formats/examples/mode_s_fields.rs for the same lines:
 
     zcat FRAMES | cargo run -p formats --example mode_s_fields LATITUDE LONGITUDE > OURS
 
@@ -22,7 +22,8 @@ import math
 import sys
 
 import pyModeS
-from pyModeS.position import airborne_position_pair, airborne_position_with_ref, surface_position_pair, surface_position_with_ref
+from pyModeS.position import (airborne_position_pair, airborne_position_with_ref, surface_position_pair,
+                              surface_position_with_ref)
 
 POSITION_M = 2.0
 ANGLE_DEG = 1e-9
@@ -66,19 +67,24 @@ def rounded(ours, other, line):
 
 
 def waits(ours, other, line):
-    return ours is None
+    return ours is None and not line['refused']
+
+
+def repeated(ours, other, line):
+    return ours is None and line['refused'] == 'Repeated'
 
 
 def near_ground(ours, other, line):
     return ours is not None and other is None
 
 
-SHIFTED = 'a downlink request that rs1090 does not know shifts what it reads behind; all but one of these frames are noise'
+REPEATED = 'a transmission that two receivers passed on gives one observation here'
+SHIFTED = 'a downlink request that rs1090 does not know shifts what it reads behind; nearly all such frames are noise'
 
 # (decoder, value): [(what the difference must be, why)]
 KNOWN = {
-    ('rs1090', 'speed'): [(rs1090_movement, 'movements 13 to 38 are 2 kn to 14.5 kn in steps of 0.5 kn by DO-260B; rs1090 '
-                           'continues the steps of 0.25 kn before them')],
+    ('rs1090', 'speed'): [(rs1090_movement, 'movements 13 to 38 are 2 kn to 14.5 kn in steps of 0.5 kn by DO-260B; '
+                           'rs1090 continues the steps of 0.25 kn before them')],
     ('rs1090', 'callsign'): [(undefined_characters, 'a code without a character is ? here, # or nothing there')],
     ('pyModeS', 'callsign'): [(undefined_characters, 'a code without a character is ? here, # there')],
     ('rs1090', 'altitude'): [(no_altitude, 'an altitude code of zeros states no altitude'),
@@ -87,8 +93,11 @@ KNOWN = {
                              (metric, 'the standard has no coding for metric units; the frame is noise')],
     ('rs1090', 'selected'): [(rounded, 'selected altitudes have steps of 32 ft; rs1090 rounds them to 100 ft')],
     ('rs1090', 'squawk'): [(unknown_request, SHIFTED)],
-    ('rs1090', 'position'): [(waits, 'a first frame waits for its pair; rs1090 was given the airport'),
-                             (near_ground, 'a first frame in the air is near the last place on the ground; rs1090 waits')],
+    ('pyModeS', 'position'): [(repeated, REPEATED)],
+    ('rs1090', 'position'): [(repeated, REPEATED),
+                             (waits, 'a first frame waits for its pair; rs1090 was given the airport'),
+                             (near_ground, 'a first frame in the air is near the last place on the ground; '
+                              'rs1090 waits')],
 }
 
 
@@ -202,8 +211,8 @@ class Positions:
 
 
 OURS = {'icao': 'icao', 'callsign': 'callsign', 'altitude': 'altitude_ft', 'speed': 'speed_kt', 'track': 'track_deg',
-        'rate': 'rate_ftpmin', 'nacv': 'nacv', 'squawk': 'squawk', 'selected': 'selected_ft', 'nacp': 'nacp', 'sil': 'sil',
-        'version': 'version', 'cpr': 'cpr'}
+        'rate': 'rate_ftpmin', 'nacv': 'nacv', 'squawk': 'squawk', 'selected': 'selected_ft', 'nacp': 'nacp',
+        'sil': 'sil', 'version': 'version', 'cpr': 'cpr'}
 
 
 def of_ours(values):
@@ -226,6 +235,7 @@ def main():
     equals, known, wrong = collections.Counter(), collections.Counter(), collections.Counter()
     for line, own_line in zip(lines, ours):
         own = of_ours(own_line)
+        line['refused'] = own_line['refused']
         other = pyModeS.decode(line['frame'])
         pymodes = of_pymodes(other)
         if 'cpr' in pymodes:
@@ -236,7 +246,8 @@ def main():
                 if equal(name, own[name], value):
                     equals[key] += value is not None
                     continue
-                why = next((why for is_known, why in KNOWN.get(key, []) if is_known(own[name], value, line)), None)
+                reasons = KNOWN.get(key, [])
+                why = next((why for is_known, why in reasons if is_known(own[name], value, line)), None)
                 if why:
                     known[key + (why,)] += 1
                     continue

@@ -3,9 +3,9 @@
 //! Every position is completed with values that are recent enough, by the ages of [`crate::sbs`]: both read the same
 //! transmissions. Accuracy and status have the age of a code. A late frame replaces nothing newer.
 //!
-//! Of noise, one frame in 2²⁴ has the checksum of a reply of a given aircraft; a receiver that passes on thousands of
-//! frames of noise a second gives false replies every minute. So code and alerts of replies are used once a second
-//! reply within a minute states the same.
+//! One frame of noise in 16 million has the checksum of a reply of a given aircraft; a receiver that passes on
+//! thousands of frames of noise a second gives false replies every minute. So code and alerts of replies are used once
+//! a second reply within a minute states the same.
 
 use messages::{Callsign, Identity, TrackState};
 use observations::{Alerts, Axes, Emergency, Observation, Quality, Statement, TargetCategory};
@@ -22,8 +22,10 @@ const ANONYMOUS: u32 = 1 << 24;
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Aircraft {
     pub(super) positions: PositionDecoder,
-    velocity: Option<Dated<[f64; 2]>>,
-    velocity_accuracy: Option<Dated<u8>>,
+    /// Velocity and the category of its accuracy.
+    velocity: Option<Dated<([f64; 2], Option<u8>)>>,
+    /// The category for velocities on the ground.
+    surface_accuracy: Option<Dated<u8>>,
     vertical_rate_mps: Option<Dated<f64>>,
     altitude_m: Option<Dated<f64>>,
     callsign: Option<Dated<Callsign>>,
@@ -54,8 +56,10 @@ struct Dated<T> {
 impl Aircraft {
     /// Stores the values of a message.
     pub(super) fn take(&mut self, message: &ModeSMessage, time_ns: i64) {
-        put(&mut self.velocity, time_ns, velocity(message));
-        put(&mut self.velocity_accuracy, time_ns, message.velocity_accuracy);
+        let velocity = velocity(message).map(|velocity| (velocity, message.velocity_accuracy));
+        put(&mut self.velocity, time_ns, velocity);
+        let of_status = message.velocity_accuracy.filter(|_| message.ground_speed_mps.is_none());
+        put(&mut self.surface_accuracy, time_ns, of_status);
         put(&mut self.vertical_rate_mps, time_ns, message.vertical_rate_mps);
         put(&mut self.altitude_m, time_ns, message.altitude_m);
         put(&mut self.callsign, time_ns, message.callsign);
@@ -104,12 +108,11 @@ impl Aircraft {
         if let Some(code) = recent(self.mode_3a, time_ns, CODE_AGE_MAX_NS) {
             identity = identity.with_mode_3a(code);
         }
-        let is_magnetic = recent(self.is_magnetic, time_ns, CODE_AGE_MAX_NS) == Some(true);
-        let velocity = match is_surface {
-            true => velocity(message).filter(|velocity| !is_magnetic || *velocity == [0.0; 2]),
+        let (velocity, accuracy) = match is_surface {
+            true => self.surface_velocity(message, time_ns),
             false => recent(self.velocity, time_ns, MOTION_AGE_MAX_NS),
-        };
-        let accuracy = recent(self.velocity_accuracy, time_ns, CODE_AGE_MAX_NS).filter(|_| velocity.is_some());
+        }
+        .unzip();
         let own_or_recent = |own: Alerts, stored, age_max_ns| stated(own).or(recent(stored, time_ns, age_max_ns));
         let alerts = [
             own_or_recent(message.transponder_alerts, self.transponder_alerts, CODE_AGE_MAX_NS),
@@ -128,7 +131,7 @@ impl Aircraft {
             geodetic: Some(position_deg.map(f64::to_radians)),
             velocity,
             axes: Axes::Target,
-            velocity_covariance: accuracy.and_then(navigation::covariance_of_velocity_category),
+            velocity_covariance: accuracy.flatten().and_then(navigation::covariance_of_velocity_category),
             pressure_altitude_m: altitude_m.filter(|_| !is_surface),
             geometric_height_m: message.ellipsoid_height_m,
             ellipsoid_height_m: message.ellipsoid_height_m,
@@ -142,6 +145,13 @@ impl Aircraft {
             quality: self.quality(message, time_ns),
             ..Observation::default()
         }
+    }
+
+    /// Velocity on the ground, in the message itself. Directions from magnetic north are not used.
+    fn surface_velocity(&self, message: &ModeSMessage, time_ns: i64) -> Option<([f64; 2], Option<u8>)> {
+        let is_magnetic = recent(self.is_magnetic, time_ns, CODE_AGE_MAX_NS) == Some(true);
+        let velocity = velocity(message).filter(|velocity| !is_magnetic || *velocity == [0.0; 2])?;
+        Some((velocity, recent(self.surface_accuracy, time_ns, CODE_AGE_MAX_NS)))
     }
 
     /// Quality of a message's position, by the rules of CAT021: the same aircraft has one quality in both.

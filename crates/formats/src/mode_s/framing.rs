@@ -4,12 +4,12 @@
 //! its successors, jet1090) and the manual of the Mode-S Beast. The reader accepts all of them and needs no choice:
 //!
 //! - Beast: an escape octet 0x1a, the kind, six octets of ticks, the signal level and the frame, in which each 0x1a is
-//!   doubled. The first escape octet makes the rest of the stream Beast, since no text contains one.
+//!   doubled. No text contains an escape octet.
 //! - Lines: `*HEX;`, `@` with twelve digits of ticks, `<` with ticks and two digits of signal level, HEX alone, a time
 //!   in seconds since 1970 and HEX, or JSON with `timestamp` and `frame`.
 //!
-//! After damage, the reader continues at the next escape octet or line, and counts the octets between. The memory of
-//! the reader is one line.
+//! After damage, the reader continues at the next escape octet or line. What lies between is refused as a line or, in
+//! a stream that has had a message of Beast, counted by its octets. The memory of the reader is one line.
 
 use frames::time::NS_PER_S;
 use serde::Deserialize;
@@ -61,6 +61,8 @@ pub struct FrameReader {
     /// What has come of the line, or of the message of Beast after its escape octet.
     begun: Vec<u8>,
     state: State,
+    /// Whether a message of Beast has come.
+    is_beast: bool,
     damaged_octets: u64,
 }
 
@@ -92,6 +94,7 @@ impl Default for FrameReader {
         Self {
             begun: Vec::with_capacity(LINE_OCTETS_MAX),
             state: State::Line,
+            is_beast: false,
             damaged_octets: 0,
         }
     }
@@ -112,7 +115,11 @@ impl FrameReader {
                 State::Outside if *octet == ESCAPE => State::Escape { inside: false },
                 State::Outside => {
                     self.damaged_octets += 1;
-                    State::Outside
+                    if b"\r\n".contains(octet) {
+                        State::Line
+                    } else {
+                        State::Outside
+                    }
                 }
                 State::Message if *octet == ESCAPE => State::Escape { inside: true },
                 State::Message => self.take_of_message(*octet, each),
@@ -129,6 +136,7 @@ impl FrameReader {
         }
         self.begun.clear();
         self.state = State::Line;
+        self.is_beast = false;
     }
 
     fn take_of_line(&mut self, octet: u8, each: &mut impl FnMut(Framed)) -> State {
@@ -153,8 +161,11 @@ impl FrameReader {
 
     fn end_line(&mut self, each: &mut impl FnMut(Framed)) {
         let line = self.begun.trim_ascii();
-        if !line.is_empty() {
-            each(framed(line).unwrap_or_else(Framed::Refused));
+        match framed(line) {
+            _ if line.is_empty() => {}
+            Ok(framed) => each(framed),
+            Err(_) if self.is_beast => self.damaged_octets += line.len() as u64,
+            Err(refusal) => each(Framed::Refused(refusal)),
         }
         self.begun.clear();
     }
@@ -198,6 +209,7 @@ impl FrameReader {
         let ticks = head[1..7].iter().fold(0, |ticks, octet| ticks << 8 | u64::from(*octet));
         each(ModeSFrame::new(frame).map_or(Framed::Other, |frame| Framed::Frame(frame, stamp(ticks))));
         self.begun.clear();
+        self.is_beast = true;
         State::Outside
     }
 }
@@ -216,7 +228,7 @@ fn framed(line: &[u8]) -> Result<Framed, ModeSRefusal> {
         let frame = rest.get(skipped..).ok_or(ModeSRefusal::Length)?;
         of_hex(frame, stamp(hex(ticks)? as u64))
     };
-    match line[0] {
+    match line.first().copied().unwrap_or_default() {
         b'*' => of_hex(&line[1..], FrameStamp::None),
         b'@' => begins_with_ticks(0),
         b'<' => begins_with_ticks(2),

@@ -133,6 +133,11 @@ impl ModeSMessage {
     fn with_squitter(mut self, frame: &ModeSFrame) -> Option<Self> {
         let kind = frame.message(1, 5) as u8;
         let subtype = frame.message(6, 8);
+        if self.origin != ModeSOrigin::Own
+            && let Some(place) = foreign_address_place(kind)
+        {
+            self.is_anonymous |= frame.message(place, place) == 1;
+        }
         match (kind, subtype) {
             (1..=4, _) => {
                 self.category = category(kind, subtype);
@@ -158,7 +163,6 @@ impl ModeSMessage {
 
     fn read_surface_position(&mut self, frame: &ModeSFrame, kind: u8) {
         self.read_position(frame, kind);
-        self.is_anonymous |= self.origin != ModeSOrigin::Own && frame.message(21, 21) == 1;
         self.ground_speed_mps = movement_kt(frame.message(6, 12) as u8).map(|speed| speed * MPS_PER_KT);
         let track = frame.message(14, 20) as f64 * 360.0 / 128.0;
         self.track_rad = (frame.message(13, 13) == 1).then(|| track.to_radians());
@@ -168,11 +172,7 @@ impl ModeSMessage {
         if kind != 0 {
             self.read_position(frame, kind);
         }
-        let flag = frame.message(8, 8) == 1;
-        match self.origin {
-            ModeSOrigin::Own => self.has_supplement_b = flag,
-            ModeSOrigin::TisB | ModeSOrigin::Rebroadcast => self.is_anonymous |= flag,
-        }
+        self.has_supplement_b = self.origin == ModeSOrigin::Own && frame.message(8, 8) == 1;
         self.transponder_alerts = items::alerts_of_surveillance_status(frame.message(6, 7) as u8);
         // The code without M.
         let code = frame.message(9, 14) << 7 | frame.message(15, 20);
@@ -255,6 +255,18 @@ fn reply(frame: &ModeSFrame, address: u32) -> ModeSMessage {
         mode_3a: is_identity.then(|| mode_3a(code)),
         transponder_alerts: items::flight_status(has_status.then(|| frame.field(6, 8) as u8)).0,
         ..ModeSMessage::default()
+    }
+}
+
+/// Place of the bit by which ground stations mark an address that is not the aircraft's own (IMF), by type.
+fn foreign_address_place(kind: u8) -> Option<usize> {
+    match kind {
+        5..=8 => Some(21),
+        0 | 9..=18 | 20..=22 => Some(8),
+        19 => Some(9),
+        28 | 31 => Some(56),
+        29 => Some(51),
+        _ => None,
     }
 }
 

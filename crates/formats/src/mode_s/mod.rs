@@ -13,8 +13,8 @@
 //!    change of category, emergency or selected altitude a [`Statement`](observations::Statement).
 //!
 //! Used are the formats 0, 4, 5, 11, 16, 17, 18, 20 and 21. Frames of ground stations about an aircraft (TIS-B, ADS-R)
-//! and frames with an address that is not the aircraft's own are marked in [`ModeSOutput`]: a caller keeps them apart as
-//! sources. Not used are the registers in replies, coarse TIS-B, and replies of Modes A and C. Each frame is counted
+//! and frames with an address that is not the aircraft's own are marked in [`ModeSOutput`]: a caller keeps them apart
+//! as sources. Not used are the registers in replies, coarse TIS-B, and replies of Modes A and C. Each frame is counted
 //! once in [`ModeSCounters`]; a wrong checksum refuses a frame, and no bit is repaired.
 //!
 //! Sources: ICAO Annex 10 volume IV; ICAO Doc 9871; RTCA DO-260, DO-260A, DO-260B.

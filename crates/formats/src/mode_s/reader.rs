@@ -78,7 +78,7 @@ pub struct ModeSReader {
 #[derive(Debug)]
 struct Merger {
     settings: ModeSSettings,
-    aircraft: FxHashMap<(ModeSOrigin, u32), Entry>,
+    aircraft: FxHashMap<(ModeSOrigin, bool, u32), Entry>,
     clock: StreamClock,
     counters: ModeSCounters,
 }
@@ -184,7 +184,7 @@ impl Merger {
     /// Values of the message's aircraft; forgets silent aircraft if that makes room.
     fn values(&mut self, message: &ModeSMessage, utc_ns: i64) -> Result<&mut Aircraft, ModeSRefusal> {
         let within = |age_max_ns: i64, entry: &Entry| utc_ns.abs_diff(entry.last_ns) <= age_max_ns.unsigned_abs();
-        let key = (message.origin, message.address);
+        let key = (message.origin, message.is_anonymous, message.address);
         let known = self.aircraft.get(&key);
         if message.is_reply && !known.is_some_and(|entry| within(SILENCE_MAX_NS, entry)) {
             return Err(ModeSRefusal::Address);

@@ -4,6 +4,7 @@ mod ais;
 mod ais_lines;
 mod autoferry;
 mod containers;
+mod mode_s;
 mod nmea;
 mod recording;
 mod replies;
