@@ -15,7 +15,10 @@ fuzz_target!(|file: &[u8]| {
         reader.take(document, |_, message| {
             let observation = message.observation.unwrap_or_default();
             let pairs = observation.geodetic.into_iter().chain(observation.velocity).flatten();
-            let heights = observation.pressure_altitude_m.into_iter().chain(observation.ellipsoid_height_m);
+            let heights = observation
+                .pressure_altitude_m
+                .into_iter()
+                .chain(observation.ellipsoid_height_m);
             assert!(pairs.chain(heights).all(f64::is_finite));
         });
     }

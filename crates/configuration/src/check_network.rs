@@ -416,6 +416,7 @@ fn of_feed(format: FeedFormat, origin: FeedOrigin) -> Technology {
         // A ground station states what radars see.
         (_, FeedOrigin::Traffic) => Technology::Other,
         (FeedFormat::Sbs | FeedFormat::ModeS | FeedFormat::Readsb, _) => Technology::AdsB,
+        (FeedFormat::RemoteId | FeedFormat::Cot, _) => Technology::Other,
     }
 }
 

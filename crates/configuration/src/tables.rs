@@ -140,7 +140,7 @@ settings::settings! {
     /// A feed of a receiver: exactly one of `connect`, `udp` and `url`.
     pub struct FeedTable {
         /// Content: `mode-s` has the frames of Beast, AVR or hexadecimal lines; `ais` has lines of NMEA 0183; `readsb`
-        /// is `aircraft.json`.
+        /// is `aircraft.json`; `remote-id` has lines of JSON, `cot` events of Cursor on Target.
         format: FeedFormat;
         /// Address and port of a server: `"127.0.0.1:30005"` for Beast.
         connect: Option<String> = None;

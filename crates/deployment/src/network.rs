@@ -68,6 +68,10 @@ settings::words! {
         Ais = "ais",
         /// JSON of readsb and its relatives.
         Readsb = "readsb",
+        /// Lines of JSON with messages of Remote ID.
+        RemoteId = "remote-id",
+        /// Events of Cursor on Target (XML).
+        Cot = "cot",
     }
 }
 
@@ -90,7 +94,7 @@ settings::words! {
 impl FeedFormat {
     /// Whether the data are lines of text.
     pub const fn is_lines(self) -> bool {
-        matches!(self, Self::Sbs | Self::Ais)
+        matches!(self, Self::Sbs | Self::Ais | Self::RemoteId)
     }
 }
 

@@ -214,6 +214,10 @@ settings::words! {
         Ais = "ais",
         /// JSON of readsb and its relatives: documents, lines of history, traces.
         Readsb = "readsb",
+        /// Lines of JSON with messages of Remote ID.
+        RemoteId = "remote-id",
+        /// Events of Cursor on Target (XML).
+        Cot = "cot",
         /// A table of sensor tracks (FM-5).
         SensorTracks = "sensor-tracks",
     }
@@ -227,6 +231,8 @@ impl RecordedFormat {
             Self::ModeS => Some(FeedFormat::ModeS),
             Self::Ais => Some(FeedFormat::Ais),
             Self::Readsb => Some(FeedFormat::Readsb),
+            Self::RemoteId => Some(FeedFormat::RemoteId),
+            Self::Cot => Some(FeedFormat::Cot),
             Self::Asterix | Self::SensorTracks => None,
         }
     }

@@ -10,9 +10,12 @@ use std::fmt;
 use observations::{Observation, Statement};
 
 use crate::ais::{AisOutput, AisReader, AisSettings};
+use crate::cot_events::{CotReader, CotSettings};
 use crate::mode_s::{ModeSOrigin, ModeSReader, ModeSSettings, ModeSValue};
 use crate::readsb::{self, ReadsbReader, ReadsbSettings};
+use crate::remote_id::{RemoteIdReader, RemoteIdSettings};
 use crate::sbs::{AircraftMerger, SbsSettings};
+use crate::target_message::TargetMessage;
 
 /// Number of the only connection of a feed.
 const CONNECTION: u32 = 0;
@@ -28,6 +31,10 @@ pub enum FeedSettings {
     Ais(AisSettings),
     /// JSON of readsb; a piece is a document, or several.
     Readsb(ReadsbSettings),
+    /// Lines of JSON with messages of Remote ID; a piece is a line.
+    RemoteId(RemoteIdSettings),
+    /// Events of Cursor on Target; a piece is any part of the stream.
+    Cot(CotSettings),
 }
 
 /// Origin of a position in a feed: the errors of two origins have nothing in common.
@@ -86,6 +93,8 @@ enum Reader {
     ModeS(Box<ModeSReader>),
     Ais(Box<AisReader>),
     Readsb(Box<ReadsbReader>),
+    RemoteId(Box<RemoteIdReader>),
+    Cot(Box<CotReader>),
 }
 
 impl FeedReader {
@@ -97,6 +106,8 @@ impl FeedReader {
                 FeedSettings::ModeS(settings) => Reader::ModeS(Box::new(ModeSReader::new(settings))),
                 FeedSettings::Ais(settings) => Reader::Ais(Box::new(AisReader::new(settings))),
                 FeedSettings::Readsb(settings) => Reader::Readsb(Box::new(ReadsbReader::new(settings))),
+                FeedSettings::RemoteId(settings) => Reader::RemoteId(Box::new(RemoteIdReader::new(settings))),
+                FeedSettings::Cot(settings) => Reader::Cot(Box::new(CotReader::new(settings))),
             },
             refused_octets: 0,
         }
@@ -158,12 +169,7 @@ impl FeedReader {
                             readsb::Origin::Repeated => FeedOrigin::Repeated,
                             readsb::Origin::Own | readsb::Origin::Contract | readsb::Origin::Other => FeedOrigin::Own,
                         };
-                        if let Some(observed) = &message.observation {
-                            out(Fed::Target(origin, observed));
-                        }
-                        if let Some(statement) = &message.statement {
-                            out(Fed::Statement(origin, statement));
-                        }
+                        give(origin, &message, out);
                     });
                     let now = reader.counters();
                     if now.refused_documents > before.refused_documents {
@@ -176,6 +182,34 @@ impl FeedReader {
                     }
                 }
             }
+            Reader::RemoteId(reader) => {
+                let before = reader.counters().refused;
+                reader.take(piece, |message| give(FeedOrigin::Own, &message, out));
+                if reader.counters().refused != before
+                    && let Some(refusal) = reader.refused()
+                {
+                    self.refused_octets += piece.len() as u64;
+                    out(Fed::Refused(refusal.reason.word(), refusal));
+                }
+            }
+            Reader::Cot(reader) => {
+                let before = reader.counters().refused;
+                reader.take(piece, |message| give(FeedOrigin::Own, &message, out));
+                if reader.counters().refused != before
+                    && let Some(refusal) = reader.refused()
+                {
+                    out(Fed::Refused(refusal.reason.word(), refusal));
+                }
+            }
+        }
+    }
+
+    /// The feed has ended, or its connection: what has begun was cut.
+    pub fn end(&mut self) {
+        match &mut self.reader {
+            Reader::ModeS(reader) => reader.end(None, &mut |_| {}),
+            Reader::Cot(reader) => reader.end(),
+            Reader::Sbs(_) | Reader::Ais(_) | Reader::Readsb(_) | Reader::RemoteId(_) => {}
         }
     }
 
@@ -227,10 +261,43 @@ impl FeedReader {
                     ..FeedCounts::default()
                 }
             }
+            Reader::RemoteId(reader) => {
+                let counted = reader.counters();
+                FeedCounts {
+                    records: counted.messages,
+                    timed: counted.messages,
+                    refused: counted.refused.iter().sum(),
+                    without_position: counted.without_position,
+                    repeated: counted.repetitions,
+                    ..FeedCounts::default()
+                }
+            }
+            Reader::Cot(reader) => {
+                let counted = reader.counters();
+                let refused = counted.refused.iter().sum();
+                FeedCounts {
+                    records: counted.events - refused,
+                    timed: counted.events - refused,
+                    refused,
+                    without_position: counted.without_position,
+                    repeated: counted.repetitions,
+                    ..FeedCounts::default()
+                }
+            }
         };
         FeedCounts {
             refused_octets: counts.refused_octets + self.refused_octets,
             ..counts
         }
+    }
+}
+
+/// Passes the news of a target on: position and statement.
+fn give(origin: FeedOrigin, message: &TargetMessage, out: &mut dyn FnMut(Fed<'_>)) {
+    if let Some(observed) = &message.observation {
+        out(Fed::Target(origin, observed));
+    }
+    if let Some(statement) = &message.statement {
+        out(Fed::Statement(origin, statement));
     }
 }

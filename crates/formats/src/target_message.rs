@@ -1,18 +1,19 @@
 //! Messages of targets in text: what readers of JSON and XML have in common.
 //!
 //! Receivers of transponders, of Remote ID and of Cursor on Target send the latest values of each target again and
-//! again. A reader distinguishes new positions from repetitions, and changed statements from unchanged ones, with bounded
-//! memory: a table has a value for each target, by a number of 32 bits. A full table forgets targets that have been
-//! silent, and refuses further ones.
+//! again. A reader distinguishes new positions from repetitions, and changed statements from unchanged ones, with
+//! bounded memory: a table has a value for each target, by a number of 32 bits. A full table forgets targets that have
+//! been silent, and refuses further ones.
 
 use std::fmt;
 
 use frames::time::NS_PER_S;
 use observations::{Emergency, NavigationStatus, Observation, Statement, TargetCategory};
 use rustc_hash::FxHashMap;
+use serde::Deserialize;
 
 /// Characters of a refused value that are kept.
-const SHOWN_MAX: usize = 60;
+const SHOWN_MAX: usize = 100;
 /// Latest time, seconds since 1970: the year 2200. A later one has another unit.
 const TIME_MAX_S: f64 = 7_258_118_400.0;
 /// Shortest time between two searches for silent targets in a full table, nanoseconds: a search passes all targets.
@@ -64,6 +65,24 @@ impl<R: Reason> fmt::Display for Refusal<R> {
 pub(crate) fn utc_ns(seconds: f64) -> Option<i64> {
     let is_time = (0.0..=TIME_MAX_S).contains(&seconds);
     is_time.then(|| (seconds * 1e6).round() as i64 * 1000)
+}
+
+/// The value of a JSON text that is an object; else the error in words. Lists are refused, although a structure could
+/// be read from their values.
+pub(crate) fn object<'a, T: Deserialize<'a>>(text: &'a [u8]) -> Result<T, String> {
+    match text.trim_ascii_start().first() {
+        Some(b'{') => serde_json::from_slice(text).map_err(|error| error.to_string()),
+        Some(other) => Err(format!("begins with {:?} instead of {{", char::from(*other))),
+        None => Err("is empty".to_owned()),
+    }
+}
+
+/// A number for a name, the same everywhere and for ever: FNV-1a with 32 bits (G. Fowler, L. C. Noll, K.-P. Vo). Among
+/// a thousand names, two share a number once in ten thousand cases.
+pub(crate) fn number_of_name(name: &[u8]) -> u32 {
+    name.iter().fold(0x811c_9dc5, |hash, octet| {
+        (hash ^ u32::from(*octet)).wrapping_mul(0x0100_0193)
+    })
 }
 
 /// Values of targets, by number.
@@ -169,6 +188,14 @@ fn stated_or<T: PartialEq>(stated: T, known: T, unknown: T) -> T {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_name_has_the_number_of_the_authors_of_the_hash() {
+        assert_eq!(
+            [&b""[..], b"a", b"foobar"].map(number_of_name),
+            [0x811c_9dc5, 0xe40c_292c, 0xbf9c_f968]
+        );
+    }
 
     #[test]
     fn times_are_since_1970_and_in_seconds() {

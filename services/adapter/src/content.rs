@@ -125,8 +125,10 @@ impl RecordedFeed {
         let (format, is_lines) = (self.format, self.format.is_lines());
         let (piece, received_ns) = self.packed.next_piece(|rest| {
             let length = match format {
-                FeedFormat::Sbs | FeedFormat::Ais => rest.iter().position(|octet| *octet == b'\n').map(|end| end + 1),
-                FeedFormat::ModeS => Some(PIECE_OCTETS_MAX),
+                FeedFormat::Sbs | FeedFormat::Ais | FeedFormat::RemoteId => {
+                    rest.iter().position(|octet| *octet == b'\n').map(|end| end + 1)
+                }
+                FeedFormat::ModeS | FeedFormat::Cot => Some(PIECE_OCTETS_MAX),
                 FeedFormat::Readsb => {
                     let mut further = documents(rest);
                     further.next();

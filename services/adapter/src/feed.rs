@@ -8,9 +8,11 @@ use std::time::Duration;
 
 use deployment::{Feed, FeedFormat, FeedLink, FeedOrigin, Input};
 use formats::ais::AisSettings;
+use formats::cot_events::CotSettings;
 use formats::feed::{Fed, FeedReader, FeedSettings};
 use formats::mode_s::{ModeSSettings, ReceiverRange};
 use formats::readsb::ReadsbSettings;
+use formats::remote_id::RemoteIdSettings;
 use formats::sbs::SbsSettings;
 use messages::{Counter, Counters};
 use net::{Document, LinesSettings, ReceiverSettings, TcpLines, UdpReceiver};
@@ -190,6 +192,8 @@ pub(crate) fn settings(
         }),
         FeedFormat::Ais => FeedSettings::Ais(AisSettings::default()),
         FeedFormat::Readsb => FeedSettings::Readsb(ReadsbSettings::default()),
+        FeedFormat::RemoteId => FeedSettings::RemoteId(RemoteIdSettings::default()),
+        FeedFormat::Cot => FeedSettings::Cot(CotSettings::default()),
     }
 }
 

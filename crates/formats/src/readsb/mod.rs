@@ -17,17 +17,16 @@
 //!
 //! # Time
 //!
-//! A position is as old as `seen_pos` states, a resolution of a tenth of a second in most programs. The same position
-//! within [`REPETITION_NS`] is therefore a repetition. Speed, altitude and vertical rate have no time of their own.
-//! Such a value may be as late as the last message of the aircraft (`seen`); with a position that is older by more than
-//! [`MOTION_AHEAD_MAX_NS`], none of them is used. The same holds for no other value: identity and statements are of the
-//! aircraft, and change seldom.
+//! A position is as old as `seen_pos` states, in most programs to a tenth of a second. The same position within
+//! [`REPETITION_NS`] is therefore a repetition. Speed, altitude and vertical rate have no time of their own. Such a
+//! value may be as late as the last message of the aircraft (`seen`); with a position that is older by more than
+//! [`MOTION_AHEAD_MAX_NS`], none of them is used. Identity and statements change seldom, and are always used.
 //!
 //! # Errors of position
 //!
 //! `nac_p` is the category of the estimated position uncertainty: the radius of 95 % of the errors. `nic`, `rc` and
-//! `sil` are bounds that an error exceeds once in ten million hours, so no error follows from them. The categories are
-//! the transponder's own and are not used for positions of multilateration.
+//! `sil` describe bounds that an error exceeds seldom (10⁻³ to 10⁻⁷ an hour), so no error follows from them. The
+//! categories are the transponder's own, and are not used for positions of multilateration.
 //!
 //! # Limits
 //!

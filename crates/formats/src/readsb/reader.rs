@@ -10,7 +10,7 @@ use super::aircraft::{AircraftState, within};
 use super::origin::Origin;
 use super::reason::{Read, ReadsbReason};
 use super::trace::Trace;
-use crate::target_message::{KnownTarget, Memory, Refusal, TargetMessage, utc_ns};
+use crate::target_message::{self, KnownTarget, Memory, Refusal, TargetMessage, utc_ns};
 
 /// Longest time by which altitude and velocity may be ahead of a used position, nanoseconds: in this time an aircraft
 /// in a standard turn changes its heading by 15°.
@@ -140,7 +140,11 @@ impl ReadsbReader {
             let state = object(document)?;
             self.state(Ok((state, now_s)), each);
         } else {
-            return Err(Refusal::new(ReadsbReason::Kind, "document", beginning(document)));
+            return Err(Refusal::new(
+                ReadsbReason::Kind,
+                "document",
+                String::from_utf8_lossy(&document[..document.len().min(100)]),
+            ));
         }
         Ok(())
     }
@@ -199,17 +203,9 @@ impl ReadsbReader {
     }
 }
 
-/// The value of an object. Lists are none, although the values of a structure could be read from one.
+/// The value of an object.
 fn object<'a, T: Deserialize<'a>>(text: &'a [u8]) -> Read<T> {
-    if text.trim_ascii_start().first() != Some(&b'{') {
-        return Err(Refusal::new(ReadsbReason::Json, "object", beginning(text)));
-    }
-    serde_json::from_slice(text).map_err(|error| Refusal::new(ReadsbReason::Json, "JSON", error))
-}
-
-/// The first octets of a text, as far as they are shown.
-fn beginning(text: &[u8]) -> String {
-    String::from_utf8_lossy(&text[..text.len().min(100)]).into_owned()
+    target_message::object(text).map_err(|error| Refusal::new(ReadsbReason::Json, "JSON", error))
 }
 
 fn time(key: &'static str, seconds: f64) -> Read<i64> {

@@ -252,7 +252,8 @@ fn wrong_documents_are_counted_by_reason() {
 fn a_trace_has_a_state_in_each_row() {
     let mut reader = reader();
     let trace = r#"{"icao":"3c1a2b","r":"D-ABCD","timestamp":1767261600.5,"trace":[
-        [0.0,50.0,10.0,"ground",12.0,90.0,2,null,{"type":"adsb_icao","flight":"DLH1    ","squawk":"1000","nac_p":10,"category":"A3"}],
+        [0.0,50.0,10.0,"ground",12.0,90.0,2,null,
+         {"type":"adsb_icao","flight":"DLH1    ","squawk":"1000","nac_p":10,"category":"A3"}],
         [10.0,50.1,10.1,1000,120.0,90.0,0,640,null,"adsb_icao",1200,600,110,2.5],
         [20.0,50.2,10.2,2000,120.0,90.0,12,640,null,"mlat",null,null,null,null,"more"],
         [61.0,50.3,10.3,null,null,null,1,null,null],
