@@ -434,6 +434,8 @@ pub enum TextCoding {
 pub const RAW: Content = Content::Raw;
 /// A whole number without sign.
 pub const NUMBER: Content = Content::Integer { signed: false };
+/// A whole number in two's complement.
+pub const SIGNED_NUMBER: Content = Content::Integer { signed: true };
 /// Six-bit characters.
 pub const ICAO: Content = Content::Text(TextCoding::Icao);
 /// Octal digits.

@@ -20,29 +20,45 @@
 
 mod cat001;
 mod cat002;
+mod cat004;
+mod cat008;
+mod cat009;
 mod cat010;
+mod cat015;
+mod cat016;
 mod cat019;
 mod cat020;
 mod cat021;
 mod cat023;
+mod cat032;
 mod cat034;
 mod cat048;
 mod cat062;
 mod cat063;
 mod cat065;
+mod cat205;
+mod cat247;
 
 pub use cat001::*;
 pub use cat002::*;
+pub use cat004::*;
+pub use cat008::*;
+pub use cat009::*;
 pub use cat010::*;
+pub use cat015::*;
+pub use cat016::*;
 pub use cat019::*;
 pub use cat020::*;
 pub use cat021::*;
 pub use cat023::*;
+pub use cat032::*;
 pub use cat034::*;
 pub use cat048::*;
 pub use cat062::*;
 pub use cat063::*;
 pub use cat065::*;
+pub use cat205::*;
+pub use cat247::*;
 
 use crate::expansion::Expansion;
 use crate::table::*;
@@ -107,17 +123,25 @@ items! {
 pub static REGISTRY: &[&Category] = &[
     &CAT001_V1_4, &CAT001_V1_3, &CAT001_V1_2,
     &CAT002_V1_2, &CAT002_V1_1, &CAT002_V1_0,
+    &CAT004_V1_13, &CAT004_V1_12,
+    &CAT008_V1_2, &CAT008_V1_3,
+    &CAT009_V2_1,
     &CAT010_V1_1,
+    &CAT015_V1_2, &CAT015_V1_1, &CAT015_V1_0,
+    &CAT016_V1_0,
     &CAT019_V1_3,
     &CAT020_V1_9, &CAT020_V1_10, &CAT020_V1_11,
     &CAT021_V2_4, &CAT021_V2_1, &CAT021_V2_2, &CAT021_V2_3, &CAT021_V2_5, &CAT021_V2_6, &CAT021_V2_7,
     &CAT021_V0_23, &CAT021_V0_24, &CAT021_V0_25, &CAT021_V0_26,
     &CAT023_V1_3, &CAT023_V1_2,
+    &CAT032_V1_2, &CAT032_V1_1,
     &CAT034_V1_29, &CAT034_V1_28, &CAT034_V1_27,
     &CAT048_V1_31, &CAT048_V1_32, &CAT048_V1_30, &CAT048_V1_29, &CAT048_V1_28, &CAT048_V1_27,
     &CAT062_V1_18, &CAT062_V1_21, &CAT062_V1_20, &CAT062_V1_19, &CAT062_V1_17, &CAT062_V1_16,
     &CAT063_V1_6, &CAT063_V1_7,
     &CAT065_V1_5, &CAT065_V1_6, &CAT065_V1_4,
+    &CAT205_V1_0,
+    &CAT247_V1_2, &CAT247_V1_3,
 ];
 
 /// Coding rules of reserved expansion fields, by category and edition.
