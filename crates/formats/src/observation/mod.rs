@@ -1,17 +1,22 @@
 //! ASTERIX target reports into observations.
 //!
-//! A file per category describes the meaning of the category's items.
+//! A file per category describes the meaning of the category's items. Reports of radio direction finders (CAT205) are no
+//! targets; [`finder_report`] makes bearings and fixes of them.
 
 mod cat001;
 mod cat010;
+mod cat015;
 mod cat020;
 mod cat021_v0;
 mod cat021_v2;
 mod cat048;
 mod cat062;
+mod cat205;
 pub(crate) mod items;
 pub(crate) mod navigation;
 mod services;
+
+pub use cat205::{DirectionFinder, FinderRefusal, FinderReport, FinderReportKind, finder_report};
 
 use asterix::field::{Elements, Field, elements, field, item, whole};
 use asterix::{Frn, Record};
@@ -43,6 +48,7 @@ pub fn read(record: &Record<'_>) -> Reading {
     let reading = match record.table().number {
         1 => cat001::read(record),
         10 => cat010::read(record),
+        15 => cat015::read(record),
         20 => cat020::read(record),
         21 => cat021_v2::read(record).or_else(|| cat021_v0::read(record)),
         48 => cat048::read(record),
@@ -54,3 +60,7 @@ pub fn read(record: &Record<'_>) -> Reading {
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod tests_015;
+#[cfg(test)]
+mod tests_205;
