@@ -225,7 +225,7 @@ fn wrong_usage_is_one_line_and_changes_nothing() {
             "x.ast --out y --edition 21=2.1 --edition 21=0.23",
             &["two editions of category 021"],
         ),
-        ("x.ast --out y --container zip", &["raw, pcap, pcapng and final"]),
+        ("x.ast --out y --container zip", &["raw, pcap, pcapng, final, gps and hex"]),
     ];
     for (arguments, expected) in cases {
         let line = folder.refusal(&format!("decode {arguments}"));

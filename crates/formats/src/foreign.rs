@@ -9,16 +9,11 @@
 use std::borrow::Cow;
 use std::fmt;
 
-use asterix::registry;
+use crate::containers::gps;
 
 /// Bytes at the beginning of a text that are looked at.
 const TEXT_BYTES: usize = 1 << 12;
-/// Bytes before the first data block of a `.gps` recording, and behind each data block.
-const GPS_HEADER: usize = 2_200;
-const GPS_TRAILER: usize = 10;
-/// Longest data block of a `.gps` recording: blocks came in datagrams.
-const GPS_BLOCK_MAX: usize = 1 << 12;
-/// Data blocks, or frames, in a row that make a kind certain.
+/// Lines, or frames, in a row that make a kind certain.
 const ENOUGH: usize = 3;
 /// Byte order mark.
 const MARK: char = '\u{feff}';
@@ -32,7 +27,7 @@ pub enum Foreign {
     Empty,
     /// Recording of all topics.
     Mcap,
-    /// Recording of RASS tools: a header, and data blocks with a trailer each.
+    /// Recording of RASS tools, taken for another container.
     Gps,
     /// File of `gzip`.
     Gzip,
@@ -46,7 +41,7 @@ pub enum Foreign {
     Sbs,
     /// Mode S frames as hexadecimal text.
     ModeS,
-    /// Data as hexadecimal text.
+    /// Data as hexadecimal text, with lines that are no data blocks, or taken for another container.
     Hex,
     /// JSON.
     Json,
@@ -69,7 +64,7 @@ impl Foreign {
             [0x1f, 0x8b, 0x08, ..] => Some(Self::Gzip),
             [0xff, 0xfe, ..] | [0xfe, 0xff, ..] if is_utf16(bytes) => Some(Self::Utf16),
             _ => Self::as_text(bytes).or_else(|| {
-                let kinds = [(Self::Beast, is_beast(bytes)), (Self::Gps, is_gps(bytes))];
+                let kinds = [(Self::Beast, is_beast(bytes)), (Self::Gps, gps::begins(bytes))];
                 kinds.into_iter().find_map(|(kind, is_it)| is_it.then_some(kind))
             }),
         }
@@ -124,14 +119,14 @@ impl fmt::Display for Foreign {
         f.write_str(match self {
             Self::Empty => "the file is empty",
             Self::Mcap => "it is a recording of all topics (MCAP), which `koseki recording` and `koseki replay` read",
-            Self::Gps => "it is a .gps recording (2,200 octets, then data blocks with 10 octets behind each): export it as data blocks or pcap",
+            Self::Gps => "it is a .gps recording (2,200 octets, then data blocks with 10 octets behind each), which is read as the container gps",
             Self::Gzip => "it is compressed by gzip: unpack it",
             Self::Beast => "it is a recording of Beast frames (Mode S), which nothing here reads",
             Self::Ais => "it is a log of AIS (ships), which nothing here reads",
             Self::Nmea => "it is a log of NMEA 0183 sentences",
             Self::Sbs => "it is an SBS log (BaseStation), which an adapter reads: [source.recorded] format = \"sbs\"",
             Self::ModeS => "it is a log of Mode S frames as text (AVR), which nothing here reads",
-            Self::Hex => "it is hexadecimal text: turn it into octets, as `xxd -r -p` does",
+            Self::Hex => "it is hexadecimal text; lines that are data blocks each are read as the container hex: turn other text into octets, as `xxd -r -p` does",
             Self::Json => "it is JSON; `koseki encode` reads records of ASTERIX as JSON",
             Self::Xml => "it is XML, which nothing here reads",
             Self::Csv => "it is a table of text",
@@ -199,24 +194,6 @@ fn is_beast(bytes: &[u8]) -> bool {
     true
 }
 
-fn is_gps(bytes: &[u8]) -> bool {
-    let mut at = GPS_HEADER;
-    for _ in 0..ENOUGH {
-        let Some([category, high, low]) = bytes.get(at..at + 3) else {
-            return false;
-        };
-        let length = usize::from(u16::from_be_bytes([*high, *low]));
-        if registry::default_edition(*category).is_none() || !(4..=GPS_BLOCK_MAX).contains(&length) {
-            return false;
-        }
-        at += length + GPS_TRAILER;
-        if at > bytes.len() {
-            return false;
-        }
-    }
-    true
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -233,10 +210,10 @@ mod tests {
             &[2; 12],
         ]
         .concat();
-        let mut gps = vec![0xee; GPS_HEADER];
+        let mut gps = vec![0xee; 2_200];
         for length in [9_u8, 30, 12] {
             gps.extend([48, 0, length]);
-            gps.extend(vec![1; usize::from(length) - 3 + GPS_TRAILER]);
+            gps.extend(vec![1; usize::from(length) - 3 + 10]);
         }
         let utf16: Vec<u8> = "\u{feff}time_s,x\n1,2\n"
             .encode_utf16()
@@ -249,7 +226,7 @@ mod tests {
             (&beast, Some(Foreign::Beast)),
             (&beast[..30], None),
             (&gps, Some(Foreign::Gps)),
-            (&gps[..GPS_HEADER + 60], None),
+            (&gps[..2_260], None),
             (b"!AIVDM,1,1,,A,13u?etPv2;0n:dDPwUM1U1Cb069D,0*24\n", Some(Foreign::Ais)),
             (b"\\s:station,c:1*5A\\!BSVDM,1,1,,A,13u,0*24\n", Some(Foreign::Ais)),
             (b"MSG,3,1,1,4CA2D6,1,2020/01/01,12:00:00.000\n", Some(Foreign::Sbs)),

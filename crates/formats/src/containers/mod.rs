@@ -2,20 +2,25 @@
 //!
 //! # The containers
 //!
-//! A sensor sends its data blocks in datagrams, and a recording stores them in one of four ways:
+//! A sensor sends its data blocks in datagrams, and a recording stores them in one of these ways:
 //!
 //! - *raw*: the blocks one after the other and nothing else (`.ast`, `.raw`). When a block came is lost;
 //! - *pcap* and *pcapng*: captures of network packets, with headers of every layer around the blocks and a time stamp
 //!   from the capturing machine;
-//! - *final*: frames of a recorder, each with a length, the recorder's time of day and a trailer (`.ff`).
+//! - *final*: frames of a recorder, each with a length, the recorder's time of day and a trailer (`.ff`);
+//! - *gps*: a header, and data blocks with the recorder's time of day behind each (`.gps`);
+//! - *hex*: a datagram in each line of a text, as hexadecimal digits, with or without a time before them.
 //!
 //! File names are unreliable, so the content determines the kind: captures have magic numbers, and a frame of the
-//! final format ends with four bytes A5 exactly at its stated length. Any other content is treated as raw blocks,
-//! which have no mark.
+//! final format ends with four bytes A5 exactly at its stated length. Lines of text are octets of whole data blocks by
+//! accident as little as blocks of known categories follow each other with ten octets between. Any other content is
+//! treated as raw blocks, which have no mark.
 //!
 //! ```text
 //! bytes ── Container::detect ──► pcap, pcapng ── packet ── link ── IP ── UDP ──┬──► Datagram
-//!                            └─► final ── frame ───────────────────────────────┤
+//!                            ├─► final ── frame ───────────────────────────────┤
+//!                            ├─► gps ── block ─────────────────────────────────┤
+//!                            ├─► hex ── line ──────────────────────────────────┤
 //!                            └─► raw ──────────────────────────────────────────┘
 //! ```
 //!
@@ -29,20 +34,21 @@
 //! # Damaged recordings
 //!
 //! The usual damage is a recording that ends within a packet: everything before the end is used. The same applies to
-//! packets captured only partly. A frame of the final format without its trailer is skipped up to the next trailer.
+//! packets captured only partly. A frame of the final format without its trailer is skipped up to the next trailer, a
+//! line that is no datagram up to the next line, and an impossible length in a gps recording up to the next blocks.
 //! pcap and pcapng have no mark for the next packet, so that an impossible length ends the recording.
 //! [`ContainerCounts`] accounts for every byte.
 //!
 //! # Limits
 //!
-//! Nothing here trusts a length, and memory beyond the caller's bytes is used only for fragments: at most
-//! [`FRAGMENTED_MAX`] datagrams of 64 kB.
+//! Nothing here trusts a length. Memory beyond the caller's bytes is used for fragments, at most [`FRAGMENTED_MAX`]
+//! datagrams of 64 kB, and for the octets of one line of text.
 //!
 //! # Sources
 //!
 //! draft-ietf-opsawg-pcap and draft-ietf-opsawg-pcapng for captures, the list of link types at tcpdump.org; IEEE 802.3
 //! and 802.2 for frames with logical link control; RFC 768, 791 and 8200 for UDP and IP; the description of ASTERIX
-//! Final in the developer guide of LuciadFusion.
+//! Final in the developer guide of LuciadFusion; for gps recordings see the head of `gps.rs`.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -51,6 +57,8 @@ use std::str::FromStr;
 mod capture;
 mod final_format;
 mod fragments;
+pub(crate) mod gps;
+mod hexadecimal;
 mod packet;
 mod pcap;
 mod pcapng;
@@ -74,11 +82,12 @@ pub fn datagrams(bytes: &[u8]) -> Datagrams<'_> {
 /// Datagram of a recording, with data blocks if it is ASTERIX.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RecordedDatagram<'a> {
-    /// Bytes of the datagram; owned only where they were put together from fragments.
+    /// Bytes of the datagram; owned only where they were put together from fragments, or from digits.
     pub bytes: Cow<'a, [u8]>,
     /// Time of recording, where the container states one.
     pub time_stamp: Option<TimeStamp>,
-    /// Offset of the datagram's start in the recording; for fragments, the offset of the first captured fragment.
+    /// Offset of the datagram's start in the recording; for fragments, the offset of the first captured fragment; for
+    /// text, that of the line.
     pub offset: usize,
 }
 
@@ -124,11 +133,15 @@ pub enum Container {
     PcapNg,
     /// Frames with length, time of day and trailer.
     Final,
+    /// A header, and data blocks with ten octets behind each.
+    Gps,
+    /// Lines of hexadecimal digits.
+    Hex,
 }
 
 impl Container {
     /// Every kind.
-    pub const ALL: [Self; 4] = [Self::Raw, Self::Pcap, Self::PcapNg, Self::Final];
+    pub const ALL: [Self; 6] = [Self::Raw, Self::Pcap, Self::PcapNg, Self::Final, Self::Gps, Self::Hex];
 
     /// The kind of a recording, by its first bytes.
     pub fn detect(bytes: &[u8]) -> Self {
@@ -138,6 +151,10 @@ impl Container {
             Self::Pcap
         } else if final_format::begins(bytes) {
             Self::Final
+        } else if hexadecimal::begins(bytes) {
+            Self::Hex
+        } else if gps::begins(bytes) {
+            Self::Gps
         } else {
             Self::Raw
         }
@@ -150,6 +167,8 @@ impl Container {
             Self::Pcap => "pcap",
             Self::PcapNg => "pcapng",
             Self::Final => "final",
+            Self::Gps => "gps",
+            Self::Hex => "hex",
         }
     }
 }
@@ -162,7 +181,7 @@ impl fmt::Display for Container {
 
 /// A text that names no kind of recording.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{found:?} is no kind of recording; there are raw, pcap, pcapng and final")]
+#[error("{found:?} is no kind of recording; there are raw, pcap, pcapng, final, gps and hex")]
 pub struct ContainerError {
     /// Word that was given.
     pub found: String,
@@ -199,6 +218,8 @@ enum ContainerReader<'a> {
     Pcap(pcap::PcapPackets<'a>),
     PcapNg(pcapng::PcapngPackets<'a>),
     Final(final_format::Frames<'a>),
+    Gps(gps::GpsBlocks<'a>),
+    Hex(hexadecimal::HexLines<'a>),
 }
 
 /// A piece of a recording.
@@ -216,6 +237,8 @@ impl<'a> Datagrams<'a> {
             Container::Pcap => ContainerReader::Pcap(pcap::PcapPackets::new(bytes)),
             Container::PcapNg => ContainerReader::PcapNg(pcapng::PcapngPackets::new(bytes)),
             Container::Final => ContainerReader::Final(final_format::Frames::new(bytes)),
+            Container::Gps => ContainerReader::Gps(gps::GpsBlocks::new(bytes)),
+            Container::Hex => ContainerReader::Hex(hexadecimal::HexLines::new(bytes)),
         };
         Self {
             container,
@@ -318,6 +341,8 @@ impl<'a> ContainerReader<'a> {
             Self::Pcap(packets) => packets.next().map(|packet| packet.map(ContainerPiece::Packet)),
             Self::PcapNg(packets) => packets.next().map(|packet| packet.map(ContainerPiece::Packet)),
             Self::Final(frames) => frames.next().map(|datagram| datagram.map(ContainerPiece::Datagram)),
+            Self::Gps(blocks) => blocks.next().map(|datagram| datagram.map(ContainerPiece::Datagram)),
+            Self::Hex(lines) => lines.next().map(|datagram| datagram.map(ContainerPiece::Datagram)),
         }
     }
 
@@ -328,6 +353,8 @@ impl<'a> ContainerReader<'a> {
             Self::Pcap(packets) => packets.position(),
             Self::PcapNg(packets) => packets.position(),
             Self::Final(frames) => frames.position(),
+            Self::Gps(blocks) => blocks.position(),
+            Self::Hex(lines) => lines.position(),
         }
     }
 }

@@ -75,6 +75,20 @@ pub enum Reason {
         /// The length it gives.
         length: usize,
     },
+    /// A data block of a gps recording with an impossible length.
+    #[error(
+        "data block of {length} octets, expected 4 to 4096: what follows up to the next data blocks cannot be read"
+    )]
+    GpsBlock {
+        /// The length it gives.
+        length: usize,
+    },
+    /// A line of hexadecimal text that is no datagram.
+    #[error("line {beginning:?}…, expected pairs of hexadecimal digits, with or without a time before them")]
+    HexLine {
+        /// The first characters.
+        beginning: String,
+    },
     /// A packet from a link with unsupported headers.
     #[error("packet of link type {link_type}; known are 0, 1, 101, 108, 113, 228, 229 and 276")]
     LinkType {
@@ -136,6 +150,8 @@ impl Reason {
             Self::BlockType { .. } => "unknown pcapng block",
             Self::Interface { .. } => "unknown interface",
             Self::Trailer { .. } => "damaged frame",
+            Self::GpsBlock { .. } => "impossible block length",
+            Self::HexLine { .. } => "line without octets",
             Self::LinkType { .. } => "unknown link type",
             Self::PacketCut { .. } => "packet not captured whole",
             Self::Header { .. } => "impossible header",
@@ -227,7 +243,9 @@ impl ContainerCounts {
             | Reason::ByteOrder { .. }
             | Reason::BlockContent { .. }
             | Reason::BlockType { .. }
-            | Reason::Trailer { .. } => &mut self.damages,
+            | Reason::Trailer { .. }
+            | Reason::GpsBlock { .. }
+            | Reason::HexLine { .. } => &mut self.damages,
         } += 1;
         skipped
     }

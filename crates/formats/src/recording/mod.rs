@@ -241,7 +241,7 @@ impl RecordingSurvey {
         match self.container {
             Container::Raw if self.is_mostly_read(bytes) => Foreign::as_text(bytes),
             Container::Raw => Foreign::of(bytes),
-            Container::Pcap | Container::PcapNg | Container::Final => None,
+            Container::Pcap | Container::PcapNg | Container::Final | Container::Gps | Container::Hex => None,
         }
     }
 

@@ -150,6 +150,6 @@ fn kinds_have_names() {
     let line = "PCAP".parse::<Container>().unwrap_err().to_string();
     assert_eq!(
         line,
-        "\"PCAP\" is no kind of recording; there are raw, pcap, pcapng and final"
+        "\"PCAP\" is no kind of recording; there are raw, pcap, pcapng, final, gps and hex"
     );
 }

@@ -134,6 +134,17 @@ pub(crate) fn final_frame(hundredths: u32, payload: &[u8]) -> Vec<u8> {
     bytes
 }
 
+/// A gps recording of blocks with their ten octets.
+pub(crate) fn gps(pieces: &[Vec<u8>]) -> Vec<u8> {
+    [vec![0; 2_200], pieces.concat()].concat()
+}
+
+/// A block of a gps recording, with its time in 1/128 s.
+pub(crate) fn gps_block(ticks: u32, block: &[u8]) -> Vec<u8> {
+    let [_, high, middle, low] = ticks.to_be_bytes();
+    [block, &[0, 1, 2, 0, 0, 0, high, middle, low, 1]].concat()
+}
+
 /// An Ethernet frame.
 pub(crate) fn ethernet(ether_type: u16, payload: &[u8]) -> Vec<u8> {
     let mut bytes = vec![1, 0, 0x5E, 1, 2, 3, 0, 1, 2, 3, 4, 5];

@@ -3,6 +3,8 @@
 mod captures;
 mod final_format;
 mod forge;
+mod gps;
+mod hexadecimal;
 mod packets;
 mod properties;
 mod recordings;
