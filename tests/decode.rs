@@ -98,9 +98,7 @@ fn what_cannot_be_decoded_is_summed_up_and_no_failure() {
 
 #[test]
 fn a_file_that_is_no_asterix_is_named_and_refused() {
-    let mut gps = vec![0xee; 2_200];
-    (0..4).for_each(|second| gps.extend([report(f64::from(second)), vec![0xa5; 10]].concat()));
-    let files: [(&str, &[u8], &str); 8] = [
+    let files: [(&str, &[u8], &str); 7] = [
         ("passwd", b"root:x:0:0:root:/root:/bin/sh\n", "it is text"),
         (
             "a.ais",
@@ -117,9 +115,8 @@ fn a_file_that_is_no_asterix_is_named_and_refused() {
             b"*8D4840D6202CC371C32CE0576098;\n",
             "it is a log of Mode S frames",
         ),
-        ("a.hex", b"0a000ad0000701000080\n", "it is hexadecimal text"),
+        ("a.hex", b"0a000ad00007\n01000080\n", "it is hexadecimal text"),
         ("a.jsonl", b"{\"_c\": 10}\n", "it is JSON"),
-        ("a.gps", &gps, "it is a .gps recording"),
         ("a.ast", &[250, 0, 4, 0], "no record of ASTERIX can be read\n"),
     ];
     for (name, bytes, kind) in files {
@@ -134,6 +131,50 @@ fn a_file_that_is_no_asterix_is_named_and_refused() {
             );
         }
     }
+}
+
+#[test]
+fn gps_recordings_and_hexadecimal_lines_have_times() {
+    let mut gps = vec![0xee; 2_200];
+    let of_128_s = [0, 0, 0, 0, 0, 0, 0, 1, 64, 0];
+    (0..4).for_each(|second| gps.extend([&report(f64::from(second))[..], &of_128_s].concat()));
+    let line = "1620114891.8 0a 00 0a d0 00 07 01 00 00 80\n";
+    for (name, bytes, records, kind, time) in [
+        ("a.gps", &gps[..], "4 records of 4 blocks in 4 datagrams", "gps", 2.5),
+        (
+            "a.hex",
+            line.as_bytes(),
+            "1 record of 1 block in 1 datagram",
+            "hex",
+            1_620_114_891.8,
+        ),
+    ] {
+        let folder = Folder::with_recording(name, bytes);
+        let (_, said) = folder.decode(&format!("{name} --out x.jsonl"));
+        assert_eq!(said, format!("koseki: {name}: {records} ({kind})\n"));
+        assert_eq!(folder.json_lines("x.jsonl")[0]["_ts"], time);
+        let refused = folder.run(&format!("decode {name} --out x.jsonl --container raw"));
+        let said = String::from_utf8(refused.stderr).unwrap();
+        assert!(
+            refused.status.code() == Some(2) && said.contains(&format!("the container {kind}")),
+            "{said}"
+        );
+    }
+}
+
+#[test]
+fn categories_without_a_table_are_named_and_no_failure() {
+    let folder = Folder::with_recording("video.ast", &[240, 0, 6, 0xC0, 0, 7, 129, 0, 4, 0]);
+    for what in ["--out x.jsonl", "--statistics"] {
+        let (_, said) = folder.decode(&format!("video.ast {what}"));
+        for line in [
+            "category 240: radar video; no table here (1 block)",
+            "category 129: identification and reports of unmanned aircraft; no table here (1 block)",
+        ] {
+            assert!(said.contains(&format!("koseki: {line}\n")), "{line}\n{said}");
+        }
+    }
+    assert_eq!(folder.read("x.jsonl"), "");
 }
 
 #[test]
@@ -225,7 +266,10 @@ fn wrong_usage_is_one_line_and_changes_nothing() {
             "x.ast --out y --edition 21=2.1 --edition 21=0.23",
             &["two editions of category 021"],
         ),
-        ("x.ast --out y --container zip", &["raw, pcap, pcapng, final, gps and hex"]),
+        (
+            "x.ast --out y --container zip",
+            &["raw, pcap, pcapng, final, gps and hex"],
+        ),
     ];
     for (arguments, expected) in cases {
         let line = folder.refusal(&format!("decode {arguments}"));

@@ -5,7 +5,7 @@ use super::field::{elements, whole};
 use super::record::SENDER;
 use super::table::{Category, Edition};
 
-pub use super::categories::{EXPANSIONS, REGISTRY};
+pub use super::categories::{EXPANSIONS, REGISTRY, WITHOUT_TABLE};
 
 // Checks assumptions about every table: the sender is the first item, and times of day have the same form.
 const _: () = {
@@ -47,6 +47,26 @@ pub(crate) const fn assert_registered(editions: &[&Category]) {
         }
         i += 1;
     }
+}
+
+// A category has a table, or a name alone.
+const _: () = {
+    let mut i = 0;
+    while i < WITHOUT_TABLE.len() {
+        let mut j = 0;
+        while j < REGISTRY.len() {
+            assert!(WITHOUT_TABLE[i].0 != REGISTRY[j].number, "a category has a table");
+            j += 1;
+        }
+        i += 1;
+    }
+};
+
+/// What the blocks of a category without a table hold, in a few words; `None` for categories with a table, and for
+/// numbers that are not known.
+pub fn name_without_table(number: u8) -> Option<&'static str> {
+    let named = WITHOUT_TABLE.iter().find(|(of, _)| *of == number);
+    named.map(|(_, name)| *name)
 }
 
 /// The table of one edition.

@@ -144,6 +144,23 @@ pub static REGISTRY: &[&Category] = &[
     &CAT247_V1_2, &CAT247_V1_3,
 ];
 
+/// Categories without a table here, and what their blocks hold.
+pub static WITHOUT_TABLE: &[(u8, &str)] = &[
+    (7, "directed interrogation"),
+    (11, "surface movement guidance and control (A-SMGCS)"),
+    (17, "Mode S surveillance coordination"),
+    (18, "Mode S data link"),
+    (25, "status of ground systems"),
+    (30, "air situation pictures (ARTAS)"),
+    (129, "identification and reports of unmanned aircraft"),
+    (150, "flight data of a plan server (MADAP)"),
+    (238, "predictions of service"),
+    (240, "radar video"),
+    (244, "reference trajectories"),
+    (252, "sessions and services (ARTAS)"),
+    (253, "remote monitoring and control"),
+];
+
 /// Coding rules of reserved expansion fields, by category and edition.
 #[rustfmt::skip]
 pub static EXPANSIONS: &[&Expansion] = &[

@@ -130,6 +130,14 @@ fn the_registry_finds_editions_and_defaults() {
 }
 
 #[test]
+fn categories_without_a_table_have_names_by_number() {
+    assert_eq!(registry::name_without_table(240), Some("radar video"));
+    assert_eq!([48, 0].map(registry::name_without_table), [None; 2]);
+    let numbers = registry::WITHOUT_TABLE.iter().map(|(number, _)| number);
+    assert!(numbers.is_sorted_by(|a, b| a < b));
+}
+
+#[test]
 fn editions_that_only_add_have_the_same_field_reference_numbers() {
     for table in registry::REGISTRY {
         let from_one_on = registry::editions(table.number).filter(|other| other.edition.major > 0);

@@ -89,6 +89,8 @@ pub struct CategorySurvey {
     pub records: u64,
     /// Bytes of the blocks that do.
     pub octets: u64,
+    /// Bytes of the blocks that do not.
+    pub octets_refused: u64,
     /// For each other edition, how many of the blocks refused fit it; the default first, then by number.
     pub others: Vec<(Edition, u64)>,
     /// Elements with latitudes, if impossible latitudes count against the edition.
@@ -235,6 +237,15 @@ impl RecordingSurvey {
         2 * octets > bytes.len() as u64
     }
 
+    /// Returns whether most of the datagrams' bytes are in blocks of categories that are known by name and have no table.
+    pub fn is_mostly_without_table(&self) -> bool {
+        let named = self.categories.iter().filter(|(number, category)| {
+            category.edition.is_none() && registry::name_without_table(**number).is_some()
+        });
+        let octets: u64 = named.map(|(_, category)| category.octets_refused).sum();
+        2 * octets > self.unpacked.datagram_octets
+    }
+
     /// Kind of the surveyed bytes if they are no recording: text, and other kinds where less than half can be decoded.
     /// Captures have marks of their own.
     pub fn foreign(&self, bytes: &[u8]) -> Option<Foreign> {
@@ -261,6 +272,7 @@ impl CategorySurvey {
             blocks_refused: 0,
             records: 0,
             octets: 0,
+            octets_refused: 0,
             others: others.map(|other| (other.edition, 0)).collect(),
             latitudes: table.map(latitudes).unwrap_or_default(),
         }
@@ -298,6 +310,7 @@ impl CategorySurvey {
             }
             Err(_) => {
                 self.blocks_refused += 1;
+                self.octets_refused += block.bytes.len() as u64;
                 for (edition, fitting) in &mut self.others {
                     let other = registry::find(block.category, *edition);
                     *fitting += u64::from(other.is_some_and(|other| fits_well(block, other, mode)));

@@ -15,10 +15,11 @@ Examples:
   koseki decode adsb.ast --edition 21=0.23 --out - | head -1
   koseki decode night.ff --json night.json
 
-FILE contains bare data blocks, is a capture (pcap, pcapng), or has frames of
-the final format; its first bytes identify the kind. A line of output has the
-item numbers of a record as keys, \"_c\" for the category and \"_ts\" for the second
-of the recording, if known.
+FILE contains bare data blocks, is a capture (pcap, pcapng), has frames of the
+final format, is a .gps recording, or has hexadecimal lines with or without a
+time; its first bytes identify the kind. A line of output has the item numbers
+of a record as keys, \"_c\" for the category and \"_ts\" for the second of the
+recording, if known.
 
 A summary of undecodable blocks goes to standard error; such blocks are no
 failure. The output has only blocks that fit their edition to the last byte, and
@@ -34,7 +35,7 @@ pub(crate) struct DecodeArgs {
     /// Read a category by this edition, as in 21=0.23 (repeatable) [default: see --help]
     #[arg(long = "edition", value_name = "CAT=ED", long_help = editions_help())]
     pub(crate) editions: Vec<ChosenEdition>,
-    /// Kind of the recording: raw, pcap, pcapng or final [default: by the first bytes]
+    /// Kind of the recording: raw, pcap, pcapng, final, gps or hex [default: by the first bytes]
     #[arg(long, value_name = "KIND")]
     pub(crate) container: Option<Container>,
     /// Reject blocks with spare bits set, or with items longer than in their edition

@@ -2,7 +2,8 @@
 //!
 //! [`formats::recording`] decides on the content and its credibility; this module handles files, tables and
 //! sentences. Standard output contains only the requested data; a summary of rejected blocks goes to standard error,
-//! each reason with its first occurrence.
+//! each reason with its first occurrence. A recording of categories that are known by name and have no table is no
+//! failure.
 
 mod notes;
 mod tables;
@@ -59,7 +60,7 @@ pub(crate) fn run(decode: &DecodeArgs) -> anyhow::Result<()> {
     // With standard error closed, the records are written all the same.
     let said = notes::notes(decode, &survey) + &notes::of_expansions(&expansions);
     let _ = io::stderr().write_all(said.as_bytes());
-    if survey.records() == 0 {
+    if survey.records() == 0 && !survey.is_mostly_without_table() {
         return Err(InputError::new(&decode.file, NO_RECORD).into());
     }
     Ok(())

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use asterix::Edition;
+use asterix::{Edition, registry};
 use formats::recording::{Expansions, RecordingSurvey, RefusalGroup};
 use telemetry::table::count;
 
@@ -32,9 +32,7 @@ pub(super) fn notes(decode: &DecodeArgs, survey: &RecordingSurvey) -> String {
             note(&line);
         }
     }
-    if let Some(line) = without_table(survey) {
-        note(&line);
-    }
+    without_table(survey).iter().for_each(|line| note(line));
     let refusals = survey.refusals.by_count();
     // A table is clearer.
     let shown = if decode.shows_statistics() {
@@ -72,13 +70,23 @@ pub(super) fn of_expansions(expansions: &Expansions) -> String {
     notes.collect()
 }
 
-/// Returns a note on categories without a decoder; a capture with other traffic may have many.
-fn without_table(survey: &RecordingSurvey) -> Option<String> {
-    let categories = survey
-        .categories
-        .iter()
-        .filter(|(_, category)| category.edition.is_none());
-    let mut names: Vec<String> = categories
+/// Returns notes on categories without a decoder: a line for each that is known by name, and one for all others; a
+/// capture with other traffic may have many.
+fn without_table(survey: &RecordingSurvey) -> Vec<String> {
+    let categories = survey.categories.iter();
+    let categories = categories.filter(|(_, category)| category.edition.is_none());
+    let (named, others): (Vec<_>, Vec<_>) =
+        categories.partition(|(number, _)| registry::name_without_table(**number).is_some());
+    let mut lines: Vec<String> = named
+        .into_iter()
+        .filter_map(|(number, category)| {
+            let name = registry::name_without_table(*number)?;
+            let blocks = several(category.blocks, "block");
+            Some(format!("category {number:03}: {name}; no table here ({blocks})"))
+        })
+        .collect();
+    let mut names: Vec<String> = others
+        .into_iter()
         .map(|(number, category)| format!("{number:03} ({})", several(category.blocks, "block")))
         .collect();
     if names.len() > CATEGORIES_SHOWN_MAX {
@@ -86,12 +94,13 @@ fn without_table(survey: &RecordingSurvey) -> Option<String> {
         names.truncate(CATEGORIES_SHOWN_MAX);
         names.push(format!("{more} more"));
     }
-    (!names.is_empty()).then(|| {
-        format!(
+    if !names.is_empty() {
+        lines.push(format!(
             "left out, since there is no table of the category: {}",
             names.join(", ")
-        )
-    })
+        ));
+    }
+    lines
 }
 
 fn sentence(refusal: &RefusalGroup) -> String {

@@ -150,6 +150,13 @@ fn categories_without_a_table_are_counted() {
     );
     assert_eq!((category.better(), category.others.len()), (None, 0));
     assert_eq!(survey.refusals.by_count()[0].reason, "no table of the category");
+    assert!(!survey.is_mostly_without_table());
+    // Radar video is known by its name.
+    let named = |bodies: [Vec<u8>; 2]| {
+        let bytes = [block(240, &bodies[..1]), block(250, &bodies[1..])].concat();
+        read(&RecordingBytes::new(&bytes)).0.is_mostly_without_table()
+    };
+    assert!(named([vec![1; 9], vec![1]]) && !named([vec![1], vec![1; 9]]));
 }
 
 #[test]

@@ -1,7 +1,8 @@
 //! Recordings of real sensors: what is given of them, and that nothing is made up.
 
-use asterix::Edition;
+use asterix::{Edition, NamedRecord};
 use formats::recording::{RecordingBytes, Statistics};
+use serde_json::json;
 use test_support::recording;
 
 use super::forge::{in_edition, read};
@@ -35,6 +36,44 @@ fn seven_radars() {
         ),
         (7, 7)
     );
+}
+
+#[test]
+fn messages_of_safety_nets_and_version_numbers() {
+    let source = json!({"SAC": 0, "SIC": 1});
+    let functions = json!({"MRVA": 0, "RAMLD": 0, "RAMHD": 0, "MSAW": 0, "APW": 1, "CLAM": 1, "STCA": 1});
+    let area = json!({"EP": 0, "VAL": 0});
+    let versions = [[21, 2, 1], [23, 1, 2], [247, 1, 2]]
+        .map(|[category, main, sub]| json!({"CAT": category, "MAIN": main, "SUB": sub}));
+    for (name, expected) in [
+        (
+            "cat004.bin",
+            json!([
+                {"_c": 4, "010": source, "000": 1, "020": 2829.0, "060": functions},
+                {"_c": 4, "010": source, "000": 6, "020": 70_666.0, "040": 15_496, "030": 3027},
+                {
+                    "_c": 4, "010": source, "000": 7, "020": 70_658.0, "040": 15_497,
+                    "045": {"AREA": area, "STAT": 3}, "030": 3130, "120": {}, "035": 2417,
+                },
+            ]),
+        ),
+        (
+            "cat247.bin",
+            json!([{"_c": 247, "010": source, "015": 1, "140": 14_431.460_937_5, "550": versions}]),
+        ),
+    ] {
+        let Some(bytes) = recording(&format!("round4/unread-categories/{name}")) else {
+            continue;
+        };
+        let recording = RecordingBytes::new(&bytes);
+        let survey = recording.survey();
+        let mut found = Vec::new();
+        let visited = recording.for_each(&survey, |record| {
+            serde_json::to_value(NamedRecord::new(record.record)).map(|named| found.push(named))
+        });
+        assert!(visited.is_ok() && survey.refusals.by_count().is_empty(), "{survey:?}");
+        assert_eq!(json!(found), expected, "{name}");
+    }
 }
 
 fn sender_is(found: &formats::recording::SenderSummary, category: u8) -> bool {
