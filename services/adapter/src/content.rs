@@ -143,6 +143,9 @@ impl RecordedFeed {
         let received_ns = received_ns.or(is_lines.then_some(self.first_day_ns));
         // Refused data are counted by reason.
         self.reader.take(piece, received_ns, out);
+        if self.packed.is_exhausted() {
+            self.reader.end();
+        }
     }
 
     /// Reads everything; `observed` gets the time of day of each target report, nanoseconds. Returns the counts.

@@ -85,13 +85,13 @@ impl WayIn {
         SocketAddr::new(any, 0)
     }
 
-    /// Passes the next pieces to `visit`, each with the time of receipt; waits at most [`PATIENCE`]. The capture gets
-    /// what came from an address.
+    /// Passes the next pieces to `visit`, each with the time of receipt, and whether no further piece continues it; waits
+    /// at most [`PATIENCE`]. The capture gets what came from an address.
     fn poll(
         &mut self,
         (now, steady): (Now, SteadyClock),
         capture: &mut Option<Capture>,
-        mut visit: impl FnMut(&[u8], ReceiptTime),
+        mut visit: impl FnMut(&[u8], ReceiptTime, bool),
     ) -> anyhow::Result<()> {
         let read = |utc_ns: Option<i64>| {
             let read = Now::read();
@@ -104,7 +104,7 @@ impl WayIn {
                     if let Some(capture) = capture {
                         capture.take(*server, received.utc_ns, piece);
                     }
-                    visit(piece, received);
+                    visit(piece, received, false);
                 });
             }
             Self::Udp(socket, format) => {
@@ -120,13 +120,13 @@ impl WayIn {
                             .map(<[u8]>::trim_ascii_end);
                         lines
                             .filter(|line| !line.is_empty())
-                            .for_each(|line| visit(line, received));
+                            .for_each(|line| visit(line, received, true));
                     } else {
-                        visit(datagram.bytes, received);
+                        visit(datagram.bytes, received, true);
                     }
                 })?;
             }
-            Self::Http(document, _) => document.poll(PATIENCE, |octets| visit(octets, read(None))),
+            Self::Http(document, _) => document.poll(PATIENCE, |octets| visit(octets, read(None), true)),
         }
         Ok(())
     }
@@ -247,27 +247,31 @@ impl Agent for FeedAgent {
         let (reader, channels, refusals) = (&mut self.reader, &mut self.channels, &mut self.refusals);
         let steady = self.steady;
         let mut failed = Ok(());
-        self.way_in.poll((now, steady), &mut self.capture, |piece, received| {
-            reader.take(piece, Some(received.utc_ns), &mut |fed| match fed {
-                Fed::Target(origin, observed) => {
-                    let Some((_, channel)) = channels.iter_mut().find(|(wanted, _)| uses(*wanted, origin)) else {
-                        return;
-                    };
-                    let taken = channel
-                        .received(received)
-                        .and_then(|()| channel.take(observed, received.mono_ns));
-                    if let Some(place) = channel.take_refused_place() {
-                        refusals.place(place, received);
+        self.way_in
+            .poll((now, steady), &mut self.capture, |piece, received, is_whole| {
+                reader.take(piece, Some(received.utc_ns), &mut |fed| match fed {
+                    Fed::Target(origin, observed) => {
+                        let Some((_, channel)) = channels.iter_mut().find(|(wanted, _)| uses(*wanted, origin)) else {
+                            return;
+                        };
+                        let taken = channel
+                            .received(received)
+                            .and_then(|()| channel.take(observed, received.mono_ns));
+                        if let Some(place) = channel.take_refused_place() {
+                            refusals.place(place, received);
+                        }
+                        if failed.is_ok() {
+                            failed = taken;
+                        }
                     }
-                    if failed.is_ok() {
-                        failed = taken;
-                    }
+                    Fed::Statement(..) => {}
+                    // Refused data are counted by reason.
+                    Fed::Refused(reason, words) => refusals.note((reason, ""), received, words),
+                });
+                if is_whole {
+                    reader.end();
                 }
-                Fed::Statement(..) => {}
-                // Refused data are counted by reason.
-                Fed::Refused(reason, words) => refusals.note((reason, ""), received, words),
-            });
-        })?;
+            })?;
         failed?;
         self.refusals.too_long(self.way_in.too_long(), || {
             let read = Now::read();
