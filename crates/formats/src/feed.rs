@@ -11,10 +11,10 @@ use observations::{Observation, Statement};
 
 use crate::ais::{AisOutput, AisReader, AisSettings};
 use crate::cot_events::{CotReader, CotSettings};
-use crate::mode_s::{ModeSOrigin, ModeSReader, ModeSSettings, ModeSValue};
+use crate::mode_s::{FrameClock, ModeSOrigin, ModeSReader, ModeSSettings, ModeSValue};
 use crate::readsb::{self, ReadsbReader, ReadsbSettings};
 use crate::remote_id::{RemoteIdReader, RemoteIdSettings};
-use crate::sbs::{AircraftMerger, SbsSettings};
+use crate::sbs::{AircraftMerger, SbsLine, SbsSettings, stamped_ns};
 use crate::target_message::TargetMessage;
 
 /// Number of the only connection of a feed.
@@ -85,6 +85,8 @@ pub struct FeedReader {
     reader: Reader,
     /// Octets of refused pieces.
     refused_octets: u64,
+    /// First time with a date in the data, UTC, nanoseconds.
+    first_utc_ns: Option<i64>,
 }
 
 #[derive(Debug)]
@@ -110,6 +112,7 @@ impl FeedReader {
                 FeedSettings::Cot(settings) => Reader::Cot(Box::new(CotReader::new(settings))),
             },
             refused_octets: 0,
+            first_utc_ns: None,
         }
     }
 
@@ -117,9 +120,13 @@ impl FeedReader {
     /// receipt, where the times of the data alone count.
     pub fn take(&mut self, piece: &[u8], received_utc_ns: Option<i64>, out: &mut dyn FnMut(Fed<'_>)) {
         let received_ns = received_utc_ns.unwrap_or(0);
+        let first = &mut self.first_utc_ns;
         match &mut self.reader {
             Reader::Sbs(merger) => match merger.take(piece, received_ns) {
-                Ok(Some(observed)) => out(Fed::Target(FeedOrigin::Own, &observed)),
+                Ok(Some(observed)) => {
+                    *first = first.or_else(|| dated(piece));
+                    out(Fed::Target(FeedOrigin::Own, &observed));
+                }
                 Ok(None) => {}
                 Err(error) => {
                     self.refused_octets += piece.len() as u64;
@@ -134,6 +141,9 @@ impl FeedReader {
                         ModeSOrigin::TisB => FeedOrigin::Traffic,
                         ModeSOrigin::Rebroadcast => FeedOrigin::Repeated,
                     };
+                    if output.clock == FrameClock::Line {
+                        first.get_or_insert(output.utc_ns);
+                    }
                     match &output.value {
                         ModeSValue::Observation(observed) => out(Fed::Target(origin, observed)),
                         ModeSValue::Statement(statement) => out(Fed::Statement(origin, statement)),
@@ -154,6 +164,7 @@ impl FeedReader {
                     // Own ship and stations ashore are no targets.
                     AisOutput::OwnShip(_) | AisOutput::Fixed(_) => {}
                 });
+                *first = first.or(reader.counters().first_stated_ns);
                 if let Err(error) = taken {
                     self.refused_octets += piece.len() as u64;
                     out(Fed::Refused(error.rejection.sentence(), &error));
@@ -169,6 +180,7 @@ impl FeedReader {
                             readsb::Origin::Repeated => FeedOrigin::Repeated,
                             readsb::Origin::Own | readsb::Origin::Contract | readsb::Origin::Other => FeedOrigin::Own,
                         };
+                        first.get_or_insert(message.time_ns);
                         give(origin, &message, out);
                     });
                     let now = reader.counters();
@@ -184,7 +196,10 @@ impl FeedReader {
             }
             Reader::RemoteId(reader) => {
                 let before = reader.counters().refused;
-                reader.take(piece, |message| give(FeedOrigin::Own, &message, out));
+                reader.take(piece, |message| {
+                    first.get_or_insert(message.time_ns);
+                    give(FeedOrigin::Own, &message, out);
+                });
                 if reader.counters().refused != before
                     && let Some(refusal) = reader.refused()
                 {
@@ -194,7 +209,10 @@ impl FeedReader {
             }
             Reader::Cot(reader) => {
                 let before = reader.counters().refused;
-                reader.take(piece, |message| give(FeedOrigin::Own, &message, out));
+                reader.take(piece, |message| {
+                    first.get_or_insert(message.time_ns);
+                    give(FeedOrigin::Own, &message, out);
+                });
                 if reader.counters().refused != before
                     && let Some(refusal) = reader.refused()
                 {
@@ -211,6 +229,12 @@ impl FeedReader {
             Reader::Cot(reader) => reader.end(),
             Reader::Sbs(_) | Reader::Ais(_) | Reader::Readsb(_) | Reader::RemoteId(_) => {}
         }
+    }
+
+    /// Returns the first time with a date in the data, UTC, nanoseconds since 1970; `None` if the data have dates only
+    /// by their receipt.
+    pub fn first_utc_ns(&self) -> Option<i64> {
+        self.first_utc_ns
     }
 
     /// Returns the counts so far.
@@ -289,6 +313,14 @@ impl FeedReader {
             refused_octets: counts.refused_octets + self.refused_octets,
             ..counts
         }
+    }
+}
+
+/// Returns the time of a line of SBS-1, UTC, nanoseconds since 1970, if it has a date.
+fn dated(line: &[u8]) -> Option<i64> {
+    match SbsLine::parse(line) {
+        Ok(SbsLine::Message(message)) => stamped_ns(message.received),
+        _ => None,
     }
 }
 

@@ -12,6 +12,7 @@ use formats::observation::{self, Reading};
 use formats::readsb::documents;
 use formats::sensor_tracks_csv::SensorTrackReader;
 use messages::{Counter, Counters};
+use observations::Observation;
 
 use crate::counted::decoded;
 use crate::feed;
@@ -148,16 +149,17 @@ impl RecordedFeed {
         }
     }
 
-    /// Reads everything; `observed` gets the time of day of each target report, nanoseconds. Returns the counts.
-    pub(crate) fn survey(mut self, observed: &mut dyn FnMut(Option<i64>)) -> FeedCounts {
+    /// Reads everything; `observed` gets each target report. Returns the counts, and the first time with a date, UTC,
+    /// nanoseconds.
+    pub(crate) fn survey(mut self, observed: &mut dyn FnMut(&Observation)) -> (FeedCounts, Option<i64>) {
         while !self.packed.is_exhausted() {
             self.read_piece(&mut |fed| {
                 if let Fed::Target(_, report) = fed {
-                    observed(report.time_of_day_ns);
+                    observed(report);
                 }
             });
         }
-        self.reader.counts()
+        (self.reader.counts(), self.reader.first_utc_ns())
     }
 }
 

@@ -37,6 +37,7 @@ mod wide_area;
 use anyhow::Context as _;
 use deployment::{FeedFormat, Input, Platform, ReceiverTransport, Source};
 use formats::feed::FeedCounts;
+use observations::Observation;
 use runtime::Agent;
 use runtime::Process;
 use sources::{Readings, SourceReading};
@@ -64,10 +65,15 @@ impl<'a> Processed<'a> {
     }
 }
 
-/// Reads the data of a feed in `bytes` as the adapter of a recording does; `observed` gets the time of day of each
-/// target report, nanoseconds. Returns the counts.
-pub fn survey_feed(bytes: &[u8], format: FeedFormat, observed: &mut dyn FnMut(Option<i64>)) -> FeedCounts {
-    RecordedFeed::open((format, None, 0), bytes.to_vec()).survey(observed)
+/// Reads the data of a feed in `bytes` as the adapter of a recording does; `observed` gets each target report. Returns
+/// the counts, and the first time with a date in the data, UTC, nanoseconds.
+pub fn survey_feed(
+    bytes: &[u8],
+    format: FeedFormat,
+    place_deg: Option<[f64; 2]>,
+    observed: &mut dyn FnMut(&Observation),
+) -> (FeedCounts, Option<i64>) {
+    RecordedFeed::open((format, place_deg, 0), bytes.to_vec()).survey(observed)
 }
 
 /// Runs the adapter named in `process` (of a receiver, a recorded source or a wide-area sensor) until the work is done

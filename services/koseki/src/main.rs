@@ -28,6 +28,7 @@ mod instances;
 mod kinds;
 mod lab;
 mod link;
+mod open;
 mod order;
 mod programs;
 mod recording_copy;
@@ -110,6 +111,7 @@ fn run(command: Command) -> anyhow::Result<()> {
             display::check_views(config.parts.display(), &options.data).map_err(Usage)?;
             launch(&config, options, up.seconds, up.fresh)
         }
+        Command::Open(opened) => open::run(&opened),
         Command::Check(check) => check::run(&check),
         Command::Doctor(doctor) => doctor::run(&doctor),
         Command::Generate(generate) => generate::run(&generate),

@@ -419,9 +419,9 @@ fn turn(
 /// Reads the data of a feed.
 fn read_feed(bytes: &[u8], format: FeedFormat, key: &RecordingOwner) -> Result<RecordingFindings, String> {
     let mut found = RecordingFindings::default();
-    let counts = adapter::survey_feed(bytes, format, &mut |time_of_day_ns| {
-        found.first_time_ns = found.first_time_ns.or(time_of_day_ns);
-        found.last_time_ns = time_of_day_ns.or(found.last_time_ns);
+    let (counts, _) = adapter::survey_feed(bytes, format, None, &mut |report| {
+        found.first_time_ns = found.first_time_ns.or(report.time_of_day_ns);
+        found.last_time_ns = report.time_of_day_ns.or(found.last_time_ns);
     });
     found.records = counts.records;
     found.skipped = counts.refused_octets;

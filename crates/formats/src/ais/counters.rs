@@ -56,6 +56,8 @@ pub struct AisCounters {
     pub messages: u64,
     /// Messages with a time in their lines.
     pub timed: u64,
+    /// The first of these times, UTC, nanoseconds since 1970.
+    pub first_stated_ns: Option<i64>,
     /// Lines with another part of a message.
     pub parts: u64,
     /// Lines with a message that another line has brought already.

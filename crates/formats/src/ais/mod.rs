@@ -164,6 +164,7 @@ impl AisReader {
         }
         self.counters.messages += 1;
         self.counters.timed += u64::from(stated_ns.is_some());
+        self.counters.first_stated_ns = self.counters.first_stated_ns.or(stated_ns);
         self.counters.types[usize::from(message.message_type())] += 1;
         self.give(&message, is_own_ship, now_ns, each);
         Ok(())

@@ -4,6 +4,7 @@ mod bearings;
 mod decode;
 mod encode;
 mod feed;
+mod open;
 mod order;
 mod recording;
 mod replay;
@@ -31,6 +32,8 @@ use encode::ENCODE_EXAMPLES;
 pub(crate) use encode::EncodeArgs;
 use feed::FEED_EXAMPLES;
 pub(crate) use feed::Feed;
+use open::OPEN_EXAMPLES;
+pub(crate) use open::OpenArgs;
 pub(crate) use order::GiveOrder;
 use recording::RECORDING_EXAMPLES;
 pub(crate) use recording::{
@@ -74,6 +77,8 @@ Examples:
   koseki up config/barcelona.toml --speed max
                                               the recorded airport, at the
                                               highest speed of this machine
+  koseki open tcp://192.168.1.7:30005         a receiver's feed, without a
+                                              configuration
   koseki status                               running instances, in another
                                               terminal
   koseki top                                  rates, losses and latencies, live
@@ -109,6 +114,9 @@ pub(crate) enum Command {
     /// Run the demonstration: simulated sensors, no file or network needed
     #[command(after_help = DEMO_EXAMPLES)]
     Demo(Demo),
+    /// Open files or feeds of any known kind, without a configuration: fuse them and show the picture
+    #[command(after_help = OPEN_EXAMPLES)]
+    Open(OpenArgs),
     /// Start and supervise a deployment
     #[command(after_help = UP_EXAMPLES)]
     Up(Up),
