@@ -51,6 +51,17 @@ pub enum CsvError {
         header: String,
     },
 
+    /// Two columns of the header contradict each other.
+    #[error("header: columns {first} and {second} {fault}")]
+    Clash {
+        /// The name of the column further to the left.
+        first: String,
+        /// The name of the other column.
+        second: String,
+        /// Why both cannot be read, and the remedy.
+        fault: String,
+    },
+
     /// A row has more or fewer values than the header has names.
     #[error("line {line}: {found} values, but the header names {expected} columns")]
     Length {
@@ -100,7 +111,7 @@ impl CsvError {
             Self::Length { line, .. } | Self::Quotes { line } | Self::Value { line, .. } | Self::Input { line, .. } => {
                 *line += lines;
             }
-            Self::Header { .. } => {}
+            Self::Header { .. } | Self::Clash { .. } => {}
         }
         self
     }
@@ -161,8 +172,23 @@ impl<R: Read> Table<R> {
     /// # Errors
     /// If the header lacks the column, or names the column more than once.
     pub fn required(&self, name: &'static str) -> Result<Column, CsvError> {
-        self.optional(name)?
-            .ok_or_else(|| self.header_error(name, self.why_missing()))
+        self.optional(name)?.ok_or_else(|| self.missing(name))
+    }
+
+    /// Names of the columns in the order of the header, without blanks around them.
+    pub fn names(&self) -> impl Iterator<Item = &[u8]> {
+        self.header.iter().map(<[u8]>::trim_ascii)
+    }
+
+    /// The column at a place of the header, from 0, that errors call `name`: for columns with several permitted names.
+    /// `None` beyond the last column.
+    pub fn column_at(&self, place: usize, name: &'static str) -> Option<Column> {
+        (place < self.header.len()).then_some(Column { name, place })
+    }
+
+    /// The error that the header lacks a column.
+    pub fn missing(&self, name: &'static str) -> CsvError {
+        self.header_error(name, self.why_missing())
     }
 
     /// Reason why the first line lacks a column, as far as the line shows it.
@@ -273,7 +299,19 @@ impl<R: Read> Table<R> {
     }
 }
 
+impl Column {
+    /// The name that errors use.
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+}
+
 impl Cells<'_> {
+    /// Line of the row, from 1.
+    pub fn line(&self) -> u64 {
+        self.line
+    }
+
     /// The value as text; `None` if it is empty or the column is not there.
     ///
     /// # Errors

@@ -67,6 +67,7 @@ pub(crate) fn callsign(text: &str) -> Option<Callsign> {
     is_plain(text).then_some(callsign)
 }
 
-fn is_plain(text: &str) -> bool {
+/// Whether a text is visible ASCII and blanks only.
+pub(crate) fn is_plain(text: &str) -> bool {
     text.bytes().all(|octet| octet.is_ascii_graphic() || octet == b' ')
 }

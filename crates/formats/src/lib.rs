@@ -22,6 +22,7 @@
 //! - [`rows`]: tables of values, a row each, whatever their kind; each table declares its columns in one list;
 //! - [`sensor_tracks_csv`], [`detections_csv`], [`bearings_csv`], [`emitter_rows_csv`], [`wide_area_csv`]:
 //!   observations and sensor tracks as rows of text;
+//! - [`named_columns`]: sensor tracks from tables in degrees, with the column names of others;
 //! - [`platform_states_csv`], [`cues_csv`], [`alarms_csv`], [`decisions_csv`], [`orders_csv`]: what is written only;
 //! - [`tracks_csv`]: system tracks, and tracks of a tracker, as output.
 
@@ -44,6 +45,7 @@ pub mod feed;
 pub mod foreign;
 mod identity_columns;
 pub mod mode_s;
+pub mod named_columns;
 pub mod nmea;
 pub mod observation;
 mod on_board;

@@ -32,6 +32,14 @@ impl TimeBase {
     /// If the value is no time, or counts from elsewhere than that of the first row.
     pub(crate) fn utc_ns(&mut self, row: Cells<'_>, column: Column) -> Result<i64, CsvError> {
         let time_ns = row.utc_ns(column, self.first_day_ns)?;
+        self.on_base(row, column, time_ns)
+    }
+
+    /// Returns a time of a column, UTC, nanoseconds, if it counts from where that of the first row does.
+    ///
+    /// # Errors
+    /// If it counts from elsewhere.
+    pub(crate) fn on_base(&mut self, row: Cells<'_>, column: Column, time_ns: i64) -> Result<i64, CsvError> {
         let is_far = is_since_1970(time_ns.saturating_sub(self.first_day_ns));
         if *self.since_1970.get_or_insert(is_far) != is_far {
             let reason =

@@ -15,6 +15,7 @@ use crate::columns::columns;
 use crate::parts::{KINEMATICS, ShipRow, confidence, covariance, kinematics, members, word, words};
 use crate::rows::{Reference, Row, RowWriter, Utc};
 use crate::sensor_tracks_csv::SensorTrackRow;
+use crate::time_base::is_since_1970;
 
 /// Writes system tracks.
 pub type SystemTrackWriter<W> = RowWriter<SystemTrack, W>;
@@ -97,7 +98,8 @@ columns! {
     // The columns of a system track come first, so that readers by place find these where they were.
     PlacedTrack: |row|
     with SystemTrackRow<'_> = SystemTrackRow(&row.track);
-    "utc" => Utc(row.track.reference_time_ns),
+    // Times of a day have no date.
+    "utc" => is_since_1970(row.track.reference_time_ns).then_some(Utc(row.track.reference_time_ns)),
     // Seven decimals are a centimetre.
     "latitude" => Plain(row.place.latitude_deg(), 7),
     "longitude" => Plain(row.place.longitude_deg(), 7),
