@@ -24,6 +24,7 @@ mod late;
 mod locate;
 mod locate_arrivals;
 mod mistakes;
+mod named_columns;
 mod on_board;
 mod score;
 mod send;

@@ -179,6 +179,14 @@ impl Offline {
             .collect()
     }
 
+    /// Names of the sensors that have one, with their ids.
+    pub fn named_sensors(&self) -> Vec<(String, u32)> {
+        let sensors = self.raw.sensors.iter();
+        sensors
+            .filter_map(|sensor| Some((sensor.name.clone()?, sensor.id)))
+            .collect()
+    }
+
     fn in_file(&self, error: SettingsError) -> ConfigError {
         let located = Document::parse(&self.text, &[]).map(|document| document.located(error.clone()));
         super::in_file(&self.path, located.unwrap_or(error))

@@ -85,7 +85,7 @@ impl<'a> Finder<'a> {
         if let Some((first, _)) = &self.first {
             if snapshot.time_ns < first.time_ns {
                 let what = "is before the row above; rows come in the order of time";
-                self.refusals.out_of_order(self.path, line, what);
+                self.refusals.out_of_order(self.path, (line, "time_s"), what);
                 return Ok(());
             }
             let place = |row: &ArraySnapshot| (row.platform_m, row.heading_rad, row.frequency_hz);

@@ -9,14 +9,16 @@ use clap::{Args, Command, Parser, Subcommand};
 use command_line::refusal;
 use command_line::values::above_zero;
 use formats::cues_csv::CueRow;
+use formats::named_columns::named_columns_help;
 use formats::rows::Row as _;
+use frames::Geodetic;
 use locating::DroppedEmitter;
 use messages::Decision;
 
 use crate::files::Usage;
 use crate::locate_columns::{DECISION_COLUMNS, FIX_COLUMNS};
 use crate::score_args::{SCORE_EXAMPLES, Score};
-use crate::values::{refresh, seconds, whole_second};
+use crate::values::{place, refresh, seconds, whole_second};
 use smooth::SMOOTH_EXAMPLES;
 
 pub use smooth::Smooth;
@@ -147,6 +149,7 @@ Examples:
   koseki fuse --tracks all.csv --config sensors.toml --out fused.csv
   koseki fuse --tracks radar.csv adsb.csv --out fused.csv --picture seven.svg \\
       --track 7
+  koseki fuse --tracks ships.csv --sigma 15 --out fused.csv
 
 FILE     time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,P01,…,P55,state
          and, if known,
@@ -164,6 +167,15 @@ FILE     time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,P01,…,P55,state
          file, and time passes with it; a row that is late by up to
          fusion.late_window_s (10 s) changes the states as if it had come in
          time.
+FILE     or a table with columns of these names, in any case and order: time,
+         latitude and longitude (or x and y), and others. Rows are in the order
+         of time. Columns with other names are not used, and listed. An empty
+         value, nan, null or None is unknown. Without sigma_m, positions have
+         30 m if the targets have address or mmsi, else 100 m. Without --origin
+         or a deployment in --config, the first position is the origin. The
+         summary lists all assumptions. --out has utc, latitude and longitude,
+         too.
+{NAMED}
 --out    time_s,system_track_id,x,y,z,vx,vy,vz,state,sources,weights,selected,
          lambda,address,mode_3a,callsign,P00,…,P55 and more, at the end
          mmsi,name, a row per update. With --refresh a row per confirmed or
@@ -204,6 +216,11 @@ fn in_lines(columns: &str) -> String {
 /// Returns the help of `koseki fuse`, with the keys of a sensor.
 fn fuse_examples() -> String {
     let text = FUSE_EXAMPLES.replace("{KEYS}", configuration::sensor_help().trim_end());
+    let named: Vec<_> = named_columns_help(69)
+        .lines()
+        .map(|line| format!("           {line}"))
+        .collect();
+    let text = text.replace("{NAMED}", &named.join("\n"));
     text.replace("{DECISION}", &in_lines(&Decision::columns()))
 }
 
@@ -250,6 +267,15 @@ pub(crate) struct OfflineInput {
     /// Description of the sensors, and settings of fusion: a TOML file
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
+    /// Origin of the plane for tables in degrees [default: that of a deployment in --config, else the first position]
+    #[arg(long, value_name = "LAT,LON[,HEIGHT]", value_parser = place, allow_hyphen_values = true)]
+    pub(crate) origin: Option<Geodetic>,
+    /// Standard deviation of positions in tables of named columns without sigma_m, metres [default: 30 or 100]
+    #[arg(long, value_name = "METRES", value_parser = above_zero)]
+    pub(crate) sigma: Option<f64>,
+    /// Whether an origin has no use without positions in degrees.
+    #[arg(skip = true)]
+    pub(crate) needs_degrees: bool,
 }
 
 const TRACK_EXAMPLES: &str = "\

@@ -1,8 +1,8 @@
 //! The columns that tables of strangers may have: one list, from which reading and help are made.
 //!
-//! A name carries its unit. Names are compared without case, and without anything but letters and digits: `BaseDateTime`
-//! is `base_date_time`, and `altitude (m)` is `altitude_m`. A name whose unit differs between programs is not in the
-//! list (`altitude`), or has the unit of the program that made the name common (`groundspeed`: knots).
+//! A name carries its unit. Names are compared without case, blanks and marks: `BaseDateTime` is `base_date_time`, and
+//! `altitude (m)` is `altitude_m`. A name whose unit differs between programs is not in the list (`altitude`), or has
+//! the unit of the program that made the name common (`groundspeed`: knots).
 
 use std::fmt::Write as _;
 
@@ -293,8 +293,11 @@ pub(super) fn find(header: &[u8]) -> Option<(&'static NamedColumn, &'static str)
     NAMED_COLUMNS.iter().find_map(entry)
 }
 
-/// Whether two names differ in case and in characters other than letters and digits only.
+/// Whether two names differ in case, blanks and marks only. Text of another encoding (UTF-16) is no name.
 fn is_same(name: &str, header: &[u8]) -> bool {
+    if !header.iter().all(|octet| octet.is_ascii_graphic() || *octet == b' ') {
+        return false;
+    }
     let plain = |octet: &u8| octet.is_ascii_alphanumeric().then(|| octet.to_ascii_lowercase());
     name.as_bytes()
         .iter()
@@ -366,7 +369,16 @@ mod tests {
             assert_eq!(entry.quantity, quantity, "{header}");
             assert!((entry.scale - value).abs() < 1e-6, "{header}");
         }
-        for unknown in ["altitude", "Vx m/s", "x_speed", "lastposupdate", "", "°"] {
+        for unknown in [
+            "altitude",
+            "Vx m/s",
+            "x_speed",
+            "lastposupdate",
+            "",
+            "°",
+            "l\0a\0t\0",
+            "lät",
+        ] {
             assert_eq!(find(unknown.as_bytes()), None, "{unknown}");
         }
     }

@@ -5,18 +5,17 @@
 //! owner to convert the table to sensor tracks in metres (FM-5) means a plane, a covariance and a rotation of
 //! velocities, before anything is seen.
 //!
-//! [`NAMED_COLUMNS`] is the list of the columns with names and units; [`TableOutline`] shows what a table states without
-//! reading all of it; [`NamedTrackReader`] makes a sensor track of each row:
+//! [`NAMED_COLUMNS`] is the list of the columns with names and units; [`TableOutline`] shows what a table states before
+//! all of it is read; [`NamedTrackReader`] makes a sensor track of each row:
 //!
 //! - degrees are placed in the system frame, and velocities turned from north and east at the target into the frame;
 //! - a row without `sigma_m` has the accuracy that the caller assumes for its source;
 //! - an absent value stays unknown, and is never 0; an absent time, position or target refuses the row;
 //! - the track has the number of its target (module `targets`).
 //!
-//! Limits: the up component of a height is exact only if the table states heights above the ellipsoid; those by pressure
-//! are taken for heights. A position without a height is placed as if it were on the ellipsoid, so that a high target
-//! far from the origin is off by its height times the distance, over the Earth's radius. Rows have to be in the order of
-//! time. Times arrive as they are measured.
+//! Limits: heights by pressure are taken for heights above the ellipsoid. A position without a height is placed as if
+//! the target were on the ellipsoid; a high target far from the origin is then off by its height times the distance,
+//! over the Earth's radius. Rows are in the order of time, and each report arrives at its time.
 //!
 //! [`has_named_columns`] decides by the header which tables are read in this way. Sources of the names: the REST
 //! interface and the historical state vectors of the OpenSky Network, the files of Marine Cadastre and of the Solent in

@@ -93,8 +93,8 @@ pub(super) fn time(row: &Cells<'_>, column: Column) -> Result<(i64, TimeForm), C
     Ok((time_ns, form))
 }
 
-/// Reads a time with colons. The calendar's reader would skip a zone that it does not know, so a time without a zone has
-/// none of the characters of one.
+/// Reads a time with colons. The calendar's reader skips a zone that is none of its own, so a time counts as one
+/// without a zone only if it has none of the characters of a zone.
 fn clock(text: &str) -> Option<(i64, TimeForm)> {
     if let Ok(Utc(time_ns)) = text.parse::<Utc>() {
         return Some((time_ns, TimeForm::Zoned));

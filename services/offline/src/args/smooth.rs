@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
+use command_line::values::above_zero;
 use frames::Geodetic;
 use outgoing::HeightReference;
 
@@ -49,7 +50,7 @@ options give the same bytes.";
 #[derive(Debug, Args)]
 pub struct Smooth {
     /// Recording of all topics: a folder, or a file in the folder
-    #[arg(value_name = "RECORDING", conflicts_with_all = ["tracks", "config", "rule", "refresh", "fused", "origin"])]
+    #[arg(value_name = "RECORDING", conflicts_with_all = ["tracks", "config", "rule", "refresh", "fused", "origin", "sigma"])]
     pub recording: Option<PathBuf>,
     /// Sensor tracks: CSV files, each in the order of time
     #[arg(long, value_name = "FILE", required_unless_present = "recording", num_args = 1..)]
@@ -72,9 +73,12 @@ pub struct Smooth {
     /// File for the smoothed system tracks as ASTERIX CAT062
     #[arg(long, value_name = "FILE")]
     pub asterix: Option<PathBuf>,
-    /// Place of the system's plane on the Earth, for CAT062: degrees, and metres above the ellipsoid
-    #[arg(long, value_name = "LAT,LON[,HEIGHT]", value_parser = place, requires = "asterix", allow_hyphen_values = true)]
+    /// Place of the plane on the Earth, for CAT062 and tables in degrees: degrees, and metres above the ellipsoid
+    #[arg(long, value_name = "LAT,LON[,HEIGHT]", value_parser = place, allow_hyphen_values = true)]
     pub(crate) origin: Option<Geodetic>,
+    /// Standard deviation of positions in tables of named columns without sigma_m, metres [default: 30 or 100]
+    #[arg(long, value_name = "METRES", value_parser = above_zero)]
+    pub(crate) sigma: Option<f64>,
     /// System area code of the sender, in CAT062 [default: 0, or that of a recording's gateway]
     #[arg(long, value_name = "SAC", requires = "asterix")]
     pub sac: Option<u8>,
@@ -95,6 +99,9 @@ impl Smooth {
         OfflineInput {
             tracks: self.tracks.clone(),
             config: self.config.clone(),
+            origin: self.origin,
+            sigma: self.sigma,
+            needs_degrees: self.asterix.is_none(),
         }
     }
 }

@@ -74,7 +74,7 @@ fn rules(compare: &Compare, host: &dyn Host) -> anyhow::Result<()> {
         }
         outcomes.push(outcome);
     }
-    host.say(&refusals.as_text());
+    host.say(&(setup.named.as_text() + &refusals.as_text()));
     if compare.json {
         return host.print(&format!("{}\n", serde_json::json!({ "rules": outcomes })));
     }

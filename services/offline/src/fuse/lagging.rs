@@ -38,7 +38,7 @@ impl LaggingRows<Box<dyn TableOutput>> {
     ) -> anyhow::Result<Self> {
         let of_settings = || setup.settings.smoothing_lag_ns().unwrap_or(USUAL_LAG_NS);
         let unwritten = || format!("{} cannot be made", path.display());
-        let rows = StateSink::begin(host.begin(path)?, setup.sensor_ids.clone(), setup.settings.refresh_ns());
+        let rows = StateSink::begin(host.begin(path)?, setup);
         Ok(Self {
             smoother: LagSmoother::new(lag.map_or_else(of_settings, nanoseconds)),
             rows: rows.with_context(unwritten)?,

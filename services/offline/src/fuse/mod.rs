@@ -53,7 +53,7 @@ pub(crate) fn run(fuse: &Fuse, host: &dyn Host) -> anyhow::Result<()> {
     let mut reports = setup.reports()?;
     let out = host.begin(&fuse.out)?;
     let unwritten = || format!("{} cannot be made", fuse.out.display());
-    let rows = StateSink::begin(out, setup.sensor_ids.clone(), setup.settings.refresh_ns()).with_context(unwritten)?;
+    let rows = StateSink::begin(out, &setup).with_context(unwritten)?;
     let begin = |path: &PathBuf| {
         let table = DecisionWriter::begin(host.begin(path)?, 0)
             .with_context(|| format!("{} cannot be written", path.display()))?;

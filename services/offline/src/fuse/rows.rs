@@ -2,12 +2,18 @@
 //!
 //! Without a refresh time, every state becomes a row. With a refresh time, rows hold the states at whole multiples of
 //! this time, for confirmed and coasted tracks: a row per track and time, in the order of the track numbers.
+//!
+//! Where the place of the plane on the Earth is known from the input, rows have the columns of recorded tables, with
+//! degrees behind the columns in metres.
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
-use formats::tracks_csv::SystemTrackWriter;
+use formats::tracks_csv::{PlacedTrack, PlacedTrackWriter, SystemTrackWriter};
+use frames::{SystemFrame, Vertical};
 use messages::{SystemTrack, TrackState};
+
+use crate::reading::Setup;
 
 /// Selects states.
 #[derive(Debug)]
@@ -17,10 +23,69 @@ pub(crate) struct StateSelection {
     waiting: BTreeMap<u32, SystemTrack>,
 }
 
+/// Writer of system tracks, without or with their places on the Earth.
+#[derive(Debug)]
+pub(crate) enum TrackRows<W> {
+    Plane(SystemTrackWriter<W>),
+    Placed(PlacedTrackWriter<W>, SystemFrame),
+}
+
+impl<W: Write> TrackRows<W> {
+    /// Writes the header; `frame` is the plane on the Earth, if rows have places there.
+    ///
+    /// # Errors
+    /// If the writer fails.
+    pub(crate) fn begin(writer: W, sensor_ids: Vec<u32>, frame: Option<SystemFrame>) -> io::Result<Self> {
+        Ok(match frame {
+            None => Self::Plane(SystemTrackWriter::begin(writer, 0)?.with_sensor_ids(sensor_ids)),
+            Some(frame) => Self::Placed(PlacedTrackWriter::begin(writer, 0)?.with_sensor_ids(sensor_ids), frame),
+        })
+    }
+
+    /// Writes a row.
+    ///
+    /// # Errors
+    /// If the writer fails.
+    pub(crate) fn write(&mut self, track: &SystemTrack) -> io::Result<()> {
+        match self {
+            Self::Plane(writer) => writer.write(track),
+            Self::Placed(writer, frame) => writer.write(&placed(track, frame)),
+        }
+    }
+
+    /// The writer, not flushed.
+    pub(crate) fn into_inner(self) -> W {
+        match self {
+            Self::Plane(writer) => writer.into_inner(),
+            Self::Placed(writer, _) => writer.into_inner(),
+        }
+    }
+}
+
+/// A track with its place on the Earth. Without a height, the target is on the ellipsoid: 200 km from the origin, the
+/// point of the plane is 3 km above it, and 100 m aside.
+fn placed(track: &SystemTrack, frame: &SystemFrame) -> PlacedTrack {
+    if track.height_valid != 0 {
+        return PlacedTrack::new(track, frame);
+    }
+    let ([east, north, _], on_ground) = (
+        track.position_m,
+        Vertical {
+            height_m: 0.0,
+            climb_mps: 0.0,
+        },
+    );
+    let [up, _] = frame.above([east, north], [0.0; 2], on_ground);
+    PlacedTrack {
+        track: *track,
+        place: frame.to_geodetic([east, north, up]),
+    }
+}
+
 /// Writes rows.
 #[derive(Debug)]
 pub(crate) struct StateSink<W: Write> {
-    writer: SystemTrackWriter<W>,
+    writer: TrackRows<W>,
     selection: StateSelection,
     written: u64,
 }
@@ -69,14 +134,14 @@ impl StateSelection {
 }
 
 impl<W: Write> StateSink<W> {
-    /// Writes the header.
+    /// Writes the header of the output of a run.
     ///
     /// # Errors
     /// If the writer fails.
-    pub(crate) fn begin(writer: W, sensor_ids: Vec<u32>, refresh_ns: Option<i64>) -> io::Result<Self> {
+    pub(crate) fn begin(writer: W, setup: &Setup<'_>) -> io::Result<Self> {
         Ok(Self {
-            writer: SystemTrackWriter::begin(writer, 0)?.with_sensor_ids(sensor_ids),
-            selection: StateSelection::new(refresh_ns),
+            writer: TrackRows::begin(writer, setup.sensor_ids.clone(), setup.named.frame)?,
+            selection: StateSelection::new(setup.settings.refresh_ns()),
             written: 0,
         })
     }

@@ -94,17 +94,21 @@ impl FuseSummary<'_> {
             .map(|value| (value, SPEED_MAX_MPS, "m/s"));
         let impossible = columns.chain(speeds).find(|((_, value), max, _)| value.abs() > *max);
         let (distance_m, speed_mps) = ((x - limits.place_m[0]).hypot(y - limits.place_m[1]), vx.hypot(vy));
+        let place = match self.setup.named.frame {
+            Some(_) => "east and north",
+            None => "columns x and y",
+        };
         let why = match impossible {
             Some(((column, value), max, unit)) => {
                 format!("column {column}: {value} is beyond {max:e} {unit}, which nothing on this planet is")
             }
             None if distance_m > limits.range_m && settings.place_m.is_none() => format!(
-                "columns x and y: {x}, {y} is {:.0} km from the origin of the frame, beyond {:.0} km; {UNPLACED}",
+                "{place}: {x}, {y} is {:.0} km from the origin of the frame, beyond {:.0} km; {UNPLACED}",
                 distance_m / 1e3,
                 limits.range_m / 1e3
             ),
             None if distance_m > limits.range_m => format!(
-                "columns x and y: {x}, {y} is {distance_m:.0} m from its sensor, beyond limits.range_m = {}; raise it if \
+                "{place}: {x}, {y} is {distance_m:.0} m from its sensor, beyond limits.range_m = {}; raise it if \
                  the sensor sees this far",
                 limits.range_m
             ),
@@ -150,7 +154,7 @@ impl FuseSummary<'_> {
                 Value::Object(sensor)
             })
             .collect();
-        json!({
+        let mut summary = json!({
             "out": self.out.display().to_string(),
             "rule": self.engine.settings().rule.name.0.word(),
             "rows": self.written,
@@ -163,7 +167,11 @@ impl FuseSummary<'_> {
             "live_tracks": self.live(),
             "engine_s": self.driven.engine_ns as f64 / NS_PER_S,
             "reports_per_s": self.rate(),
-        })
+        });
+        if self.setup.named.any() {
+            summary["assumed"] = self.setup.named.assumptions.as_slice().into();
+        }
+        summary
     }
 
     fn as_text(&self) -> String {
@@ -175,6 +183,7 @@ impl FuseSummary<'_> {
 
     fn write_text(&self, text: &mut String) -> std::fmt::Result {
         let driven = &self.driven;
+        text.push_str(&self.setup.named.as_text());
         for (source, id) in (0u16..).zip(&self.setup.sensor_ids) {
             let settings = &self.engine.settings().sources[usize::from(source)];
             let reports = self.driven_of(source);
@@ -189,7 +198,10 @@ impl FuseSummary<'_> {
                     count => write!(text, ", {count} {}", words(counter))?,
                 }
             }
-            writeln!(text)?;
+            match self.setup.named.sensor_name(*id) {
+                Some(name) => writeln!(text, ": {}", name.escape_debug())?,
+                None => writeln!(text)?,
+            }
             self.write_limits(text, source, *id)?;
             if let Some(error) = self.engine.sources().gross_error(source) {
                 let partner = self.setup.sensor_ids[usize::from(error.partner)];

@@ -15,12 +15,14 @@ use std::rc::Rc;
 
 use formats::sensor_tracks_csv::SensorTrackReader;
 use formats::time_base::is_since_1970;
-use fusion::settings::SOURCES_MAX;
 
 use super::arrivals::{ArrivalOrder, ArrivedReport, RowOrder};
 use super::kept::{KeptFile, KeptReader, KeptRows};
+use super::named::NamedTables;
 use super::progress::CountingInput;
+use super::reader::{FileReader, SourceOf};
 use super::refusals::{MIDNIGHT_REMEDY, MIDNIGHT_STEP_NS, SkippedRows};
+use super::sensors::Sensors;
 use super::time_base::FileBases;
 use crate::files::InputError;
 use crate::host::Host;
@@ -32,38 +34,6 @@ const LEAP_NS: i64 = 5_000_000_000;
 /// Rows out of order that are left out of any file, and part of the rows of a long file, percent: more are no errors of
 /// single rows.
 const OUT_OF_ORDER_MAX: (u64, u64) = (10, 1);
-
-/// Source of each `sensor_id`.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Sensors {
-    /// By source number.
-    pub(crate) ids: Vec<u32>,
-    /// Whether unlisted sensors are added.
-    pub(crate) open: bool,
-    /// First sensor above the maximum number.
-    pub(crate) excess: Option<u32>,
-    /// Sensors with configured accuracy; `None`: all.
-    pub(crate) accurate: Option<Vec<u32>>,
-}
-
-impl Sensors {
-    fn source(&mut self, id: u32) -> Option<u16> {
-        if let Some(place) = self.ids.iter().position(|known| *known == id) {
-            return Some(place as u16);
-        }
-        if !self.open {
-            return None;
-        }
-        if self.ids.len() == SOURCES_MAX {
-            self.excess = self.excess.or(Some(id));
-            return None;
-        }
-        self.ids.push(id);
-        Some((self.ids.len() - 1) as u16)
-    }
-}
-
-type SourceOf = Box<dyn FnMut(u32) -> Option<u16>>;
 
 /// Rows of several files, merged by time of arrival.
 pub(crate) struct MergedRows {
@@ -78,6 +48,8 @@ pub(crate) struct MergedRows {
 /// A file.
 struct FileLane {
     path: PathBuf,
+    /// Name of the column of times.
+    time_column: &'static str,
     rows: LaneRows,
     /// The next row, and up to [`AHEAD`] further rows. A row is large: each row is read into its place here, and moved
     /// once.
@@ -97,7 +69,7 @@ struct FileLane {
 /// Where the rows of a file come from.
 enum LaneRows {
     File {
-        reader: Box<SensorTrackReader<CountingInput, SourceOf>>,
+        reader: FileReader,
         /// Rows so far, if kept.
         kept: Option<KeptFile>,
     },
@@ -108,13 +80,13 @@ enum LaneRows {
 }
 
 impl MergedRows {
-    /// Opens the files.
+    /// Opens the files, those of `named` columns by their names.
     ///
     /// # Errors
     /// If a file cannot be read, or lacks a column.
     pub(crate) fn open(
         host: &dyn Host,
-        files: &[PathBuf],
+        (files, named): (&[PathBuf], &NamedTables),
         sensors: Sensors,
         order: RowOrder,
     ) -> Result<Self, InputError> {
@@ -125,34 +97,53 @@ impl MergedRows {
             octets: Rc::default(),
             octets_in_all: 0,
         };
-        for path in files {
+        for (index, path) in files.iter().enumerate() {
             let file = host.open(path)?;
             let length = file.length;
             merged.octets_in_all += length;
             let input = CountingInput::new(file, Rc::clone(&merged.octets));
-            let sensors = Rc::clone(&merged.sensors);
-            let accurate = sensors.borrow().accurate.clone();
-            let source_of: SourceOf = Box::new(move |id| sensors.borrow_mut().source(id));
-            let reader = SensorTrackReader::new(input, 0, source_of).map_err(|error| InputError::new(path, error))?;
-            let reader = reader.with_accuracies_of(accurate);
-            let has_arrivals = reader.has_arrivals();
-            let arrivals = has_arrivals.then(|| arrivals_of(host, path, order)).transpose()?;
+            let (reader, arrivals) = match named.outline(index) {
+                Some(outline) => (named.reader((path, outline), input, &merged.sensors)?, None),
+                None => merged.in_metres(host, path, input, order)?,
+            };
             // The pass that accepts all sensors is the first.
-            let keeps = merged.sensors.borrow().open && !has_arrivals;
+            let keeps = merged.sensors.borrow().open && arrivals.is_none();
             let rows = LaneRows::File {
-                reader: Box::new(reader),
+                reader,
                 kept: keeps.then(|| KeptFile::begin(files.len(), length)),
             };
-            merged.add(FileLane::new(path, rows, arrivals))?;
+            merged.add(FileLane::new((path, named.time_column(index)), rows, arrivals))?;
         }
         Ok(merged)
+    }
+
+    /// Opens a table of sensor tracks in metres, with the order of its arrivals if it states them.
+    fn in_metres(
+        &self,
+        host: &dyn Host,
+        path: &Path,
+        input: CountingInput,
+        order: RowOrder,
+    ) -> Result<(FileReader, Option<ArrivalOrder>), InputError> {
+        let sensors = Rc::clone(&self.sensors);
+        let accurate = sensors.borrow().accurate.clone();
+        let source_of: SourceOf = Box::new(move |id| sensors.borrow_mut().source(id));
+        let reader = SensorTrackReader::new(input, 0, source_of).map_err(|error| InputError::new(path, error))?;
+        let reader = reader.with_accuracies_of(accurate);
+        let has_arrivals = reader.has_arrivals();
+        let arrivals = has_arrivals.then(|| arrivals_of(host, path, order)).transpose()?;
+        Ok((FileReader::Metres(Box::new(reader)), arrivals))
     }
 
     /// The rows of `files` that the first pass has `kept`, under these source numbers; `None` if rows are missing.
     ///
     /// # Errors
     /// None: the rows are readable.
-    pub(crate) fn of_kept(files: &[PathBuf], kept: &KeptRows, sensors: &Sensors) -> Result<Option<Self>, InputError> {
+    pub(crate) fn of_kept(
+        (files, named): (&[PathBuf], &NamedTables),
+        kept: &KeptRows,
+        sensors: &Sensors,
+    ) -> Result<Option<Self>, InputError> {
         let Some(readers) = kept.again(&sensors.ids) else {
             return Ok(None);
         };
@@ -163,9 +154,10 @@ impl MergedRows {
             octets: Rc::default(),
             octets_in_all: readers.iter().map(KeptReader::octets).sum(),
         };
-        for (path, reader) in files.iter().zip(readers) {
+        for (index, (path, reader)) in files.iter().zip(readers).enumerate() {
             let octets = Rc::clone(&merged.octets);
-            merged.add(FileLane::new(path, LaneRows::Kept { reader, octets }, None))?;
+            let place = (path.as_path(), named.time_column(index));
+            merged.add(FileLane::new(place, LaneRows::Kept { reader, octets }, None))?;
         }
         Ok(Some(merged))
     }
@@ -239,9 +231,10 @@ impl MergedRows {
 }
 
 impl FileLane {
-    fn new(path: &Path, rows: LaneRows, arrivals: Option<ArrivalOrder>) -> Self {
+    fn new((path, time_column): (&Path, &'static str), rows: LaneRows, arrivals: Option<ArrivalOrder>) -> Self {
         Self {
             path: path.to_owned(),
+            time_column,
             rows,
             ahead: VecDeque::with_capacity(1 + AHEAD),
             given_ns: i64::MIN,
@@ -255,10 +248,11 @@ impl FileLane {
 
     /// Leaves out a row that is earlier than a row above.
     fn leave_out(&mut self, refusals: &mut SkippedRows, line: u64, what: String) {
-        refusals.out_of_order(&self.path, line, &what);
+        refusals.out_of_order(&self.path, (line, self.time_column), &what);
         self.out_of_order += 1;
+        let column = self.time_column;
         self.first_out_of_order
-            .get_or_insert_with(|| format!("line {line}, column time_s: {what}"));
+            .get_or_insert_with(|| format!("line {line}, column {column}: {what}"));
     }
 
     /// Finds the next row: the first row read ahead, unless its time or the following row's time is wrong.
@@ -276,7 +270,7 @@ impl FileLane {
             };
             if self.runs_away(next_ns, source) {
                 let what = format!("{} is far beyond the rows around it", seconds(next_ns));
-                refusals.out_of_order(&self.path, line, &what);
+                refusals.out_of_order(&self.path, (line, self.time_column), &what);
                 self.ahead.pop_front();
                 continue;
             }
@@ -367,8 +361,8 @@ impl FileLane {
                 }
             };
             let row = ArrivedReport {
+                arrival_ns: reader.arrival_ns(&track),
                 track,
-                arrival_ns: reader.arrival_ns(),
                 line: reader.line(),
             };
             *kept = kept.take().and_then(|kept| kept.with(&row));

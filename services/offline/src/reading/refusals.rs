@@ -58,9 +58,9 @@ impl SkippedRows {
         self.add(reason, file, error);
     }
 
-    /// Counts a row with a time out of order.
-    pub fn out_of_order(&mut self, file: &Path, line: u64, what: &str) {
-        let said = format!("line {line}, column time_s: {what}");
+    /// Counts a row with a time out of order: its line, and the name of the column of times.
+    pub fn out_of_order(&mut self, file: &Path, (line, column): (u64, &str), what: &str) {
+        let said = format!("line {line}, column {column}: {what}");
         self.add("order of time".to_owned(), file, said);
     }
 

@@ -4,13 +4,16 @@ use std::path::Path;
 
 use configuration::{Config, Offline};
 use deployment::Deployment;
+use frames::SystemFrame;
 use fusion::Settings;
 use fusion::settings::SOURCES_MAX;
 use messages::FusionRule;
 
 use super::arrivals::RowOrder;
 use super::kept::KeptRows;
-use super::merged::{MergedRows, Sensors, named_twice};
+use super::merged::{MergedRows, named_twice};
+use super::named::NamedTables;
+use super::sensors::Sensors;
 use super::survey::FileSurvey;
 use crate::args::OfflineInput;
 use crate::files::{InputError, Usage};
@@ -25,6 +28,8 @@ pub(crate) struct Setup<'a> {
     pub(crate) settings: Settings,
     /// The deployment, if the configuration is a deployment's.
     pub(crate) deployment: Option<Deployment>,
+    /// The tables of named columns among the files.
+    pub(crate) named: NamedTables,
     /// Sensors with configured accuracy, so that the positions need no variances; `None`: all.
     accurate: Option<Vec<u32>>,
     /// The rows of the files, if kept by the first pass.
@@ -45,6 +50,18 @@ impl FuseConfiguration {
             Self::Offline(config) => Some(config.accurate_sensors()),
         }
     }
+
+    /// The system's plane on the Earth, and the names of the sensors with their ids, as far as they are configured.
+    fn facts(&self) -> (Option<SystemFrame>, Vec<(String, u32)>) {
+        match self {
+            Self::Deployment(config) => {
+                let sources = config.sources.iter();
+                let named = sources.map(|source| (source.name.clone(), observations::sensor_id(source.number)));
+                (Some(config.deployment.frame), named.collect())
+            }
+            Self::Offline(config) => (None, config.named_sensors()),
+        }
+    }
 }
 
 impl<'a> Setup<'a> {
@@ -61,7 +78,8 @@ impl<'a> Setup<'a> {
             None => FuseConfiguration::Offline(Box::default()),
         };
         let accurate = given.accurate();
-        let survey = FileSurvey::of(host, &input.tracks, accurate.clone())?;
+        let named = NamedTables::of(host, input, given.facts())?;
+        let survey = FileSurvey::of(host, (&input.tracks, &named), accurate.clone())?;
         let (sensor_ids, mut settings, deployment) = match given {
             FuseConfiguration::Deployment(config) => {
                 let ids = config
@@ -72,7 +90,12 @@ impl<'a> Setup<'a> {
             }
             FuseConfiguration::Offline(config) => {
                 check(input, &survey)?;
-                let found = config.settings(&survey.sensors)?;
+                let mut found = config.settings(&survey.sensors)?;
+                for (id, source) in found.sensor_ids.iter().zip(&mut found.engine.sources) {
+                    if let Some(name) = named.sensor_name(*id) {
+                        source.name = name;
+                    }
+                }
                 (found.sensor_ids, found.engine, None)
             }
         };
@@ -87,6 +110,7 @@ impl<'a> Setup<'a> {
             sensor_ids,
             settings,
             deployment,
+            named,
             accurate,
             kept: survey.kept,
         })
@@ -102,15 +126,16 @@ impl<'a> Setup<'a> {
             accurate: self.accurate.clone(),
             ..Sensors::default()
         };
+        let files = (&self.input.tracks[..], &self.named);
         let kept = self.kept.as_ref();
         if let Some(kept) = kept
-            .map(|kept| MergedRows::of_kept(&self.input.tracks, kept, &sensors))
+            .map(|kept| MergedRows::of_kept(files, kept, &sensors))
             .transpose()?
             .flatten()
         {
             return Ok(kept);
         }
-        MergedRows::open(self.host, &self.input.tracks, sensors, RowOrder::Arrival)
+        MergedRows::open(self.host, files, sensors, RowOrder::Arrival)
     }
 }
 

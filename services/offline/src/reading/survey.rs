@@ -9,8 +9,10 @@ use rustc_hash::FxHashMap;
 
 use super::arrivals::{ArrivedReport, RowOrder};
 use super::kept::KeptRows;
-use super::merged::{MergedRows, Sensors};
+use super::merged::MergedRows;
+use super::named::NamedTables;
 use super::progress::Progress;
+use super::sensors::Sensors;
 use crate::host::Host;
 
 /// Maximum number of figures for a median; the first figures count.
@@ -46,7 +48,11 @@ impl FileSurvey {
     ///
     /// # Errors
     /// If a file cannot be read, or lacks a column.
-    pub(crate) fn of(host: &dyn Host, files: &[PathBuf], accurate: Option<Vec<u32>>) -> anyhow::Result<Self> {
+    pub(crate) fn of(
+        host: &dyn Host,
+        files: (&[PathBuf], &NamedTables),
+        accurate: Option<Vec<u32>>,
+    ) -> anyhow::Result<Self> {
         let open = Sensors {
             open: true,
             accurate,

@@ -13,7 +13,6 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
-use formats::tracks_csv::SystemTrackWriter;
 use frames::SystemFrame;
 use fusion::smoothing::{SmoothedTracks, Trajectories};
 use fusion::{Engine, FilterInput};
@@ -23,7 +22,7 @@ use settings::Seconds;
 use crate::args::Smooth;
 use crate::files::{Usage, check_answer, check_outputs};
 use crate::fuse::nanoseconds;
-use crate::fuse::rows::{StateSelection, StateSink};
+use crate::fuse::rows::{StateSelection, StateSink, TrackRows};
 use crate::host::{Host, TableOutput};
 use crate::reading::{EngineReader, Setup, drive, drive_into, rule};
 use fused::FusedCheck;
@@ -83,7 +82,7 @@ pub(crate) fn run(smooth: &Smooth, host: &dyn Host) -> anyhow::Result<()> {
     let totals = rows.finish()?;
     let asterix = smooth.asterix.as_deref();
     host.show(smooth.json.then(|| totals.as_json(&smooth.out, asterix)), || {
-        reports.refusals.as_text() + &totals.as_text(&smooth.out, asterix)
+        setup.named.as_text() + &reports.refusals.as_text() + &totals.as_text(&smooth.out, asterix)
     })
 }
 
@@ -97,7 +96,8 @@ impl Smooth {
 /// The system's plane on the Earth.
 fn place_of(smooth: &Smooth, setup: &Setup<'_>) -> Result<SystemFrame, Usage> {
     let of_deployment = setup.deployment.as_ref().map(|deployment| deployment.frame);
-    smooth.origin.map(SystemFrame::at).or(of_deployment).ok_or_else(|| {
+    let of_tables = of_deployment.or(setup.named.frame);
+    smooth.origin.map(SystemFrame::at).or(of_tables).ok_or_else(|| {
         let remedy = "give --origin LAT,LON, or a deployment in --config";
         Usage(format!(
             "--asterix needs the place of the system's plane on the Earth: {remedy}"
@@ -107,7 +107,7 @@ fn place_of(smooth: &Smooth, setup: &Setup<'_>) -> Result<SystemFrame, Usage> {
 
 /// The outputs.
 struct SmoothedRows {
-    rows: SystemTrackWriter<Box<dyn TableOutput>>,
+    rows: TrackRows<Box<dyn TableOutput>>,
     blocks: Option<TrackBlocks<Box<dyn TableOutput>>>,
     totals: SmoothTotals,
 }
@@ -120,7 +120,6 @@ impl SmoothedRows {
         totals: SmoothTotals,
     ) -> anyhow::Result<Self> {
         let unwritten = || format!("{} cannot be made", smooth.out.display());
-        let ids = &setup.sensor_ids;
         let blocks = |(path, frame): (&PathBuf, SystemFrame)| {
             let form = BlockForm {
                 table: None,
@@ -132,9 +131,8 @@ impl SmoothedRows {
         };
         Ok(Self {
             blocks: smooth.asterix.as_ref().zip(place).map(blocks).transpose()?,
-            rows: SystemTrackWriter::begin(host.begin(&smooth.out)?, 0)
-                .with_context(unwritten)?
-                .with_sensor_ids(ids.clone()),
+            rows: TrackRows::begin(host.begin(&smooth.out)?, setup.sensor_ids.clone(), setup.named.frame)
+                .with_context(unwritten)?,
             totals,
         })
     }
@@ -160,11 +158,7 @@ impl SmoothedRows {
 /// Comparison of the fused rows with an existing output.
 fn existing(path: &Path, setup: &Setup<'_>, host: &dyn Host) -> anyhow::Result<StateSink<FusedCheck>> {
     let check = FusedCheck::new(host.open(path)?);
-    Ok(StateSink::begin(
-        check,
-        setup.sensor_ids.clone(),
-        setup.settings.refresh_ns(),
-    )?)
+    Ok(StateSink::begin(check, setup)?)
 }
 
 /// Collects the data for smoothing.
