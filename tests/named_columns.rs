@@ -8,7 +8,7 @@ use crate::common::Folder;
 
 /// Two ships, 10 km apart, that go north at 10 knots for five minutes: a report of each in 10 s.
 fn ships() -> String {
-    let mut text = "BaseDateTime,MMSI,LAT,LON,SOG,COG,Heading,VesselName,Cargo\n".to_owned();
+    let mut text = "BaseDateTime,MMSI,LAT,LON,SOG,COG,Heading,VesselName,Altitude\n".to_owned();
     for step in 0..30 {
         let latitude = 50.7 + 1852.0 / 360.0 * f64::from(step) * 10.0 / 111_240.0;
         for (mmsi, longitude, name) in [(235_070_762, -1.1, "SEA CLOUD"), (235_013_375, -0.96, "")] {
@@ -47,7 +47,8 @@ fn a_table_in_degrees_needs_no_configuration() {
         "origin of the plane: latitude 50.700000, longitude -1.100000, the first position of ships.csv (line 2)",
         "all positions have a standard deviation of 30 m",
         "times without a zone are taken for UTC",
-        "columns that are not used: Cargo, Heading",
+        "columns that are not used: Altitude, Heading",
+        "column Altitude has no unit, so it is not used; name it altitude_m",
     ] {
         assert!(assumed.contains(words), "{assumed}");
     }

@@ -24,6 +24,8 @@ use crate::host::Host;
 const OWN_PLACE_SIGMA_M: f64 = 30.0;
 /// Standard deviation of positions of unknown origin, metres: a surveillance radar at half its range.
 const OTHER_SIGMA_M: f64 = 100.0;
+/// Names of heights whose unit differs between programs.
+const UNITLESS: [&str; 3] = ["altitude", "alt", "height"];
 /// Columns named in the summary.
 const IGNORED_MAX: usize = 20;
 
@@ -218,6 +220,11 @@ fn assumptions(outline: &TableOutline, given_sigma_m: Option<f64>) -> Vec<String
             more => format!(" and {more} more"),
         };
         found.push(format!("columns that are not used: {}{more}", names.join(", ")));
+    }
+    let is_altitude = |name: &&String| UNITLESS.iter().any(|known| known.eq_ignore_ascii_case(name));
+    if let Some(name) = outline.ignored.iter().find(is_altitude) {
+        let what = "has no unit, so it is not used; name it altitude_m, or altitude_ft for pressure altitudes";
+        found.push(format!("column {name} {what}"));
     }
     found
 }
