@@ -1,6 +1,8 @@
 //! `koseki fuse` with tables of named columns in degrees, as archives of receivers have them.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::io::Write as _;
+use std::process::Stdio;
 
 use test_support::{column, numbers, recordings};
 
@@ -159,6 +161,17 @@ fn tables_in_metres_go_through_as_before() {
     let fused = folder.read("fused.csv");
     assert_eq!(folder.read("more_fused.csv"), fused);
     assert!(!fused.lines().next().unwrap().contains("latitude"));
+}
+
+#[test]
+fn a_pipe_is_read_once() {
+    let folder = Folder::with(&[("ships.csv", ships())]);
+    folder.succeed("fuse --tracks ships.csv --out fused.csv");
+    let mut command = folder.command("fuse --tracks /dev/stdin --out piped.csv");
+    let mut child = command.stdin(Stdio::piped()).spawn().unwrap();
+    child.stdin.take().unwrap().write_all(ships().as_bytes()).unwrap();
+    assert!(child.wait().unwrap().success());
+    assert_eq!(folder.read("piped.csv"), folder.read("fused.csv"));
 }
 
 #[test]

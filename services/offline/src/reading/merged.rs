@@ -98,8 +98,7 @@ impl MergedRows {
             octets_in_all: 0,
         };
         for (index, path) in files.iter().enumerate() {
-            let file = host.open(path)?;
-            let length = file.length;
+            let (file, length) = named.open(host, (index, path))?;
             merged.octets_in_all += length;
             let input = CountingInput::new(file, Rc::clone(&merged.octets));
             let (reader, arrivals) = match named.outline(index) {

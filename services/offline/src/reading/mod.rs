@@ -2,6 +2,7 @@
 //! a first pass.
 
 mod arrivals;
+mod begun;
 mod drive;
 mod kept;
 mod merged;

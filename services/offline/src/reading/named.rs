@@ -6,12 +6,14 @@
 //! place by satellite navigation is as accurate as such a receiver with the age of its report.
 
 use std::cell::RefCell;
+use std::io::Read;
 use std::path::Path;
 use std::rc::Rc;
 
 use formats::named_columns::{NamedTrackReader, TableOutline, TargetNames, TimeForm};
 use frames::SystemFrame;
 
+use super::begun::BegunFile;
 use super::progress::CountingInput;
 use super::reader::FileReader;
 use super::sensors::{SensorNames, Sensors, named_source};
@@ -29,11 +31,14 @@ const UNITLESS: [&str; 3] = ["altitude", "alt", "height"];
 /// Columns named in the summary.
 const IGNORED_MAX: usize = 20;
 
+type InputAndSize = (Box<dyn Read>, u64);
+
 /// Tables of named columns.
-#[derive(Debug)]
 pub(crate) struct NamedTables {
     /// By file; `None` for a table of sensor tracks in metres.
     outlines: Vec<Option<TableOutline>>,
+    /// By file, until the first pass reads the file.
+    begun: Vec<RefCell<Option<BegunFile>>>,
     /// The plane of positions in degrees; `None` if no table has any.
     pub(crate) frame: Option<SystemFrame>,
     /// Standard deviation of positions without a statement of their own, metres, as given on the command line.
@@ -55,12 +60,12 @@ impl NamedTables {
         input: &OfflineInput,
         (frame, names): (Option<SystemFrame>, Vec<(String, u32)>),
     ) -> anyhow::Result<Self> {
-        let outline = |path| TableOutline::of(host.open(path)?).map_err(|error| InputError::new(path, error));
-        let outlines: Vec<_> = input
-            .tracks
-            .iter()
-            .map(|path| outline(path))
-            .collect::<Result<_, _>>()?;
+        let (mut outlines, mut begun) = (Vec::new(), Vec::new());
+        for path in &input.tracks {
+            let file = BegunFile::of(host, path)?;
+            outlines.push(TableOutline::of(file.lines()).map_err(|error| InputError::new(path, error))?);
+            begun.push(RefCell::new(Some(file)));
+        }
         if input.sigma.is_some() && outlines.iter().all(Option::is_none) {
             let what = "--sigma is for tables of named columns; these files state their accuracies, or --config does";
             return Err(Usage(what.to_owned()).into());
@@ -72,6 +77,7 @@ impl NamedTables {
             names: Rc::new(RefCell::new(SensorNames::new(names, has_ids))),
             assumptions: Vec::new(),
             outlines,
+            begun,
         };
         tables.place(input, frame)?;
         for (path, outline) in input.tracks.iter().zip(&tables.outlines) {
@@ -135,6 +141,21 @@ impl NamedTables {
             path.display()
         ));
         Ok(())
+    }
+
+    /// File number `index`, and its size in bytes.
+    ///
+    /// # Errors
+    /// If the file cannot be read.
+    pub(super) fn open(&self, host: &dyn Host, (index, path): (usize, &Path)) -> Result<InputAndSize, InputError> {
+        match self.begun[index].take() {
+            Some(file) => Ok(file.whole()),
+            None => {
+                let file = host.open(path)?;
+                let length = file.length;
+                Ok((Box::new(file), length))
+            }
+        }
     }
 
     /// The outline of file number `index`; `None` for a table of sensor tracks in metres.

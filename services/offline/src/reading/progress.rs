@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::io::{self, BufReader, Read};
 use std::rc::Rc;
 
-use crate::host::{Host, TableInput};
+use crate::host::Host;
 
 /// Size of the read buffer, bytes.
 const BUFFER_OCTETS: usize = 1 << 18;
@@ -38,15 +38,15 @@ impl Drop for Progress<'_> {
 
 /// Input that counts the bytes read; several inputs may share a counter.
 pub(crate) struct CountingInput {
-    input: BufReader<TableInput>,
+    input: BufReader<Box<dyn Read>>,
     octets: Rc<RefCell<u64>>,
 }
 
 impl CountingInput {
     /// Creates an input that adds the bytes read to `octets`.
-    pub(crate) fn new(input: TableInput, octets: Rc<RefCell<u64>>) -> Self {
+    pub(crate) fn new(input: impl Read + 'static, octets: Rc<RefCell<u64>>) -> Self {
         Self {
-            input: BufReader::with_capacity(BUFFER_OCTETS, input),
+            input: BufReader::with_capacity(BUFFER_OCTETS, Box::new(input)),
             octets,
         }
     }
