@@ -103,6 +103,15 @@ pub fn is_same_file(one: &Path, other: &Path) -> bool {
     matches!((fs::canonicalize(one), fs::canonicalize(other)), (Ok(one), Ok(other)) if one == other)
 }
 
+/// Finds a file named twice: the reports would count twice.
+pub(crate) fn named_twice(files: &[PathBuf]) -> Option<&Path> {
+    let twice = files.iter().enumerate().find(|(place, file)| {
+        let before = &files[..*place];
+        before.iter().any(|other| is_same_file(other, file))
+    });
+    twice.map(|(_, file)| file.as_path())
+}
+
 /// Rejects outputs that would overwrite an input or another output.
 ///
 /// # Errors

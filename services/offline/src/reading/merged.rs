@@ -398,12 +398,3 @@ fn time_source_line(row: &ArrivedReport) -> (i64, u16, u64) {
 fn seconds(ns: i64) -> f64 {
     frames::time::seconds(ns)
 }
-
-/// Finds a file named twice: the reports would count twice.
-pub(crate) fn named_twice(files: &[PathBuf]) -> Option<&Path> {
-    let twice = files.iter().enumerate().find(|(place, file)| {
-        let before = &files[..*place];
-        before.iter().any(|other| crate::files::is_same_file(other, file))
-    });
-    twice.map(|(_, file)| file.as_path())
-}

@@ -18,7 +18,6 @@ mod time_base;
 
 pub(crate) use arrivals::ArrivedReport;
 pub(crate) use drive::{DriveTotals, EngineReader, drive, drive_into};
-pub(crate) use merged::named_twice;
 pub(crate) use platform_states::platform_states;
 pub(crate) use progress::{CountingInput, Progress};
 pub use refusals::SkippedRows;

@@ -11,12 +11,12 @@ use messages::FusionRule;
 
 use super::arrivals::RowOrder;
 use super::kept::KeptRows;
-use super::merged::{MergedRows, named_twice};
+use super::merged::MergedRows;
 use super::named::NamedTables;
 use super::sensors::Sensors;
 use super::survey::FileSurvey;
 use crate::args::OfflineInput;
-use crate::files::{InputError, Usage};
+use crate::files::{InputError, Usage, named_twice};
 use crate::host::Host;
 
 /// Sources, settings and files.

@@ -286,7 +286,7 @@ fn sensor_of(config: &Config, id: u32) -> Option<&Source> {
 
 /// Rejects detections given twice, inputs that would be overwritten, and outputs that share a file.
 fn check_files(track: &TrackArgs) -> Result<(), Usage> {
-    if let Some(file) = crate::reading::named_twice(&track.detections) {
+    if let Some(file) = crate::files::named_twice(&track.detections) {
         let what = format!("--detections names {} twice; name it once", file.display());
         return Err(Usage(what));
     }
