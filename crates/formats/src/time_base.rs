@@ -26,6 +26,11 @@ impl TimeBase {
         }
     }
 
+    /// The midnight from which times of day count, UTC, nanoseconds.
+    pub(crate) fn first_day_ns(&self) -> i64 {
+        self.first_day_ns
+    }
+
     /// Returns the time in a column, UTC, nanoseconds.
     ///
     /// # Errors

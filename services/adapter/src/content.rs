@@ -1,6 +1,7 @@
 //! Contents of a recorded file, read piece by piece.
 
 use std::collections::VecDeque;
+use std::fmt;
 use std::io::Cursor;
 
 use asterix::{Block, Decoder, Error, StatedTables, blocks};
@@ -8,10 +9,12 @@ use csv_table::CsvError;
 use deployment::{FeedFormat, FeedOrigin, Recorded, RecordedFormat};
 use formats::containers::{Container, TimeStamp, datagrams};
 use formats::feed::{Fed, FeedCounts, FeedReader};
+use formats::named_columns::{NamedTrackReader, RowSource, TableOutline};
 use formats::observation::{self, Reading};
 use formats::readsb::documents;
 use formats::sensor_tracks_csv::SensorTrackReader;
-use messages::{Counter, Counters};
+use frames::SystemFrame;
+use messages::{Counter, Counters, SensorTrack};
 use observations::Observation;
 
 use crate::counted::decoded;
@@ -38,7 +41,7 @@ impl RecordedContent {
     pub(crate) fn open(
         bytes: Vec<u8>,
         recorded: &Recorded,
-        place_deg: Option<[f64; 2]>,
+        (frame, place_deg): (SystemFrame, Option<[f64; 2]>),
         first_day_ns: i64,
     ) -> Result<Self, CsvError> {
         Ok(match recorded.format.feed() {
@@ -50,7 +53,7 @@ impl RecordedContent {
                 let tables = StatedTables::new(&recorded.asterix.editions, recorded.asterix.is_strict);
                 Self::Asterix(Packed::new(bytes), Box::new(tables.decoder()))
             }
-            None => Self::Tracks(RecordedTracks::open(bytes, first_day_ns)?),
+            None => Self::Tracks(RecordedTracks::open(bytes, frame, first_day_ns)?),
         })
     }
 
@@ -114,7 +117,7 @@ impl RecordedFeed {
     /// first day, UTC, nanoseconds: ticks of receivers without a date begin there.
     pub(crate) fn open((format, place_deg, first_day_ns): (FeedFormat, Option<[f64; 2]>, i64), bytes: Vec<u8>) -> Self {
         Self {
-            packed: Packed::new(bytes),
+            packed: Packed::of_feed(bytes),
             format,
             reader: FeedReader::new(feed::settings(format, 0, place_deg, first_day_ns)),
             first_day_ns,
@@ -149,36 +152,58 @@ impl RecordedFeed {
         }
     }
 
-    /// Reads everything; `observed` gets each target report. Returns the counts, and the first time with a date, UTC,
-    /// nanoseconds.
-    pub(crate) fn survey(mut self, observed: &mut dyn FnMut(&Observation)) -> (FeedCounts, Option<i64>) {
+    /// Reads everything; `observed` gets each target report.
+    pub(crate) fn survey(mut self, observed: &mut dyn FnMut(&Observation)) -> FeedSurvey {
+        let mut refused = None;
         while !self.packed.is_exhausted() {
-            self.read_piece(&mut |fed| {
-                if let Fed::Target(_, report) = fed {
-                    observed(report);
-                }
+            self.read_piece(&mut |fed| match fed {
+                Fed::Target(_, report) => observed(report),
+                Fed::Refused(_, words) => refused = Some(words.to_string()),
+                Fed::Statement(..) => {}
             });
         }
-        (self.reader.counts(), self.reader.first_utc_ns())
+        FeedSurvey {
+            counts: self.reader.counts(),
+            first_utc_ns: self.reader.first_utc_ns(),
+            refused,
+        }
     }
 }
 
+/// What a file holds as the recording of a feed.
+#[derive(Clone, Debug)]
+pub struct FeedSurvey {
+    /// Counts of the transmissions.
+    pub counts: FeedCounts,
+    /// First time with a date in the data, UTC, nanoseconds since 1970.
+    pub first_utc_ns: Option<i64>,
+    /// Latest refusal in words.
+    pub refused: Option<String>,
+}
+
 /// Rows of sensor tracks of any sensors; a file is a single source.
-#[derive(Debug)]
 pub(crate) struct RecordedTracks {
-    reader: Option<Box<SensorTrackRows>>,
+    reader: Option<Box<TrackRows>>,
     rows: u64,
     rejected: u64,
 }
 
-type SensorTrackRows = SensorTrackReader<Cursor<Vec<u8>>, fn(u32) -> Option<u16>>;
+/// Rows of a table, whatever its columns.
+pub type TrackRows = dyn Iterator<Item = Result<SensorTrack, CsvError>> + Send;
+
+impl fmt::Debug for RecordedTracks {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("RecordedTracks")
+            .field("rows", &self.rows)
+            .finish_non_exhaustive()
+    }
+}
 
 impl RecordedTracks {
-    fn open(bytes: Vec<u8>, first_day_ns: i64) -> Result<Self, CsvError> {
-        let any_sensor: fn(u32) -> Option<u16> = |_| Some(0);
-        let reader = SensorTrackReader::new(Cursor::new(bytes), first_day_ns, any_sensor)?.with_accuracies_of(None);
+    /// Opens a table of sensor tracks in metres (FM-5), or of named columns, whose degrees are placed in `frame`.
+    fn open(bytes: Vec<u8>, frame: SystemFrame, first_day_ns: i64) -> Result<Self, CsvError> {
         Ok(Self {
-            reader: Some(Box::new(reader)),
+            reader: Some(rows_of_tracks(bytes, frame, first_day_ns)?),
             rows: 0,
             rejected: 0,
         })
@@ -194,6 +219,28 @@ impl RecordedTracks {
             None => self.reader = None,
         }
     }
+}
+
+/// Opens a table of sensor tracks in metres (FM-5), or of named columns, whose degrees are placed in `frame`. Times of
+/// day count from `first_day_ns` (UTC, nanoseconds).
+///
+/// # Errors
+/// If the header is not one of a table of tracks.
+pub fn rows_of_tracks(bytes: Vec<u8>, frame: SystemFrame, first_day_ns: i64) -> Result<Box<TrackRows>, CsvError> {
+    let outline = TableOutline::of(&bytes[..])?;
+    let input = Cursor::new(bytes);
+    let reader: Box<TrackRows> = match outline {
+        Some(outline) => {
+            let sigma_m = Some(outline.assumed_sigma_m());
+            let source = move |_: &str| Some(RowSource { number: 0, sigma_m });
+            Box::new(NamedTrackReader::new(input, Some(frame), "", source)?.counting_from(first_day_ns))
+        }
+        None => {
+            let any_sensor: fn(u32) -> Option<u16> = |_| Some(0);
+            Box::new(SensorTrackReader::new(input, first_day_ns, any_sensor)?.with_accuracies_of(None))
+        }
+    };
+    Ok(reader)
 }
 
 /// Datagrams of a recording, in sequence.
@@ -227,6 +274,19 @@ impl Packed {
             bytes: unpacked,
             ends,
             offset: 0,
+        }
+    }
+
+    /// Unpacks the datagrams of a capture of a feed. Anything else is a feed's own stream: lines of hexadecimal digits
+    /// may be frames.
+    fn of_feed(bytes: Vec<u8>) -> Self {
+        match Container::detect(&bytes) {
+            Container::Pcap | Container::PcapNg => Self::new(bytes),
+            _ => Self {
+                ends: VecDeque::from([(bytes.len(), None)]),
+                bytes,
+                offset: 0,
+            },
         }
     }
 

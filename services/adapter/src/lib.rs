@@ -34,9 +34,10 @@ mod tables;
 mod tracker;
 mod wide_area;
 
+pub use content::{FeedSurvey, TrackRows, rows_of_tracks};
+
 use anyhow::Context as _;
 use deployment::{FeedFormat, Input, Platform, ReceiverTransport, Source};
-use formats::feed::FeedCounts;
 use observations::Observation;
 use runtime::Agent;
 use runtime::Process;
@@ -65,14 +66,13 @@ impl<'a> Processed<'a> {
     }
 }
 
-/// Reads the data of a feed in `bytes` as the adapter of a recording does; `observed` gets each target report. Returns
-/// the counts, and the first time with a date in the data, UTC, nanoseconds.
+/// Reads the data of a feed in `bytes` as the adapter of a recording does; `observed` gets each target report.
 pub fn survey_feed(
     bytes: &[u8],
     format: FeedFormat,
     place_deg: Option<[f64; 2]>,
     observed: &mut dyn FnMut(&Observation),
-) -> (FeedCounts, Option<i64>) {
+) -> FeedSurvey {
     RecordedFeed::open((format, place_deg, 0), bytes.to_vec()).survey(observed)
 }
 

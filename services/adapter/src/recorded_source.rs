@@ -122,8 +122,9 @@ impl RecordedSource {
         counts: Arrivals,
     ) -> anyhow::Result<Self> {
         let pipeline = Pipeline::new(reading.model, &reading.processing, first_day_ns, counts)?;
+        let place = (reading.model.system, source.stated_place_deg);
         let mut recording = Self {
-            content: RecordedContent::open(bytes, recorded, source.stated_place_deg, first_day_ns)?,
+            content: RecordedContent::open(bytes, recorded, place, first_day_ns)?,
             intake: Intake::new(source.number, pipeline, recorded.reorder_ns),
             ready: VecDeque::with_capacity(2 * AHEAD),
             next_number: 0,

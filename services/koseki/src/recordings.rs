@@ -21,13 +21,14 @@ use deployment::{
 use formats::autoferry;
 use formats::containers::{Container, datagrams};
 use formats::foreign::Foreign;
+use formats::named_columns::TableOutline;
 use formats::observation::{Reading, read};
 use formats::platform_states_csv::PlatformStateReader;
 use formats::recording::{RecordingBytes, RecordingSurvey};
 use formats::scan_rows_csv::ScanRowReader;
-use formats::sensor_tracks_csv::SensorTrackReader;
 use formats::wide_area_csv::WideAreaReader;
 use frames::time::{NS_PER_DAY, seconds};
+use frames::{Geodetic, SystemFrame};
 use reception::ConversionModel;
 use sources::{Pipeline, Processing, Samples, TrackerSettings};
 use tracking::turn_time::TurnEstimate;
@@ -419,10 +420,11 @@ fn turn(
 /// Reads the data of a feed.
 fn read_feed(bytes: &[u8], format: FeedFormat, key: &RecordingOwner) -> Result<RecordingFindings, String> {
     let mut found = RecordingFindings::default();
-    let (counts, _) = adapter::survey_feed(bytes, format, None, &mut |report| {
+    let counts = adapter::survey_feed(bytes, format, None, &mut |report| {
         found.first_time_ns = found.first_time_ns.or(report.time_of_day_ns);
         found.last_time_ns = report.time_of_day_ns.or(found.last_time_ns);
-    });
+    })
+    .counts;
     found.records = counts.records;
     found.skipped = counts.refused_octets;
     let kind = Foreign::of(bytes).filter(|kind| feed_of(*kind) != Some(format) && *kind != Foreign::Empty);
@@ -443,12 +445,19 @@ fn read_feed(bytes: &[u8], format: FeedFormat, key: &RecordingOwner) -> Result<R
     Ok(found)
 }
 
+/// Returns the rows of a table of tracks, in the plane of the first position in degrees.
+pub(crate) fn table_rows(bytes: &[u8]) -> Result<Box<adapter::TrackRows>, CsvError> {
+    let first = TableOutline::of(bytes)?.and_then(|outline| outline.first_place);
+    let equator = || Geodetic::from_degrees(0.0, 0.0, 0.0).expect("it is a place");
+    let frame = SystemFrame::at(first.map_or_else(equator, |(place, _)| place));
+    adapter::rows_of_tracks(bytes.to_vec(), frame, 0)
+}
+
 /// Reads a table of sensor tracks. An unreadable row makes the whole table doubtful.
 fn read_rows(bytes: &[u8], key: &RecordingOwner) -> Result<RecordingFindings, String> {
     let table = |error| key.no_table(&error, "sensor tracks");
     let mut found = RecordingFindings::default();
-    let rows = SensorTrackReader::new(bytes, 0, |_| Some(0)).map_err(table)?;
-    for track in rows.with_accuracies_of(None) {
+    for track in table_rows(bytes).map_err(table)? {
         let time_ns = track.map_err(table)?.time_of_measurement_ns;
         if let Some(last_ns) = found.last_time_ns.filter(|last_ns| *last_ns - time_ns > NS_PER_DAY / 2) {
             return Err(format!(

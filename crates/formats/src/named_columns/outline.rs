@@ -31,7 +31,21 @@ pub struct TableOutline {
     pub ignored: Vec<String>,
 }
 
+/// Standard deviation of the positions of aircraft and ships that state their own place, metres: the receiver's error
+/// is below 10 m, the rest is the time between the measurement and the stated time.
+const OWN_PLACE_SIGMA_M: f64 = 30.0;
+/// Standard deviation of positions of unknown origin, metres: a surveillance radar at half its range.
+const OTHER_SIGMA_M: f64 = 100.0;
+
 impl TableOutline {
+    /// Returns the standard deviation that is assumed for positions without a statement of their own, metres.
+    pub fn assumed_sigma_m(&self) -> f64 {
+        match self.target_names {
+            TargetNames::Transponders => OWN_PLACE_SIGMA_M,
+            TargetNames::Names | TargetNames::One => OTHER_SIGMA_M,
+        }
+    }
+
     /// Outlines a table: reads up to its first valid time and position; `None` if its header is not one of named
     /// columns.
     ///

@@ -12,7 +12,7 @@ use messages::{
 use super::header::{Field, Places, Positions};
 use super::list::Quantity;
 use super::targets::{RowNames, Targets};
-use super::values::{digits, flag, number, text, time};
+use super::values::{TimeForm, digits, flag, number, text, time};
 use crate::identity_columns::{callsign, is_plain};
 use crate::rows::{Columns, RowReader};
 use crate::time_base::TimeBase;
@@ -78,6 +78,15 @@ impl<R: Read, F: FnMut(&str) -> Option<RowSource>> NamedTrackReader<R, F> {
             },
             table,
         })
+    }
+}
+
+impl<R: Read, F> NamedTrackReader<R, F> {
+    /// Counts times of day from `first_day_ns` (UTC, nanoseconds).
+    #[must_use]
+    pub fn counting_from(mut self, first_day_ns: i64) -> Self {
+        self.columns.base = TimeBase::new(first_day_ns);
+        self
     }
 }
 
@@ -298,8 +307,12 @@ impl<F: FnMut(&str) -> Option<RowSource>> Columns for NamedTrackColumns<F> {
 
     fn read(&mut self, row: Cells<'_>) -> Result<SensorTrack, CsvError> {
         let row = &row;
-        let (stated_ns, _) = time(row, self.at.time)?;
-        let time_ns = self.base.on_base(*row, self.at.time, stated_ns)?;
+        let (stated_ns, form) = time(row, self.at.time)?;
+        let since_1970_ns = match form {
+            TimeForm::OfDay => self.base.first_day_ns() + stated_ns,
+            TimeForm::Since1970 | TimeForm::Zoned | TimeForm::Unzoned => stated_ns,
+        };
+        let time_ns = self.base.on_base(*row, self.at.time, since_1970_ns)?;
         let by_pressure = self.limited(row, Quantity::PressureAltitude, HEIGHT_MAX_M)?;
         let above_ellipsoid = self.limited(row, Quantity::Height, HEIGHT_MAX_M)?;
         // By the pressure first, which all aircraft have in common.

@@ -182,7 +182,7 @@ impl RecordedTracker {
             PlotFormat::Asterix => {
                 let pipeline = Pipeline::new(reading.model, &reading.processing, first_day_ns, Arrivals::default())?;
                 let mut intake = Intake::new(sensor.number, pipeline, 0);
-                let mut content = RecordedContent::open(bytes, recorded, None, first_day_ns)?;
+                let mut content = RecordedContent::open(bytes, recorded, (reading.model.system, None), first_day_ns)?;
                 while !content.is_exhausted() {
                     content.read_piece(&mut intake);
                     events.extend(intake.detections().filter_map(|sample| SensorEvent::of_sample(&sample)));

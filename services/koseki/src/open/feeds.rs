@@ -198,6 +198,7 @@ pub(super) fn open(address: &FeedAddress, place_deg: Option<[f64; 2]>) -> anyhow
         decisions: vec![why],
         first_deg,
         first_utc_ns: None,
+        is_in_metres: false,
     })
 }
 
@@ -206,10 +207,10 @@ fn judge(octets: &[u8], place_deg: Option<[f64; 2]>) -> Option<(FeedFormat, u64,
     let kind = Foreign::of(octets)?;
     let judged = feeds_of(kind).iter().map(|format| {
         let mut first_deg = None;
-        let (counts, _) = adapter::survey_feed(octets, *format, place_deg, &mut |report| {
+        let survey = adapter::survey_feed(octets, *format, place_deg, &mut |report| {
             first_deg = first_deg.or(report.geodetic.map(|position| position.map(f64::to_degrees)));
         });
-        (*format, counts.records, first_deg)
+        (*format, survey.counts.records, first_deg)
     });
     judged
         .max_by_key(|(_, records, _)| *records)

@@ -2,20 +2,30 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
+use adapter::FeedSurvey;
 use asterix::Edition;
 use deployment::FeedFormat;
+use flate2::read::MultiGzDecoder;
 use formats::containers::{Container, TimeStamp, datagrams};
 use formats::foreign::Foreign;
+use formats::named_columns::TableOutline;
 use formats::observation::{Reading, read};
 use formats::recording::RecordingBytes;
+use formats::time_base::is_since_1970;
 use offline::{InputError, Usage};
 
 use super::text::name_of;
+use crate::recordings::table_rows;
 
 /// Bytes at the begin of MCAP files.
 const MCAP: &[u8] = b"\x89MCAP0\r\n";
+/// Bytes at the begin of files of gzip.
+const GZIP: &[u8] = b"\x1f\x8b\x08";
+/// Longest unpacked file, octets.
+const UNPACKED_MAX: u64 = 4 << 30;
 /// Greatest number of senders in a recording, each of which is a source.
 const SENDERS_MAX: usize = 16;
 
@@ -32,6 +42,8 @@ pub(super) struct Opened {
     pub(super) first_deg: Option<[f64; 2]>,
     /// First time with a date in the data, UTC, nanoseconds since 1970.
     pub(super) first_utc_ns: Option<i64>,
+    /// Whether positions are in metres of a frame without a place.
+    pub(super) is_in_metres: bool,
 }
 
 /// Where the data come from.
@@ -65,7 +77,6 @@ impl Opened {
 /// Whether a path is a recording of all topics: a folder, or an MCAP file.
 pub(super) fn is_recording(path: &Path) -> bool {
     let begins = |path: &Path| {
-        use std::io::Read as _;
         let mut begin = [0; MCAP.len()];
         let read = std::fs::File::open(path).and_then(|mut file| file.read_exact(&mut begin));
         read.is_ok() && begin == MCAP
@@ -73,43 +84,77 @@ pub(super) fn is_recording(path: &Path) -> bool {
     path.is_dir() || begins(path)
 }
 
-/// Judges a file; `place_deg` is the place of its sensor, latitude and longitude, degrees, where stated.
+/// Judges a file; `place_deg` is the place of its sensor, latitude and longitude, degrees, where stated. A compressed
+/// file is unpacked into `folder`.
 ///
 /// # Errors
 /// If the file cannot be read or is of no kind that is read; the error names the kind and the remedy.
-pub(super) fn file(path: &Path, place_deg: Option<[f64; 2]>) -> anyhow::Result<Opened> {
+pub(super) fn file(path: &Path, place_deg: Option<[f64; 2]>, folder: &Path) -> anyhow::Result<Opened> {
     let bytes = offline::read(path)?;
+    if bytes.starts_with(GZIP) {
+        return unpacked(path, &bytes, place_deg, folder);
+    }
     let recording = RecordingBytes::new(&bytes);
     let survey = recording.survey();
     let foreign = survey.foreign(&bytes);
-    if foreign.is_none() && survey.records() > 0 {
+    let has_another_edition = || survey.categories.values().any(|category| category.better().is_some());
+    if foreign.is_none() && (survey.records() > 0 || has_another_edition()) {
         return asterix(path, &bytes, place_deg);
     }
     // A capture of a feed has no block of ASTERIX.
-    let content: Vec<u8> = match Container::detect(&bytes) {
-        Container::Raw => Vec::new(),
-        _ => datagrams(&bytes)
-            .flatten()
-            .flat_map(|datagram| datagram.bytes.to_vec())
-            .collect(),
+    let kind = match Container::detect(&bytes) {
+        Container::Pcap | Container::PcapNg => {
+            let content: Vec<u8> = datagrams(&bytes)
+                .flatten()
+                .flat_map(|datagram| datagram.bytes.to_vec())
+                .collect();
+            Foreign::of(&content)
+        }
+        // Lines of hexadecimal digits may be frames.
+        _ => foreign.or_else(|| Foreign::of(&bytes)),
     };
-    let kind = foreign.or_else(|| Foreign::of(&content));
     let candidates = kind.map(feeds_of).unwrap_or_default();
     let judged = candidates.iter().map(|format| feed(path, &bytes, *format, place_deg));
-    let best = judged
-        .max_by_key(|(_, records)| *records)
-        .filter(|(_, records)| *records > 0);
-    if let Some((opened, _)) = best {
-        return Ok(opened);
-    }
+    let best = judged.max_by_key(|(_, survey)| survey.counts.records);
+    let refused = match best {
+        Some((opened, survey)) if survey.counts.records > 0 => return Ok(opened),
+        Some((_, survey)) => survey.refused,
+        None => None,
+    };
     if kind == Some(Foreign::Csv) {
         return table(path, &bytes);
     }
     let what = match kind {
+        Some(kind) if refused.is_some() => {
+            let formats: Vec<&str> = candidates.iter().map(|format| format.word()).collect();
+            let (formats, refused) = (formats.join(", "), refused.unwrap_or_default());
+            format!("{kind}; as {formats}, nothing in it can be read: {refused}")
+        }
         Some(kind) => format!("{kind}; `koseki open --help` lists what is read"),
         None => "of no kind that is known here; `koseki open --help` lists what is read".to_owned(),
     };
     Err(InputError::new(path, what).into())
+}
+
+/// Unpacks a file of gzip, and judges the content.
+fn unpacked(path: &Path, bytes: &[u8], place_deg: Option<[f64; 2]>, folder: &Path) -> anyhow::Result<Opened> {
+    let mut content = Vec::new();
+    let mut reader = MultiGzDecoder::new(bytes).take(UNPACKED_MAX + 1);
+    let read = reader
+        .read_to_end(&mut content)
+        .map_err(|error| format!("cannot be unpacked: {error}"));
+    read.map_err(|what| InputError::new(path, what))?;
+    if content.len() as u64 > UNPACKED_MAX {
+        return Err(InputError::new(path, format!("is more than {UNPACKED_MAX} octets unpacked: unpack it")).into());
+    }
+    std::fs::create_dir_all(folder)?;
+    let unpacked = folder.join(path.file_stem().unwrap_or(path.as_os_str()));
+    std::fs::write(&unpacked, &content)?;
+    let mut opened = file(&unpacked, place_deg, folder)?;
+    opened
+        .decisions
+        .insert(0, format!("compressed by gzip: unpacked to {}", unpacked.display()));
+    Ok(opened)
 }
 
 /// Formats of feeds that a kind of file may hold, the likeliest first.
@@ -125,14 +170,15 @@ pub(super) fn feeds_of(kind: Foreign) -> &'static [FeedFormat] {
     }
 }
 
-/// Judges a file as the recording of a feed. Returns the number of transmissions, too.
-fn feed(path: &Path, bytes: &[u8], format: FeedFormat, place_deg: Option<[f64; 2]>) -> (Opened, u64) {
+/// Judges a file as the recording of a feed.
+fn feed(path: &Path, bytes: &[u8], format: FeedFormat, place_deg: Option<[f64; 2]>) -> (Opened, FeedSurvey) {
     let mut first_deg = None;
     let mut positions = 0_u64;
-    let (counts, first_utc_ns) = adapter::survey_feed(bytes, format, place_deg, &mut |report| {
+    let survey = adapter::survey_feed(bytes, format, place_deg, &mut |report| {
         positions += 1;
         first_deg = first_deg.or(report.geodetic.map(|position| position.map(f64::to_degrees)));
     });
+    let counts = survey.counts;
     let received_ns = datagrams(bytes)
         .flatten()
         .find_map(|datagram| match datagram.time_stamp {
@@ -160,9 +206,10 @@ fn feed(path: &Path, bytes: &[u8], format: FeedFormat, place_deg: Option<[f64; 2
         }],
         decisions,
         first_deg,
-        first_utc_ns: first_utc_ns.or(received_ns),
+        first_utc_ns: survey.first_utc_ns.or(received_ns),
+        is_in_metres: false,
     };
-    (opened, counts.records)
+    (opened, survey)
 }
 
 /// The source of a feed.
@@ -188,19 +235,43 @@ fn place([latitude, longitude]: [f64; 2]) -> String {
     format!("[source.place]\nlatitude_deg = {latitude:?}\nlongitude_deg = {longitude:?}\n")
 }
 
-/// Judges a table of tracks.
+/// Judges a table of tracks: in metres (FM-5), or of named columns.
 fn table(path: &Path, bytes: &[u8]) -> anyhow::Result<Opened> {
-    let _ = bytes;
+    let unusable = |error| InputError::new(path, error);
+    let outline = TableOutline::of(bytes).map_err(unusable)?;
+    let mut decisions = Vec::new();
+    match &outline {
+        Some(outline) => {
+            let (time, sigma_m) = (outline.time_column, outline.assumed_sigma_m());
+            decisions.push(format!(
+                "a table of named columns, the time in \"{time}\"; positions without sigma_m have a standard deviation \
+                 of {sigma_m} m"
+            ));
+            if !outline.ignored.is_empty() {
+                decisions.push(format!("columns that are not read: {}", outline.ignored.join(", ")));
+            }
+        }
+        None => decisions.push("a table of sensor tracks in metres (FM-5)".to_owned()),
+    }
+    let is_in_metres = outline.is_none();
+    let place = outline.and_then(|outline| outline.first_place).map(|(place, _)| place);
+    let first = table_rows(bytes).map_err(unusable)?.flatten().next();
+    let first_ns = first.map(|track| track.time_of_measurement_ns);
+    // Ships under way report every ten seconds. The rhythm of each target is learned.
+    let is_ship = first.is_some_and(|track| track.identity.mmsi().is_some());
+    let period_s = if is_ship { 10.0 } else { 4.0 };
     Ok(Opened {
         label: name_of(&path.display().to_string()),
         input: OpenedInput::File(path.to_owned()),
         sources: vec![SourceText {
+            keys: format!("period_s = {period_s:.1}\n"),
             input_keys: "format = \"sensor-tracks\"\n".to_owned(),
             ..SourceText::default()
         }],
-        decisions: vec!["a table of tracks".to_owned()],
-        first_deg: None,
-        first_utc_ns: None,
+        decisions,
+        first_deg: place.map(|place| [place.latitude_deg(), place.longitude_deg()]),
+        is_in_metres,
+        first_utc_ns: first_ns.filter(|first_ns| is_since_1970(*first_ns)),
     })
 }
 
@@ -302,6 +373,7 @@ fn asterix(path: &Path, bytes: &[u8], place_deg: Option<[f64; 2]>) -> anyhow::Re
         decisions,
         first_deg,
         first_utc_ns,
+        is_in_metres: false,
     })
 }
 

@@ -14,6 +14,7 @@ mod text;
 use std::fs;
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
+use std::time::UNIX_EPOCH;
 
 use anyhow::Context as _;
 use offline::Usage;
@@ -46,11 +47,13 @@ pub(crate) fn run(open: &OpenArgs) -> anyhow::Result<()> {
         return show(Path::new(only), open);
     }
     let place_deg = open.place.as_deref().map(place).transpose()?;
+    let name = text::name_of(&open.what[0]);
+    let folder = open.out.clone().unwrap_or_else(|| args::out_folder(None, &name));
     let mut opened = Vec::new();
     for what in &open.what {
         let found = match feeds::address(what) {
             Some(address) => feeds::open(&address?, place_deg)?,
-            None => judge::file(Path::new(what), place_deg)?,
+            None => judge::file(Path::new(what), place_deg, &folder)?,
         };
         found
             .decisions
@@ -62,8 +65,6 @@ pub(crate) fn run(open: &OpenArgs) -> anyhow::Result<()> {
     if !is_recorded && opened.iter().any(Opened::is_recorded) {
         return Err(Usage("files and feeds are of different times: open them one after the other".to_owned()).into());
     }
-    let name = text::name_of(&open.what[0]);
-    let folder = open.out.clone().unwrap_or_else(|| args::out_folder(None, &name));
     let config = ConfigText {
         name: &name,
         place_deg: origin(place_deg, &opened)?,
@@ -133,6 +134,10 @@ fn origin(stated: Option<[f64; 2]>, opened: &[Opened]) -> Result<[f64; 2], Usage
         decide("origin of the frame: the place of --place");
         return Ok(place);
     }
+    if opened.iter().all(|found| found.is_in_metres) {
+        decide("origin of the frame: latitude 0, longitude 0, since the data are metres of no stated place (--place)");
+        return Ok([0.0; 2]);
+    }
     let first = opened.iter().find_map(|found| found.first_deg);
     let [latitude, longitude] = first.ok_or_else(|| {
         Usage(
@@ -154,12 +159,22 @@ fn date(open: &OpenArgs, opened: &[Opened]) -> Result<String, Usage> {
     if let Some(date) = &open.date {
         return Ok(date.clone());
     }
-    let stated = opened.iter().filter_map(|found| found.first_utc_ns).min();
-    let stated = stated.ok_or_else(|| {
+    if let Some(stated_ns) = opened.iter().filter_map(|found| found.first_utc_ns).min() {
+        let date = text::date(stated_ns);
+        decide(&format!("first day: {date}, as the data state (--date)"));
+        return Ok(date);
+    }
+    let written = fs::metadata(&open.what[0]).and_then(|file| file.modified()).ok();
+    let since_1970 = written.and_then(|written| written.duration_since(UNIX_EPOCH).ok());
+    let written_ns = since_1970.and_then(|since| i64::try_from(since.as_nanos()).ok());
+    let written_ns = written_ns.ok_or_else(|| {
         Usage("the data state no date: give the first day of the recording, --date YYYY-MM-DD".to_owned())
     })?;
-    let date = text::date(stated);
-    decide(&format!("first day: {date}, as the data state (--date)"));
+    let date = text::date(written_ns);
+    decide(&format!(
+        "first day: {date}, the date of {}, since the data state none: --date sets another",
+        open.what[0]
+    ));
     Ok(date)
 }
 

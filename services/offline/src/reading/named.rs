@@ -21,11 +21,6 @@ use crate::args::OfflineInput;
 use crate::files::{InputError, Usage};
 use crate::host::Host;
 
-/// Standard deviation of the positions of aircraft and ships that state their own place, metres: the receiver's error
-/// is below 10 m, the rest is the time between the measurement and the stated time.
-const OWN_PLACE_SIGMA_M: f64 = 30.0;
-/// Standard deviation of positions of unknown origin, metres: a surveillance radar at half its range.
-const OTHER_SIGMA_M: f64 = 100.0;
 /// Names of heights whose unit differs between programs.
 const UNITLESS: [&str; 3] = ["altitude", "alt", "height"];
 /// Columns named in the summary.
@@ -173,7 +168,10 @@ impl NamedTables {
         input: CountingInput,
         sensors: &Rc<RefCell<Sensors>>,
     ) -> Result<FileReader, InputError> {
-        let accuracy = (self.sigma_m.unwrap_or(assumed_sigma_m(outline)), self.sigma_m.is_some());
+        let accuracy = (
+            self.sigma_m.unwrap_or(outline.assumed_sigma_m()),
+            self.sigma_m.is_some(),
+        );
         let source_of = named_source(Rc::clone(&self.names), Rc::clone(sensors), accuracy);
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
         let reader = NamedTrackReader::new(input, self.frame, &name, Box::new(source_of) as _);
@@ -196,19 +194,11 @@ impl NamedTables {
     }
 }
 
-/// Standard deviation of a table's positions without a statement of their own, metres.
-fn assumed_sigma_m(outline: &TableOutline) -> f64 {
-    match outline.target_names {
-        TargetNames::Transponders => OWN_PLACE_SIGMA_M,
-        TargetNames::Names | TargetNames::One => OTHER_SIGMA_M,
-    }
-}
-
 /// What is assumed for a table, a sentence each.
 fn assumptions(outline: &TableOutline, given_sigma_m: Option<f64>) -> Vec<String> {
     let mut found = Vec::new();
     if given_sigma_m.is_none() {
-        let sigma_m = assumed_sigma_m(outline);
+        let sigma_m = outline.assumed_sigma_m();
         let why = match outline.target_names {
             TargetNames::Transponders => "the targets state their own places, by satellite navigation",
             TargetNames::Names | TargetNames::One => "nothing shows how they were measured",
