@@ -11,7 +11,7 @@ use observations::{Observation, Statement};
 
 use crate::ais::{AisOutput, AisReader, AisSettings};
 use crate::cot_events::{CotReader, CotSettings};
-use crate::mode_s::{FrameClock, ModeSOrigin, ModeSReader, ModeSSettings, ModeSValue};
+use crate::mode_s::{FrameClock, ModeSOrigin, ModeSReader, ModeSRefusal, ModeSSettings, ModeSValue};
 use crate::readsb::{self, ReadsbReader, ReadsbSettings};
 use crate::remote_id::{RemoteIdReader, RemoteIdSettings};
 use crate::sbs::{AircraftMerger, SbsLine, SbsSettings, stamped_ns};
@@ -151,7 +151,7 @@ impl FeedReader {
                 });
                 for (reason, count) in reader.counters().refusals() {
                     let new = count - before[reason as usize];
-                    if new > 0 {
+                    if new > 0 && reason != ModeSRefusal::Repeated {
                         let words = format!("{new} times, a frame {}", reason.sentence());
                         out(Fed::Refused(reason.sentence(), &words));
                     }
@@ -256,7 +256,8 @@ impl FeedReader {
                 FeedCounts {
                     records: counted.accepted,
                     timed: counted.timed,
-                    refused: counted.refused_sum(),
+                    refused: counted.refused_sum() - counted.refused(ModeSRefusal::Repeated),
+                    repeated: counted.refused(ModeSRefusal::Repeated),
                     refused_octets: counted.damaged_octets,
                     without_position: counted.unpaired,
                     ..FeedCounts::default()

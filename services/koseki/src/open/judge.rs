@@ -22,6 +22,8 @@ use crate::recordings::table_rows;
 
 /// Bytes at the begin of MCAP files.
 const MCAP: &[u8] = b"\x89MCAP0\r\n";
+/// Limits of a source whose place is not known.
+const ANYWHERE: &str = "# Its place is not known, so its range is not checked.\n[source.limits]\nrange_m = 2000000.0\n";
 /// Bytes at the begin of files of gzip.
 const GZIP: &[u8] = b"\x1f\x8b\x08";
 /// Longest unpacked file, octets.
@@ -191,6 +193,9 @@ fn feed(path: &Path, bytes: &[u8], format: FeedFormat, place_deg: Option<[f64; 2
         counts.records,
         counts.records + counts.refused
     )];
+    if format == FeedFormat::ModeS && place_deg.is_none() {
+        decisions.push("positions on the ground need the receiver's place: --place".to_owned());
+    }
     if counts.timed == 0 && received_ns.is_none() && counts.records > 0 {
         decisions
             .push("nothing has a time: all reports are of one moment; record the data with their times".to_owned());
@@ -216,7 +221,7 @@ fn feed(path: &Path, bytes: &[u8], format: FeedFormat, place_deg: Option<[f64; 2
 pub(super) fn feed_source(format: FeedFormat, place_deg: Option<[f64; 2]>) -> SourceText {
     SourceText {
         keys: period(format).to_owned(),
-        tables: place_deg.map(place).unwrap_or_default(),
+        tables: place_deg.map_or_else(|| ANYWHERE.to_owned(), place),
         ..SourceText::default()
     }
 }
@@ -266,6 +271,7 @@ fn table(path: &Path, bytes: &[u8]) -> anyhow::Result<Opened> {
         sources: vec![SourceText {
             keys: format!("period_s = {period_s:.1}\n"),
             input_keys: "format = \"sensor-tracks\"\n".to_owned(),
+            tables: ANYWHERE.to_owned(),
             ..SourceText::default()
         }],
         decisions,
@@ -407,7 +413,10 @@ fn source(
             _ => String::new(),
         },
         input_keys,
-        tables: place_deg.filter(|_| sender.relative > 0).map(place).unwrap_or_default(),
+        tables: match place_deg.filter(|_| sender.relative > 0) {
+            Some(place_deg) => place(place_deg),
+            None => ANYWHERE.to_owned(),
+        },
     }
 }
 
