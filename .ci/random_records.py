@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Random well-formed records of every edition that a reference decoder (libasterix) defines, and how it decodes them.
 
-usage: random_records.py FOLDER CATEGORY ...
+usage: [RECORDS=2000] random_records.py FOLDER CATEGORY ...
 
 For each edition of these categories two files are written, named after both as in 048=1.31: .ast, with one record in
 each block, and .reference, with one JSON object a line as compare_reference.py takes them.  Each edition of coding
@@ -17,7 +17,7 @@ import sys
 import asterix.generated as generated
 from asterix import base
 
-RECORDS = 150
+RECORDS = int(os.environ.get('RECORDS', 150))    # of each edition
 DICE = random.Random(4)
 CHANCES = 0.2, 0.5, 0.9                 # of an item to be in a record
 
@@ -57,7 +57,10 @@ def make_part(part):
 
 
 def make_item(item):
-    return make(item.cv_rule.cv_variation)
+    """Bits of an item; of one whose parts depend on another item (I004/120/CC/CPC), those of the number it is."""
+    rule = item.cv_rule
+    dependent = issubclass(rule, base.RuleVariationDependent)
+    return make(rule.cv_default_variation if dependent else rule.cv_variation)
 
 
 def announce(items, always=()):
@@ -105,13 +108,18 @@ def record(profile, decider, expansion):
     sent = octets(fspec(flags) + body)
     parsed, rest = profile.parse(base.ParsingMode.StrictParsing, base.Bits.from_bytes(sent))
     assert not len(rest)
-    values = {name: value(item.arg.arg) for name, item in parsed.items_regular.items()}
+    values = {name: value_of(item) for name, item in parsed.items_regular.items()}
     for sequence in parsed.items_rfs:
-        values['RFS'] = [{name: value(item.arg.arg)} for name, item in sequence]
+        values['RFS'] = [{name: value_of(item)} for name, item in sequence]
     if expansion and 'RE' in values:
         content, _ = expansion._parse(base.Bits.from_bytes(bytes.fromhex(values['RE'])))
-        values['RE'] = {name: value(item.arg.arg) for name, item in content.arg.items()}
+        values['RE'] = {name: value_of(item) for name, item in content.arg.items()}
     return sent, values
+
+
+def value_of(item):
+    rule = item.arg
+    return value(rule._variation(None) if isinstance(rule, base.RuleVariationDependent) else rule.arg)
 
 
 def value(variation):
@@ -126,16 +134,16 @@ def value(variation):
                 return getattr(content, read)()
         return content.as_uint()
     if isinstance(variation, base.Group):
-        return {part.cv_non_spare.cv_name: value(part.arg.arg.arg)
+        return {part.cv_non_spare.cv_name: value_of(part.arg)
                 for part in variation.arg if isinstance(part, base.Item)}
     if isinstance(variation, base.Extended):
-        return {piece.cv_non_spare.cv_name: value(piece.arg.arg.arg)
+        return {piece.cv_non_spare.cv_name: value_of(piece.arg)
                 for part in variation.arg for piece in part if isinstance(piece, base.Item)}
     if isinstance(variation, base.Repetitive):
         return [value(inner) for inner in variation.arg]
     if isinstance(variation, base.Explicit):
         return variation.get_bytes().hex()
-    return {name: value(item.arg.arg) for name, item in variation.arg.items()}
+    return {name: value_of(item) for name, item in variation.arg.items()}
 
 
 def write(folder, name, uap, category, expansion):
