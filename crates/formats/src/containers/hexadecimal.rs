@@ -205,6 +205,10 @@ fn are_blocks(octets: &[u8]) -> bool {
 }
 
 fn beginning(line: &[u8]) -> String {
-    let shown = String::from_utf8_lossy(&line[..line.len().min(4 * SHOWN_MAX)]);
-    shown.chars().take(SHOWN_MAX).collect()
+    let text = String::from_utf8_lossy(&line[..line.len().min(4 * SHOWN_MAX)]);
+    let shown: String = text.chars().take(SHOWN_MAX).collect();
+    match shown.len() < text.len() || text.len() < line.len() {
+        true => shown + "…",
+        false => shown,
+    }
 }

@@ -84,7 +84,7 @@ pub enum Reason {
         length: usize,
     },
     /// A line of hexadecimal text that is no datagram.
-    #[error("line {beginning:?}…, expected pairs of hexadecimal digits, with or without a time before them")]
+    #[error("line {beginning:?}, expected pairs of hexadecimal digits, with or without a time before them")]
     HexLine {
         /// The first characters.
         beginning: String,
