@@ -9,7 +9,7 @@
 use std::borrow::Cow;
 use std::fmt;
 
-use crate::containers::gps;
+use crate::containers::{gps, hexadecimal};
 
 /// Bytes at the beginning of a text that are looked at.
 const TEXT_BYTES: usize = 1 << 12;
@@ -73,7 +73,11 @@ impl Foreign {
     /// Kind of a file that is text; `None` if it is none.
     pub fn as_text(bytes: &[u8]) -> Option<Self> {
         let text = text(bytes).filter(|_| !bytes.is_empty())?;
-        Some(Self::of_text(text.trim_start_matches(MARK)))
+        // With times, the lines of a hexadecimal recording are not digits alone.
+        match hexadecimal::begins(bytes) {
+            true => Some(Self::Hex),
+            false => Some(Self::of_text(text.trim_start_matches(MARK))),
+        }
     }
 
     fn of_text(text: &str) -> Self {

@@ -44,7 +44,7 @@ const SEPARATORS: [char; 4] = [' ', '\t', ',', ';'];
 const MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// Whether most of the first lines are datagrams of whole data blocks.
-pub(super) fn begins(bytes: &[u8]) -> bool {
+pub(crate) fn begins(bytes: &[u8]) -> bool {
     let (mut lines, mut good) = (0, 0);
     let text = bytes.strip_prefix(MARK).unwrap_or(bytes);
     let contents = text.split(|octet| *octet == b'\n').filter_map(content);

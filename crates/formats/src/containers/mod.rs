@@ -58,7 +58,7 @@ mod capture;
 mod final_format;
 mod fragments;
 pub(crate) mod gps;
-mod hexadecimal;
+pub(crate) mod hexadecimal;
 mod packet;
 mod pcap;
 mod pcapng;

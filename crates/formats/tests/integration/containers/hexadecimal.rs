@@ -131,8 +131,10 @@ fn other_texts_are_none() {
         );
     }
     assert_eq!(Container::detect(b"300004AB\xff\n"), Container::Raw);
-    let taken_for_another = RecordingBytes::new(b"300004AB\n").in_container(Container::Raw).survey();
-    assert_eq!(taken_for_another.foreign(b"300004AB\n"), Some(Foreign::Hex));
+    for text in [&b"300004AB\n"[..], b"12.5 300004AB\n"] {
+        let taken_for_another = RecordingBytes::new(text).in_container(Container::Raw).survey();
+        assert_eq!(taken_for_another.foreign(text), Some(Foreign::Hex));
+    }
 }
 
 fn digits(octets: &[u8], blanks: bool) -> String {
