@@ -116,7 +116,7 @@ fn what_cannot_be_written_is_named_with_its_line_place_and_value() {
         (
             r#"{"_c":250}"#,
             "category 250",
-            "there is no table of category 250; there are 1, 2, 10",
+            "there is no table of category 250; there are 1, 2, 4, 8",
         ),
         (
             r#"{"_c":48,"999":1}"#,

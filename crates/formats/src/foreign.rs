@@ -6,17 +6,13 @@
 //! can be decoded: a data block may look like any of them
 //! ([`RecordingSurvey::foreign`](crate::recording::RecordingSurvey::foreign)).
 
-use std::borrow::Cow;
 use std::fmt;
 
 use crate::containers::{gps, hexadecimal};
+use crate::text::{MARK, TEXT_BYTES, text};
 
-/// Bytes at the beginning of a text that are looked at.
-const TEXT_BYTES: usize = 1 << 12;
 /// Lines, or frames, in a row that make a kind certain.
 const ENOUGH: usize = 3;
-/// Byte order mark.
-const MARK: char = '\u{feff}';
 /// Lines at the beginning of a text among which comments and sentences of other kinds may stand.
 const LINES_BEFORE: usize = 20;
 
@@ -130,7 +126,7 @@ impl fmt::Display for Foreign {
             Self::Nmea => "it is a log of NMEA 0183 sentences, which a [[platform]] takes live as states of own ship",
             Self::Sbs => "it is an SBS log (BaseStation), which `koseki open` reads: [source.recorded] format = \"sbs\"",
             Self::ModeS => "it is a log of Mode S frames as text (AVR), which `koseki open` reads: [source.recorded] format = \"mode-s\"",
-            Self::Hex => "it is hexadecimal text; lines that are data blocks each are read as the container hex, and `koseki open` reads Mode S frames with times: turn other text into octets, as `xxd -r -p` does",
+            Self::Hex => "it is hexadecimal text; lines of whole data blocks are read as the container hex, and `koseki open` reads Mode S frames with times: turn other text into octets, as `xxd -r -p` does",
             Self::Json => "it is JSON; `koseki open` reads aircraft of readsb, Mode S frames and Remote ID, `koseki encode` records of ASTERIX",
             Self::Xml => "it is XML; `koseki open` reads events of Cursor on Target",
             Self::Csv => "it is a table of text, which `koseki open` and `koseki fuse` read if a row has a time and a position",
@@ -138,27 +134,6 @@ impl fmt::Display for Foreign {
             Self::Text => "it is text",
         })
     }
-}
-
-/// Beginning of a file as text, if all of it is text: letters without control characters, in UTF-8 or, with few letters
-/// beyond ASCII, in a code page of an older system.
-fn text(bytes: &[u8]) -> Option<Cow<'_, str>> {
-    /// Letters of which at most one is no ASCII.
-    const OF_ASCII: usize = 8;
-    let beginning = &bytes[..bytes.len().min(TEXT_BYTES)];
-    let text = match std::str::from_utf8(beginning) {
-        Ok(text) => Cow::Borrowed(text),
-        // The last letter may be cut.
-        Err(error) if error.valid_up_to() + 4 > beginning.len() && bytes.len() > TEXT_BYTES => {
-            Cow::Borrowed(std::str::from_utf8(&beginning[..error.valid_up_to()]).ok()?)
-        }
-        Err(_) => {
-            let others = beginning.iter().filter(|octet| !octet.is_ascii()).count();
-            (OF_ASCII * others <= beginning.len()).then(|| String::from_utf8_lossy(beginning))?
-        }
-    };
-    let is_text = |letter: char| !letter.is_control() || letter.is_ascii_whitespace();
-    text.trim_start_matches(MARK).chars().all(is_text).then_some(text)
 }
 
 /// Returns whether most units of two bytes behind the byte order mark are letters of the first 256.

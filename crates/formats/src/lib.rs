@@ -63,6 +63,7 @@ pub mod sensor_tracks_csv;
 pub mod snapshot_datagram;
 pub mod snapshots_csv;
 pub mod target_message;
+mod text;
 pub mod time_base;
 pub mod tracks_csv;
 pub mod wide_area_csv;

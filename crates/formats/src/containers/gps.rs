@@ -24,7 +24,7 @@ use frames::time::{NS_PER_DAY, time_of_day_ns};
 
 use super::skipped::{Reason, Skipped};
 use super::{Container, RecordedDatagram, TimeStamp};
-use crate::foreign::Foreign;
+use crate::text::text;
 
 /// Octets before the first data block.
 const HEADER_OCTETS: usize = 2_200;
@@ -42,7 +42,7 @@ const ENOUGH: usize = 3;
 /// Whether the bytes are a header and data blocks, each with its ten octets. Texts, whose letters are such lengths by
 /// accident, and bare data blocks are none.
 pub(crate) fn begins(bytes: &[u8]) -> bool {
-    is_chain(bytes, HEADER_OCTETS) && Foreign::as_text(bytes).is_none() && !is_bare(bytes)
+    is_chain(bytes, HEADER_OCTETS) && text(bytes).is_none() && !is_bare(bytes)
 }
 
 /// Whether the first octets are data blocks without anything between.

@@ -1,7 +1,7 @@
 //! ASTERIX target reports into observations.
 //!
-//! A file per category describes the meaning of the category's items. Reports of radio direction finders (CAT205) are no
-//! targets; [`finder_report`] makes bearings and fixes of them.
+//! A file per category describes the meaning of the category's items. Reports of radio direction finders (CAT205) are
+//! no targets; [`finder_report`] makes bearings and fixes of them.
 
 mod cat001;
 mod cat010;

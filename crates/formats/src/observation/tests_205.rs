@@ -224,7 +224,9 @@ proptest! {
                     prop_assert!((0.0..=TAU).contains(&found.bearing_rad));
                     prop_assert!(found.platform_m.iter().all(|metres| metres.is_finite()));
                 }
-                Ok(EmitterMeasurement::Fix(found)) => prop_assert!(found.position_m.iter().all(|metres| metres.is_finite())),
+                Ok(EmitterMeasurement::Fix(found)) => {
+                    prop_assert!(found.position_m.iter().all(|metres| metres.is_finite()));
+                }
                 other => prop_assert!(other.is_err()),
             }
         }

@@ -237,7 +237,7 @@ impl RecordingSurvey {
         2 * octets > bytes.len() as u64
     }
 
-    /// Returns whether most of the datagrams' bytes are in blocks of categories that are known by name and have no table.
+    /// Returns whether most bytes of the datagrams are in blocks of categories with a name and without a table.
     pub fn is_mostly_without_table(&self) -> bool {
         let named = self.categories.iter().filter(|(number, category)| {
             category.edition.is_none() && registry::name_without_table(**number).is_some()
