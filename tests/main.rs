@@ -26,6 +26,7 @@ mod locate_arrivals;
 mod mistakes;
 mod named_columns;
 mod on_board;
+mod open;
 mod score;
 mod send;
 mod simulate;

@@ -13,6 +13,7 @@ const BOUNDS: &[(&str, usize)] = &[
     ("outlives a process", 5),
     ("text of a sample", 3),
     ("figures of a deployment", 5),
+    ("past of the picture", 2),
 ];
 
 /// The cells of the table's rows.

@@ -109,6 +109,8 @@ pub(crate) struct RecordedFeed {
     packed: Packed,
     first_day_ns: i64,
     format: FeedFormat,
+    /// Time of receipt of data that state none, UTC, nanoseconds.
+    received_ns: Option<i64>,
     reader: FeedReader,
 }
 
@@ -117,6 +119,7 @@ impl RecordedFeed {
     /// first day, UTC, nanoseconds: ticks of receivers without a date begin there.
     pub(crate) fn open((format, place_deg, first_day_ns): (FeedFormat, Option<[f64; 2]>, i64), bytes: Vec<u8>) -> Self {
         Self {
+            received_ns: None,
             packed: Packed::of_feed(bytes),
             format,
             reader: FeedReader::new(feed::settings(format, 0, place_deg, first_day_ns)),
@@ -144,7 +147,9 @@ impl RecordedFeed {
         });
         let piece = if is_lines { piece.trim_ascii_end() } else { piece };
         // Lines without a time have no use in a text file; frames may have ticks.
-        let received_ns = received_ns.or(is_lines.then_some(self.first_day_ns));
+        let received_ns = received_ns
+            .or(self.received_ns)
+            .or(is_lines.then_some(self.first_day_ns));
         // Refused data are counted by reason.
         self.reader.take(piece, received_ns, out);
         if self.packed.is_exhausted() {
@@ -152,8 +157,10 @@ impl RecordedFeed {
         }
     }
 
-    /// Reads everything; `observed` gets each target report.
-    pub(crate) fn survey(mut self, observed: &mut dyn FnMut(&Observation)) -> FeedSurvey {
+    /// Reads everything as received at `received_ns`, UTC, nanoseconds, unless the data state their receipt; `observed`
+    /// gets each target report.
+    pub(crate) fn survey(mut self, received_ns: Option<i64>, observed: &mut dyn FnMut(&Observation)) -> FeedSurvey {
+        self.received_ns = received_ns;
         let mut refused = None;
         while !self.packed.is_exhausted() {
             self.read_piece(&mut |fed| match fed {

@@ -85,7 +85,7 @@ impl WayIn {
         SocketAddr::new(any, 0)
     }
 
-    /// Passes the next pieces to `visit`, each with the time of receipt, and whether no further piece continues it; waits
+    /// Passes the next pieces to `visit`, each with the time of receipt, and whether no further piece continues it. Waits
     /// at most [`PATIENCE`]. The capture gets what came from an address.
     fn poll(
         &mut self,

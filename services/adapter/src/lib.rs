@@ -66,14 +66,15 @@ impl<'a> Processed<'a> {
     }
 }
 
-/// Reads the data of a feed in `bytes` as the adapter of a recording does; `observed` gets each target report.
+/// Reads the data of a feed in `bytes` as the adapter of a recording does; `observed` gets each target report. Data that
+/// state no receipt were received at `received_ns`, UTC, nanoseconds, if stated.
 pub fn survey_feed(
     bytes: &[u8],
     format: FeedFormat,
-    place_deg: Option<[f64; 2]>,
+    (place_deg, received_ns): (Option<[f64; 2]>, Option<i64>),
     observed: &mut dyn FnMut(&Observation),
 ) -> FeedSurvey {
-    RecordedFeed::open((format, place_deg, 0), bytes.to_vec()).survey(observed)
+    RecordedFeed::open((format, place_deg, 0), bytes.to_vec()).survey(received_ns, observed)
 }
 
 /// Runs the adapter named in `process` (of a receiver, a recorded source or a wide-area sensor) until the work is done

@@ -420,7 +420,7 @@ fn turn(
 /// Reads the data of a feed.
 fn read_feed(bytes: &[u8], format: FeedFormat, key: &RecordingOwner) -> Result<RecordingFindings, String> {
     let mut found = RecordingFindings::default();
-    let counts = adapter::survey_feed(bytes, format, None, &mut |report| {
+    let counts = adapter::survey_feed(bytes, format, (None, None), &mut |report| {
         found.first_time_ns = found.first_time_ns.or(report.time_of_day_ns);
         found.last_time_ns = report.time_of_day_ns.or(found.last_time_ns);
     })

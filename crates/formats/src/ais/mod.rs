@@ -13,7 +13,7 @@
 //!
 //! | types | meaning | given as |
 //! | --- | --- | --- |
-//! | 1, 2, 3; 18; 27 | position of a ship: class A; class B; coarse, for satellites | observation, statement of status |
+//! | 1, 2, 3; 18; 27 | position of a ship: class A; class B; coarse, for satellites | observation, statement |
 //! | 9 | position of a rescue aircraft | observation, statement |
 //! | 19 | position and static data of a ship of class B | observation, statement |
 //! | 5; 24 | static data: class A; class B | statement; name and call sign in later observations |

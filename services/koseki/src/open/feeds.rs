@@ -5,13 +5,15 @@
 
 use std::io::{ErrorKind, Read as _};
 use std::net::{SocketAddr, TcpStream, ToSocketAddrs as _, UdpSocket};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use anyhow::Context as _;
 use deployment::FeedFormat;
 use formats::foreign::Foreign;
 use net::Document;
 use offline::Usage;
+use runtime::Now;
+use runtime::clock::mono_ns;
 
 use super::judge::{Opened, OpenedInput, feed_source, feeds_of};
 
@@ -142,9 +144,10 @@ pub(super) fn open(address: &FeedAddress, place_deg: Option<[f64; 2]>) -> anyhow
     };
     super::decide(&format!("{what}: waiting for data, up to {} s", PATIENCE.as_secs()));
     let mut octets = Octets::open(address).with_context(|| what.clone())?;
-    let (mut read, begun) = (Vec::new(), Instant::now());
+    let (mut read, begun_ns) = (Vec::new(), mono_ns());
+    let passed = || Duration::from_nanos((mono_ns() - begun_ns).unsigned_abs());
     let mut judged = None;
-    while begun.elapsed() < PATIENCE && read.len() < OCTETS_MAX {
+    while passed() < PATIENCE && read.len() < OCTETS_MAX {
         let before = read.len();
         octets.read(&mut read).with_context(|| what.clone())?;
         if read.len() == before {
@@ -165,7 +168,7 @@ pub(super) fn open(address: &FeedAddress, place_deg: Option<[f64; 2]>) -> anyhow
             let why = format!(
                 "format \"{}\": {records} transmissions read in {:.1} s",
                 format.word(),
-                begun.elapsed().as_secs_f64()
+                passed().as_secs_f64()
             );
             (format, why, first_deg)
         }
@@ -205,9 +208,10 @@ pub(super) fn open(address: &FeedAddress, place_deg: Option<[f64; 2]>) -> anyhow
 /// Returns the format that most of the octets fit, the number of transmissions, and the first position; `None` if none.
 fn judge(octets: &[u8], place_deg: Option<[f64; 2]>) -> Option<(FeedFormat, u64, Option<[f64; 2]>)> {
     let kind = Foreign::of(octets)?;
+    let received_ns = Some(Now::read().utc_ns);
     let judged = feeds_of(kind).iter().map(|format| {
         let mut first_deg = None;
-        let survey = adapter::survey_feed(octets, *format, place_deg, &mut |report| {
+        let survey = adapter::survey_feed(octets, *format, (place_deg, received_ns), &mut |report| {
             first_deg = first_deg.or(report.geodetic.map(|position| position.map(f64::to_degrees)));
         });
         (*format, survey.counts.records, first_deg)

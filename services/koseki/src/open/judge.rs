@@ -17,7 +17,7 @@ use formats::recording::RecordingBytes;
 use formats::time_base::is_since_1970;
 use offline::{InputError, Usage};
 
-use super::text::name_of;
+use super::names::name_of;
 use crate::recordings::table_rows;
 
 /// Bytes at the begin of MCAP files.
@@ -176,7 +176,7 @@ pub(super) fn feeds_of(kind: Foreign) -> &'static [FeedFormat] {
 fn feed(path: &Path, bytes: &[u8], format: FeedFormat, place_deg: Option<[f64; 2]>) -> (Opened, FeedSurvey) {
     let mut first_deg = None;
     let mut positions = 0_u64;
-    let survey = adapter::survey_feed(bytes, format, place_deg, &mut |report| {
+    let survey = adapter::survey_feed(bytes, format, (place_deg, None), &mut |report| {
         positions += 1;
         first_deg = first_deg.or(report.geodetic.map(|position| position.map(f64::to_degrees)));
     });

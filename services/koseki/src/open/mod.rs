@@ -9,6 +9,7 @@
 
 mod feeds;
 mod judge;
+mod names;
 mod text;
 
 use std::fs;
@@ -47,7 +48,7 @@ pub(crate) fn run(open: &OpenArgs) -> anyhow::Result<()> {
         return show(Path::new(only), open);
     }
     let place_deg = open.place.as_deref().map(place).transpose()?;
-    let name = text::name_of(&open.what[0]);
+    let name = names::name_of(&open.what[0]);
     let folder = open.out.clone().unwrap_or_else(|| args::out_folder(None, &name));
     let mut opened = Vec::new();
     for what in &open.what {
@@ -160,7 +161,7 @@ fn date(open: &OpenArgs, opened: &[Opened]) -> Result<String, Usage> {
         return Ok(date.clone());
     }
     if let Some(stated_ns) = opened.iter().filter_map(|found| found.first_utc_ns).min() {
-        let date = text::date(stated_ns);
+        let date = names::date(stated_ns);
         decide(&format!("first day: {date}, as the data state (--date)"));
         return Ok(date);
     }
@@ -170,7 +171,7 @@ fn date(open: &OpenArgs, opened: &[Opened]) -> Result<String, Usage> {
     let written_ns = written_ns.ok_or_else(|| {
         Usage("the data state no date: give the first day of the recording, --date YYYY-MM-DD".to_owned())
     })?;
-    let date = text::date(written_ns);
+    let date = names::date(written_ns);
     decide(&format!(
         "first day: {date}, the date of {}, since the data state none: --date sets another",
         open.what[0]

@@ -1,15 +1,8 @@
 //! The configuration of what was opened.
 
 use std::fmt::Write as _;
-use std::path::Path;
-
-use jiff::tz::TimeZone;
-use jiff::{Timestamp, Zoned};
 
 use super::judge::{Opened, OpenedInput};
-
-/// Characters of a name.
-const NAME_MAX: usize = 24;
 
 /// Values of a configuration.
 #[derive(Debug)]
@@ -100,46 +93,14 @@ fn new_name(wanted: &str, names: &mut Vec<String>) -> String {
     name
 }
 
-/// Returns a name for a file or feed: its letters, digits and hyphens.
-pub(super) fn name_of(what: &str) -> String {
-    let stem = match what.split_once("://") {
-        Some((scheme, _)) => scheme.to_owned(),
-        None => {
-            let stem = Path::new(what).file_stem().unwrap_or_default();
-            stem.to_string_lossy().into_owned()
-        }
-    };
-    let letters = stem
-        .chars()
-        .map(|letter| if letter.is_ascii_alphanumeric() { letter } else { '-' });
-    let name: String = letters.take(NAME_MAX).collect();
-    let name = name.trim_matches('-').to_ascii_lowercase();
-    if name.is_empty() { "opened".to_owned() } else { name }
-}
-
-/// Returns the date of a time, UTC, nanoseconds since 1970.
-pub(super) fn date(utc_ns: i64) -> String {
-    let at = Timestamp::from_nanosecond(i128::from(utc_ns)).unwrap_or(Timestamp::UNIX_EPOCH);
-    let at: Zoned = at.to_zoned(TimeZone::UTC);
-    at.date().to_string()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn names_are_names_of_sources() {
-        assert_eq!(name_of("/data/Radar West_2.pcap"), "radar-west-2");
-        assert_eq!(name_of("tcp://10.0.0.1:30005"), "tcp");
-        assert_eq!(name_of("..."), "opened");
+    fn no_name_is_given_twice() {
         let mut names = Vec::new();
         let given: Vec<String> = (0..3).map(|_| new_name("a", &mut names)).collect();
         assert_eq!(given, ["a", "a-2", "a-3"]);
-    }
-
-    #[test]
-    fn dates_are_those_of_utc() {
-        assert_eq!(date(1_717_664_319_147_975_000), "2024-06-06");
     }
 }

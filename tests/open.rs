@@ -1,0 +1,218 @@
+//! `koseki open`: files and feeds of every kind into tracks, without a configuration.
+
+use std::io::{Read as _, Write as _};
+use std::net::{TcpListener, TcpStream};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+use serde_json::Value;
+
+use crate::common::{Home, free_address, until};
+
+/// Halves of one position of an aircraft (52.2572° N, 3.9194° E): worked frames of the literature.
+const HALVES: [&str; 2] = ["8D40621D58C382D690C8AC2863A7", "8D40621D58C386435CC412692AD6"];
+/// Positions of a ship that goes north, ten seconds apart.
+const SHIP: [&str; 6] = [
+    "!AIVDM,1,1,,A,13HNvh@P1FPGkL0Hf2000001P000,0*26",
+    "!AIVDM,1,1,,A,13HNvh@P1FPGkL0Hf2t0000EP000,0*16",
+    "!AIVDM,1,1,,A,13HNvh@P1FPGkL0Hf3p0000aP000,0*37",
+    "!AIVDM,1,1,,A,13HNvh@P1FPGkL0Hf4l0000uP000,0*38",
+    "!AIVDM,1,1,,A,13HNvh@P1FPGkL0Hf5h0001AP000,0*08",
+    "!AIVDM,1,1,,A,13HNvh@P1FPGkL0Hf6d0001UP000,0*13",
+];
+/// A time of recordings: 2024-06-06 09:00 UTC.
+const BEGUN_S: u64 = 1_717_664_400;
+
+/// Document of readsb with an aircraft that flies north at 200 m/s.
+fn aircraft(now_s: f64, passed_s: f64) -> String {
+    let latitude = 50.0 + passed_s * 200.0 / 111_200.0;
+    format!(
+        "{{\"now\":{now_s:.1},\"aircraft\":[{{\"hex\":\"3c0001\",\"flight\":\"DLH1\",\"lat\":{latitude:.6},\"lon\":8.0,\
+         \"alt_baro\":30000,\"gs\":388.8,\"track\":0,\"seen\":0,\"seen_pos\":0,\"nac_p\":9,\"type\":\"adsb_icao\"}}]}}"
+    )
+}
+
+/// Opens `name` in the home's folder; returns the counts of system tracks, and what was printed about decisions.
+fn opened(home: &Home, name: &str, options: &[&str]) -> (Value, String) {
+    let file = home.path(name).display().to_string();
+    let out = home.path(&format!("out-{name}")).display().to_string();
+    let fixed = ["open", &file, "--no-display", "--out", &out];
+    let output = home.run(&[&fixed[..], options].concat());
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{name}: {said}");
+    let report: Value = serde_json::from_str(&home.read(&format!("out-{name}/latest/report.json"))).unwrap();
+    (report["picture"].clone(), said)
+}
+
+#[test]
+fn a_file_of_each_kind_becomes_a_track() {
+    let home = Home::new();
+    let times = || (0..40).map(|second| (BEGUN_S + second, HALVES[second as usize % 2]));
+    let hex: String = times().map(|(time, frame)| format!("{time}.0 {frame}\n")).collect();
+    let json: String = times()
+        .map(|(time, frame)| format!("{{\"timestamp\":{time}.0,\"frame\":\"{frame}\"}}\n"))
+        .collect();
+    let ais: String = SHIP
+        .iter()
+        .zip(0..)
+        .map(|(sentence, place)| format!("{} {sentence}\n", BEGUN_S + 10 * place))
+        .collect();
+    let readsb: String = (0..20)
+        .map(|second| aircraft((BEGUN_S + second) as f64, second as f64) + "\n")
+        .collect();
+    let table: String = (0..20)
+        .map(|second| format!("{},{:.6},8.0,3c0002\n", BEGUN_S + second, 50.0 + 0.0018 * second as f64))
+        .collect();
+    let table = format!("time,latitude,longitude,icao24\n{table}");
+    for (name, content, format) in [
+        ("timed.txt", hex, "format \"mode-s\""),
+        ("frames.jsonl", json, "format \"mode-s\""),
+        ("ship.ais", ais, "format \"ais\""),
+        ("history.jsonl", readsb, "format \"readsb\""),
+        ("table.csv", table, "a table of named columns"),
+    ] {
+        home.write(name, &content);
+        let (picture, said) = opened(&home, name, &[]);
+        assert_eq!(
+            (&picture["started"], &picture["ever_confirmed"]),
+            (&1.into(), &1.into()),
+            "{name}: {said}"
+        );
+        assert!(
+            said.contains(format) && said.contains("first day: 2024-06-06"),
+            "{said}"
+        );
+        // What was decided is a configuration that goes on serving.
+        let config = home.path(&format!("out-{name}/open.toml")).display().to_string();
+        let checked = home.run(&["check", &config, "--data", "."]);
+        assert_eq!(checked.status.code(), Some(0), "{checked:?}");
+    }
+}
+
+#[test]
+fn what_cannot_be_read_is_named_with_the_remedy() {
+    let home = Home::new();
+    let untimed = format!("*{};\n*{};\n", HALVES[0], HALVES[1]);
+    let utf16: Vec<u8> = "\u{feff}time,lat\n1,2\n"
+        .encode_utf16()
+        .flat_map(u16::to_le_bytes)
+        .collect();
+    home.write("frames.avr", untimed);
+    home.write("empty", "");
+    home.write("notes.txt", "Dear all,\nplease find attached.\n");
+    home.write("utf16.csv", utf16);
+    home.write("both.csv", "time,lat,latitude,lon\n1,2,3,4\n");
+    for (name, reason) in [
+        ("frames.avr", "has no time"),
+        ("empty", "the file is empty"),
+        ("notes.txt", "it is text"),
+        ("utf16.csv", "save it as UTF-8"),
+        ("both.csv", "latitude"),
+        ("absent.csv", "absent.csv"),
+    ] {
+        let file = home.path(name).display().to_string();
+        let output = home.run(&["open", &file, "--no-display"]);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{name}: {said}");
+        assert!(said.contains(reason) && said.contains(name), "{name}: {said}");
+    }
+    for (what, reason) in [
+        ("ftp://a/b", "tcp://, udp:// or http://"),
+        ("tcp://127.0.0.1", "no address with a port"),
+    ] {
+        let output = home.run(&["open", what]);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(2) && said.contains(reason), "{said}");
+    }
+}
+
+/// Seconds since 1970.
+fn now_s() -> f64 {
+    SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_secs_f64()
+}
+
+/// Serves each connection by `serve` until the test ends.
+fn serving(serve: impl Fn(TcpStream) + Send + Sync + 'static) -> (String, Arc<AtomicBool>) {
+    let server = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = server.local_addr().unwrap().to_string();
+    let (ended, serve) = (Arc::new(AtomicBool::new(false)), Arc::new(serve));
+    let is_ended = Arc::clone(&ended);
+    thread::spawn(move || {
+        for connection in server.incoming() {
+            if is_ended.load(Ordering::Relaxed) {
+                return;
+            }
+            let serve = Arc::clone(&serve);
+            thread::spawn(move || serve(connection.unwrap()));
+        }
+    });
+    (address, ended)
+}
+
+/// Opens a feed until a track is confirmed.
+fn confirmed_live(home: &Home, what: &str, name: &str) {
+    let out = home.path(&format!("out-{name}")).display().to_string();
+    let running = home.start(&["open", what, "--no-display", "--out", &out]);
+    until("a track is confirmed", || {
+        running.stdout.lock().unwrap().contains("tracks: 1 confirmed")
+    });
+    let (ended, said) = running.stop();
+    assert_eq!(ended.code(), Some(0), "{said}");
+    home.assert_nothing_is_left(name);
+}
+
+#[test]
+fn frames_over_a_connection_become_a_track_live() {
+    let home = Home::new();
+    let (address, ended) = serving(|mut connection| {
+        for place in 0.. {
+            // Beast: kind, ticks, level, and the frame, in which no octet is the escape.
+            let octets: Vec<u8> = (0..HALVES[0].len() / 2)
+                .map(|at| u8::from_str_radix(&HALVES[place % 2][2 * at..2 * at + 2], 16).unwrap())
+                .collect();
+            let message = [&[0x1a, b'3'][..], &[0; 6], &[0x80], &octets].concat();
+            if connection.write_all(&message).is_err() {
+                return;
+            }
+            thread::sleep(Duration::from_millis(500));
+        }
+    });
+    confirmed_live(&home, &format!("tcp://{address}"), "tcp");
+    ended.store(true, Ordering::Relaxed);
+}
+
+#[test]
+fn a_document_over_http_becomes_a_track_live() {
+    let home = Home::new();
+    let begun_s = now_s();
+    let (address, ended) = serving(move |mut connection| {
+        let mut asked = [0; 4096];
+        let answers = |octets: usize| octets > 0;
+        while connection.read(&mut asked).is_ok_and(answers) {
+            let document = aircraft(now_s(), now_s() - begun_s);
+            let answer = format!(
+                "HTTP/1.1 200 OK\r\ncontent-length: {}\r\n\r\n{document}",
+                document.len()
+            );
+            if connection.write_all(answer.as_bytes()).is_err() {
+                return;
+            }
+        }
+    });
+    confirmed_live(&home, &format!("http://{address}/data/aircraft.json"), "http");
+    ended.store(true, Ordering::Relaxed);
+}
+
+#[test]
+fn a_feed_that_is_absent_is_named() {
+    let home = Home::new();
+    let address = free_address();
+    let output = home.run(&["open", &format!("tcp://{address}"), "--no-display"]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        !output.status.success() && said.contains(&address.to_string()),
+        "{said}"
+    );
+}
