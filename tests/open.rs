@@ -30,7 +30,7 @@ fn aircraft(now_s: f64, passed_s: f64) -> String {
     let latitude = 50.0 + passed_s * 200.0 / 111_200.0;
     format!(
         "{{\"now\":{now_s:.1},\"aircraft\":[{{\"hex\":\"3c0001\",\"flight\":\"DLH1\",\"lat\":{latitude:.6},\"lon\":8.0,\
-         \"alt_baro\":30000,\"gs\":388.8,\"track\":0,\"seen\":0,\"seen_pos\":0,\"nac_p\":9,\"type\":\"adsb_icao\"}}]}}"
+         \"alt_baro\":30000,\"gs\":388.8,\"track\":0,\"seen\":0,\"seen_pos\":0,\"nac_p\":9,\"category\":\"A3\",\"type\":\"adsb_icao\"}}]}}"
     )
 }
 
@@ -202,6 +202,9 @@ fn a_document_over_http_becomes_a_track_live() {
         }
     });
     confirmed_live(&home, &format!("http://{address}/data/aircraft.json"), "http");
+    // The category is stated beside the motion.
+    let stated = home.read("out-http/latest/statements_http.csv");
+    assert!(stated.lines().count() > 1 && stated.contains(",large,"), "{stated}");
     ended.store(true, Ordering::Relaxed);
 }
 

@@ -7,7 +7,7 @@ use std::any::Any;
 use bus::Payload;
 use messages::{
     Cue, Health, PlatformState, SensorArrival, SensorBearing, SensorDetection, SensorFix, SensorTrack, StageTimes,
-    SystemTrack, WideArea,
+    SystemTrack, TargetStatement, WideArea,
 };
 use runtime::Now;
 
@@ -32,6 +32,7 @@ pub(crate) fn bring_here<T: Payload>(sample: &mut T, offset_ns: Option<i64>, now
         SensorBearing,
         SensorArrival,
         SensorFix,
+        TargetStatement,
         PlatformState,
         WideArea,
         Cue

@@ -176,6 +176,16 @@ class WorkStepBits(enum.IntFlag):
     WILD_CLOCK = 1
 
 
+class TargetStatementBits(enum.IntFlag):
+    """SIZE: `length_m` and `width_m` hold a size.
+    SELECTED_ALTITUDE: `selected_altitude_m` holds an altitude.
+    OPERATOR: `operator_deg` holds a place."""
+
+    SIZE = 1
+    SELECTED_ALTITUDE = 2
+    OPERATOR = 4
+
+
 class TrackState(enum.IntEnum):
     """TENTATIVE: Seen, not yet believed.
     CONFIRMED: Believed, and supported by recent reports.
@@ -340,7 +350,8 @@ class Stream(enum.IntEnum):
     DECISIONS: Decisions of fusion.
     ORDERS: States of orders.
     ARRIVALS: Arrival times of a source.
-    FIXES: Ready-made fixes of a source."""
+    FIXES: Ready-made fixes of a source.
+    STATEMENTS: What the targets of a source state beside their motion."""
 
     SENSOR_TRACKS = 1
     DETECTIONS = 2
@@ -354,6 +365,7 @@ class Stream(enum.IntEnum):
     ORDERS = 10
     ARRIVALS = 11
     FIXES = 12
+    STATEMENTS = 13
 
 
 class StepKind(enum.IntEnum):
@@ -590,6 +602,142 @@ class Refusal(enum.IntEnum):
     FAR_PLACE = 26
 
 
+class TargetCategory(enum.IntEnum):
+    """UNKNOWN: Nothing is stated.
+    LIGHT: Aircraft below 7,031 kg (15,500 lb).
+    SMALL: Aircraft from 7,031 kg to 34,019 kg (75,000 lb).
+    LARGE: Aircraft from 34,019 kg to 136,078 kg (300,000 lb).
+    HIGH_VORTEX: Aircraft with a strong wake vortex.
+    HEAVY: Aircraft above 136,078 kg.
+    HIGH_PERFORMANCE: Aircraft with an acceleration above 5 g and a speed above 400 knots.
+    ROTORCRAFT: Helicopter or gyroplane.
+    GLIDER: Glider or sailplane.
+    LIGHTER_THAN_AIR: Balloon or airship.
+    PARACHUTIST: Parachutist or skydiver.
+    ULTRALIGHT: Ultralight, hang glider or paraglider.
+    UNMANNED: Unmanned aircraft.
+    SPACE: Space vehicle.
+    EMERGENCY_VEHICLE: Emergency vehicle on the ground.
+    SERVICE_VEHICLE: Service vehicle on the ground.
+    OBSTACLE: Obstacle, fixed or moored.
+    SHIP: Ship of a kind without a word of its own.
+    WING_IN_GROUND: Wing in ground effect.
+    FISHING: Fishing vessel.
+    TOWING: Vessel that tows.
+    DREDGING: Vessel engaged in dredging or underwater work.
+    DIVING: Vessel engaged in diving.
+    MILITARY: Vessel engaged in military operations.
+    SAILING: Sailing vessel.
+    PLEASURE: Pleasure craft.
+    HIGH_SPEED: High-speed craft.
+    PILOT: Pilot vessel.
+    RESCUE: Search and rescue vessel, or aircraft with an MMSI.
+    TUG: Tug.
+    TENDER: Port tender.
+    ANTI_POLLUTION: Vessel with anti-pollution facilities.
+    LAW_ENFORCEMENT: Law enforcement vessel.
+    MEDICAL: Medical transport.
+    PASSENGER: Passenger ship.
+    CARGO: Cargo ship.
+    TANKER: Tanker.
+    AID: Aid to navigation.
+    BASE_STATION: Base station ashore.
+    RESCUE_TRANSMITTER: Search and rescue transmitter (AIS-SART, MMSI 970…).
+    MAN_OVERBOARD: Man overboard device (MMSI 972…).
+    RESCUE_BEACON: Emergency position-indicating radio beacon (MMSI 974…)."""
+
+    UNKNOWN = 0
+    LIGHT = 1
+    SMALL = 2
+    LARGE = 3
+    HIGH_VORTEX = 4
+    HEAVY = 5
+    HIGH_PERFORMANCE = 6
+    ROTORCRAFT = 7
+    GLIDER = 8
+    LIGHTER_THAN_AIR = 9
+    PARACHUTIST = 10
+    ULTRALIGHT = 11
+    UNMANNED = 12
+    SPACE = 13
+    EMERGENCY_VEHICLE = 20
+    SERVICE_VEHICLE = 21
+    OBSTACLE = 22
+    SHIP = 30
+    WING_IN_GROUND = 31
+    FISHING = 32
+    TOWING = 33
+    DREDGING = 34
+    DIVING = 35
+    MILITARY = 36
+    SAILING = 37
+    PLEASURE = 38
+    HIGH_SPEED = 39
+    PILOT = 40
+    RESCUE = 41
+    TUG = 42
+    TENDER = 43
+    ANTI_POLLUTION = 44
+    LAW_ENFORCEMENT = 45
+    MEDICAL = 46
+    PASSENGER = 47
+    CARGO = 48
+    TANKER = 49
+    AID = 60
+    BASE_STATION = 61
+    RESCUE_TRANSMITTER = 62
+    MAN_OVERBOARD = 63
+    RESCUE_BEACON = 64
+
+
+class NavigationStatus(enum.IntEnum):
+    """UNKNOWN: Nothing is stated.
+    ENGINE: Under way using engine.
+    ANCHORED: At anchor.
+    NOT_UNDER_COMMAND: Not under command.
+    RESTRICTED: Restricted manoeuvrability.
+    CONSTRAINED: Constrained by the draught.
+    MOORED: Moored.
+    AGROUND: Aground.
+    FISHING: Engaged in fishing.
+    SAILING: Under way sailing.
+    RESCUE: Active transmitter of search and rescue: AIS-SART, man overboard or beacon."""
+
+    UNKNOWN = 0
+    ENGINE = 1
+    ANCHORED = 2
+    NOT_UNDER_COMMAND = 3
+    RESTRICTED = 4
+    CONSTRAINED = 5
+    MOORED = 6
+    AGROUND = 7
+    FISHING = 8
+    SAILING = 9
+    RESCUE = 15
+
+
+class Emergency(enum.IntEnum):
+    """UNKNOWN: Nothing is stated.
+    NONE: No emergency.
+    GENERAL: General emergency.
+    MEDICAL: Medical emergency.
+    MINIMUM_FUEL: Minimum fuel.
+    NO_COMMUNICATION: No communication.
+    UNLAWFUL_INTERFERENCE: Unlawful interference.
+    DOWNED: Downed aircraft.
+    DISTRESS: Distress at sea."""
+
+    UNKNOWN = 0
+    NONE = 1
+    GENERAL = 2
+    MEDICAL = 3
+    MINIMUM_FUEL = 4
+    NO_COMMUNICATION = 5
+    UNLAWFUL_INTERFERENCE = 6
+    DOWNED = 7
+    DISTRESS = 8
+
+
 __all__ = [
     "IdentityBits",
     "MovementBits",
@@ -603,6 +751,7 @@ __all__ = [
     "AlertBits",
     "RegistrationBits",
     "WorkStepBits",
+    "TargetStatementBits",
     "TrackState",
     "TrackKind",
     "MotionMode",
@@ -624,6 +773,9 @@ __all__ = [
     "OrderKind",
     "OrderStatus",
     "Refusal",
+    "TargetCategory",
+    "NavigationStatus",
+    "Emergency",
 ]
 
 #: Codes and bits by name, such as `CODES["TrackState"]`.
@@ -640,6 +792,7 @@ CODES: dict[str, type[enum.IntEnum] | type[enum.IntFlag]] = {
     "AlertBits": AlertBits,
     "RegistrationBits": RegistrationBits,
     "WorkStepBits": WorkStepBits,
+    "TargetStatementBits": TargetStatementBits,
     "TrackState": TrackState,
     "TrackKind": TrackKind,
     "MotionMode": MotionMode,
@@ -661,6 +814,9 @@ CODES: dict[str, type[enum.IntEnum] | type[enum.IntFlag]] = {
     "OrderKind": OrderKind,
     "OrderStatus": OrderStatus,
     "Refusal": Refusal,
+    "TargetCategory": TargetCategory,
+    "NavigationStatus": NavigationStatus,
+    "Emergency": Emergency,
 }
 
 for _group in CODES.values():

@@ -94,6 +94,7 @@ pub(super) fn check_source(
             .place
             .as_ref()
             .map(|place| [place.latitude_deg, place.longitude_deg]),
+        has_statements: matches!(&input, Input::Live(live) if network.feed(&live.receiver).is_some()),
         clock_step: model.limits.clock_step(),
         tracks_max: model.limits.tracks,
         input,

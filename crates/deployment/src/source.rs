@@ -29,6 +29,8 @@ pub struct Source {
     pub frame: SensorFrame,
     /// Latitude and longitude where the file states that it stands, degrees.
     pub stated_place_deg: Option<[f64; 2]>,
+    /// Whether its targets state facts beside their motion: the source is a live feed.
+    pub has_statements: bool,
     /// Distance of a time from that of receipt beyond which the time is not believed.
     pub clock_step: Seconds,
     /// Most of its tracks at a time.

@@ -34,6 +34,7 @@ impl Deployment {
                 (Stream::Arrivals, source.has_emitter_rows()),
                 (Stream::Fixes, source.has_emitter_rows()),
                 (Stream::PlatformStates, locates),
+                (Stream::Statements, source.has_statements),
             ];
             let there = streams.into_iter().filter(|(_, is_there)| *is_there);
             there.map(|(stream, _)| (stream, source.number, source.name.as_str()))

@@ -23,7 +23,8 @@
 //! - [`sensor_tracks_csv`], [`detections_csv`], [`bearings_csv`], [`emitter_rows_csv`], [`wide_area_csv`]:
 //!   observations and sensor tracks as rows of text;
 //! - [`named_columns`]: sensor tracks from tables in degrees, with the column names of others;
-//! - [`platform_states_csv`], [`cues_csv`], [`alarms_csv`], [`decisions_csv`], [`orders_csv`]: what is written only;
+//! - [`platform_states_csv`], [`cues_csv`], [`alarms_csv`], [`decisions_csv`], [`orders_csv`], [`statements_csv`]: what is
+//!   written only;
 //! - [`tracks_csv`]: system tracks, and tracks of a tracker, as output.
 
 #![forbid(unsafe_code)]
@@ -62,6 +63,7 @@ pub mod scan_rows_csv;
 pub mod sensor_tracks_csv;
 pub mod snapshot_datagram;
 pub mod snapshots_csv;
+pub mod statements_csv;
 pub mod target_message;
 mod text;
 pub mod time_base;

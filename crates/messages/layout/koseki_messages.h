@@ -11,6 +11,7 @@
 #define KOSEKI_SENSOR_BEARING_SCHEMA UINT64_C(0x91e05a7e1c4e0342) /* BatchHeader.schema of its slices. */
 #define KOSEKI_SENSOR_ARRIVAL_SCHEMA UINT64_C(0x131e74a726730982) /* BatchHeader.schema of its slices. */
 #define KOSEKI_SENSOR_FIX_SCHEMA UINT64_C(0xc19ad4d762f53481) /* BatchHeader.schema of its slices. */
+#define KOSEKI_TARGET_STATEMENT_SCHEMA UINT64_C(0x9f80da4649c98a8) /* BatchHeader.schema of its slices. */
 #define KOSEKI_SENSOR_SPECTRUM_SCHEMA UINT64_C(0x294141f134fd3cce) /* BatchHeader.schema of its slices. */
 #define KOSEKI_PLATFORM_STATE_SCHEMA UINT64_C(0x8d494f0b5412852b) /* BatchHeader.schema of its slices. */
 #define KOSEKI_WIDE_AREA_SCHEMA UINT64_C(0x3b99c7106b96bc51) /* BatchHeader.schema of its slices. */
@@ -86,6 +87,9 @@
 #define KOSEKI_REGISTRATION_RANGE UINT64_C(0x10) /* The range bias is. */
 #define KOSEKI_REGISTRATION_AZIMUTH UINT64_C(0x20) /* The azimuth bias is. */
 #define KOSEKI_WORK_STEP_WILD_CLOCK UINT64_C(0x1) /* Fusion did not believe the time of the report. */
+#define KOSEKI_TARGET_STATEMENT_SIZE UINT64_C(0x1) /* `length_m` and `width_m` hold a size. */
+#define KOSEKI_TARGET_STATEMENT_SELECTED_ALTITUDE UINT64_C(0x2) /* `selected_altitude_m` holds an altitude. */
+#define KOSEKI_TARGET_STATEMENT_OPERATOR UINT64_C(0x4) /* `operator_deg` holds a place. */
 #define KOSEKI_STATE_TENTATIVE UINT64_C(0x0) /* Seen, not yet believed. */
 #define KOSEKI_STATE_CONFIRMED UINT64_C(0x1) /* Believed, and supported by recent reports. */
 #define KOSEKI_STATE_COASTED UINT64_C(0x2) /* Believed, but carried on by extrapolation for want of reports. */
@@ -152,6 +156,7 @@
 #define KOSEKI_STREAM_ORDERS UINT64_C(0xa) /* States of orders. */
 #define KOSEKI_STREAM_ARRIVALS UINT64_C(0xb) /* Arrival times of a source. */
 #define KOSEKI_STREAM_FIXES UINT64_C(0xc) /* Ready-made fixes of a source. */
+#define KOSEKI_STREAM_STATEMENTS UINT64_C(0xd) /* What the targets of a source state beside their motion. */
 #define KOSEKI_STEP_BEGIN UINT64_C(0x1) /* Fusion starts from its configuration: `time_ns` is its epoch. */
 #define KOSEKI_STEP_REPORT UINT64_C(0x2) /* The report of `source` with the number `sequence` is worked off, and time has passed up to `time_ns`. */
 #define KOSEKI_STEP_PUBLISHER UINT64_C(0x3) /* The next reports of `source` come from the publisher with the incarnation `time_ns`. */
@@ -251,6 +256,68 @@
 #define KOSEKI_REFUSAL_NO_PLACE UINT64_C(0x18) /* The text is no place. */
 #define KOSEKI_REFUSAL_UNUSED_BY_RULE UINT64_C(0x19) /* The rule in force uses no such value. */
 #define KOSEKI_REFUSAL_FAR_PLACE UINT64_C(0x1a) /* The place is too far from the origin of the system frame. */
+#define KOSEKI_CATEGORY_UNKNOWN UINT64_C(0x0) /* Nothing is stated. */
+#define KOSEKI_CATEGORY_LIGHT UINT64_C(0x1) /* Aircraft below 7,031 kg (15,500 lb). */
+#define KOSEKI_CATEGORY_SMALL UINT64_C(0x2) /* Aircraft from 7,031 kg to 34,019 kg (75,000 lb). */
+#define KOSEKI_CATEGORY_LARGE UINT64_C(0x3) /* Aircraft from 34,019 kg to 136,078 kg (300,000 lb). */
+#define KOSEKI_CATEGORY_HIGH_VORTEX UINT64_C(0x4) /* Aircraft with a strong wake vortex. */
+#define KOSEKI_CATEGORY_HEAVY UINT64_C(0x5) /* Aircraft above 136,078 kg. */
+#define KOSEKI_CATEGORY_HIGH_PERFORMANCE UINT64_C(0x6) /* Aircraft with an acceleration above 5 g and a speed above 400 knots. */
+#define KOSEKI_CATEGORY_ROTORCRAFT UINT64_C(0x7) /* Helicopter or gyroplane. */
+#define KOSEKI_CATEGORY_GLIDER UINT64_C(0x8) /* Glider or sailplane. */
+#define KOSEKI_CATEGORY_LIGHTER_THAN_AIR UINT64_C(0x9) /* Balloon or airship. */
+#define KOSEKI_CATEGORY_PARACHUTIST UINT64_C(0xa) /* Parachutist or skydiver. */
+#define KOSEKI_CATEGORY_ULTRALIGHT UINT64_C(0xb) /* Ultralight, hang glider or paraglider. */
+#define KOSEKI_CATEGORY_UNMANNED UINT64_C(0xc) /* Unmanned aircraft. */
+#define KOSEKI_CATEGORY_SPACE UINT64_C(0xd) /* Space vehicle. */
+#define KOSEKI_CATEGORY_EMERGENCY_VEHICLE UINT64_C(0x14) /* Emergency vehicle on the ground. */
+#define KOSEKI_CATEGORY_SERVICE_VEHICLE UINT64_C(0x15) /* Service vehicle on the ground. */
+#define KOSEKI_CATEGORY_OBSTACLE UINT64_C(0x16) /* Obstacle, fixed or moored. */
+#define KOSEKI_CATEGORY_SHIP UINT64_C(0x1e) /* Ship of a kind without a word of its own. */
+#define KOSEKI_CATEGORY_WING_IN_GROUND UINT64_C(0x1f) /* Wing in ground effect. */
+#define KOSEKI_CATEGORY_FISHING UINT64_C(0x20) /* Fishing vessel. */
+#define KOSEKI_CATEGORY_TOWING UINT64_C(0x21) /* Vessel that tows. */
+#define KOSEKI_CATEGORY_DREDGING UINT64_C(0x22) /* Vessel engaged in dredging or underwater work. */
+#define KOSEKI_CATEGORY_DIVING UINT64_C(0x23) /* Vessel engaged in diving. */
+#define KOSEKI_CATEGORY_MILITARY UINT64_C(0x24) /* Vessel engaged in military operations. */
+#define KOSEKI_CATEGORY_SAILING UINT64_C(0x25) /* Sailing vessel. */
+#define KOSEKI_CATEGORY_PLEASURE UINT64_C(0x26) /* Pleasure craft. */
+#define KOSEKI_CATEGORY_HIGH_SPEED UINT64_C(0x27) /* High-speed craft. */
+#define KOSEKI_CATEGORY_PILOT UINT64_C(0x28) /* Pilot vessel. */
+#define KOSEKI_CATEGORY_RESCUE UINT64_C(0x29) /* Search and rescue vessel, or aircraft with an MMSI. */
+#define KOSEKI_CATEGORY_TUG UINT64_C(0x2a) /* Tug. */
+#define KOSEKI_CATEGORY_TENDER UINT64_C(0x2b) /* Port tender. */
+#define KOSEKI_CATEGORY_ANTI_POLLUTION UINT64_C(0x2c) /* Vessel with anti-pollution facilities. */
+#define KOSEKI_CATEGORY_LAW_ENFORCEMENT UINT64_C(0x2d) /* Law enforcement vessel. */
+#define KOSEKI_CATEGORY_MEDICAL UINT64_C(0x2e) /* Medical transport. */
+#define KOSEKI_CATEGORY_PASSENGER UINT64_C(0x2f) /* Passenger ship. */
+#define KOSEKI_CATEGORY_CARGO UINT64_C(0x30) /* Cargo ship. */
+#define KOSEKI_CATEGORY_TANKER UINT64_C(0x31) /* Tanker. */
+#define KOSEKI_CATEGORY_AID UINT64_C(0x3c) /* Aid to navigation. */
+#define KOSEKI_CATEGORY_BASE_STATION UINT64_C(0x3d) /* Base station ashore. */
+#define KOSEKI_CATEGORY_RESCUE_TRANSMITTER UINT64_C(0x3e) /* Search and rescue transmitter (AIS-SART, MMSI 970…). */
+#define KOSEKI_CATEGORY_MAN_OVERBOARD UINT64_C(0x3f) /* Man overboard device (MMSI 972…). */
+#define KOSEKI_CATEGORY_RESCUE_BEACON UINT64_C(0x40) /* Emergency position-indicating radio beacon (MMSI 974…). */
+#define KOSEKI_NAVIGATION_UNKNOWN UINT64_C(0x0) /* Nothing is stated. */
+#define KOSEKI_NAVIGATION_ENGINE UINT64_C(0x1) /* Under way using engine. */
+#define KOSEKI_NAVIGATION_ANCHORED UINT64_C(0x2) /* At anchor. */
+#define KOSEKI_NAVIGATION_NOT_UNDER_COMMAND UINT64_C(0x3) /* Not under command. */
+#define KOSEKI_NAVIGATION_RESTRICTED UINT64_C(0x4) /* Restricted manoeuvrability. */
+#define KOSEKI_NAVIGATION_CONSTRAINED UINT64_C(0x5) /* Constrained by the draught. */
+#define KOSEKI_NAVIGATION_MOORED UINT64_C(0x6) /* Moored. */
+#define KOSEKI_NAVIGATION_AGROUND UINT64_C(0x7) /* Aground. */
+#define KOSEKI_NAVIGATION_FISHING UINT64_C(0x8) /* Engaged in fishing. */
+#define KOSEKI_NAVIGATION_SAILING UINT64_C(0x9) /* Under way sailing. */
+#define KOSEKI_NAVIGATION_RESCUE UINT64_C(0xf) /* Active transmitter of search and rescue: AIS-SART, man overboard or beacon. */
+#define KOSEKI_EMERGENCY_UNKNOWN UINT64_C(0x0) /* Nothing is stated. */
+#define KOSEKI_EMERGENCY_NONE UINT64_C(0x1) /* No emergency. */
+#define KOSEKI_EMERGENCY_GENERAL UINT64_C(0x2) /* General emergency. */
+#define KOSEKI_EMERGENCY_MEDICAL UINT64_C(0x3) /* Medical emergency. */
+#define KOSEKI_EMERGENCY_MINIMUM_FUEL UINT64_C(0x4) /* Minimum fuel. */
+#define KOSEKI_EMERGENCY_NO_COMMUNICATION UINT64_C(0x5) /* No communication. */
+#define KOSEKI_EMERGENCY_UNLAWFUL_INTERFERENCE UINT64_C(0x6) /* Unlawful interference. */
+#define KOSEKI_EMERGENCY_DOWNED UINT64_C(0x7) /* Downed aircraft. */
+#define KOSEKI_EMERGENCY_DISTRESS UINT64_C(0x8) /* Distress at sea. */
 
 typedef struct KosekiStageTimes {
     int64_t ingested_ns; /* The adapter had the report's last byte. */
@@ -543,6 +610,38 @@ static_assert(offsetof(KosekiSensorFix, covariance_m2) == 72, "offset");
 static_assert(offsetof(KosekiSensorFix, emitter_id) == 96, "offset");
 static_assert(offsetof(KosekiSensorFix, source) == 100, "offset");
 static_assert(offsetof(KosekiSensorFix, reserved) == 102, "offset");
+
+typedef struct KosekiTargetStatement {
+    int64_t time_ns; /* Time of the latest statement, UTC, nanoseconds since 1970. */
+    uint64_t sequence; /* The sample's sequence number at its publisher. */
+    KosekiStageTimes stages; /* Stages passed so far. */
+    double operator_deg[2]; /* Latitude and longitude (WGS-84) of the operator of an unmanned aircraft, degrees. */
+    float length_m; /* Length, metres. */
+    float width_m; /* Width, metres. */
+    float selected_altitude_m; /* Altitude selected in the autopilot, metres of the standard atmosphere. */
+    uint32_t track_number; /* Number of the target's track at its source. */
+    uint16_t source; /* Source: its number in the configuration (TI-2). */
+    uint8_t category; /* Category: a `TargetCategory` code. */
+    uint8_t navigation; /* Navigation status: a `NavigationStatus` code. */
+    uint8_t emergency; /* Emergency: an `Emergency` code. */
+    uint8_t valid; /* Fields that hold something: see `target_statement_bits`. */
+    uint16_t reserved; /* Reserved, 0. */
+} KosekiTargetStatement;
+static_assert(sizeof(KosekiTargetStatement) == 88, "size");
+static_assert(offsetof(KosekiTargetStatement, time_ns) == 0, "offset");
+static_assert(offsetof(KosekiTargetStatement, sequence) == 8, "offset");
+static_assert(offsetof(KosekiTargetStatement, stages) == 16, "offset");
+static_assert(offsetof(KosekiTargetStatement, operator_deg) == 48, "offset");
+static_assert(offsetof(KosekiTargetStatement, length_m) == 64, "offset");
+static_assert(offsetof(KosekiTargetStatement, width_m) == 68, "offset");
+static_assert(offsetof(KosekiTargetStatement, selected_altitude_m) == 72, "offset");
+static_assert(offsetof(KosekiTargetStatement, track_number) == 76, "offset");
+static_assert(offsetof(KosekiTargetStatement, source) == 80, "offset");
+static_assert(offsetof(KosekiTargetStatement, category) == 82, "offset");
+static_assert(offsetof(KosekiTargetStatement, navigation) == 83, "offset");
+static_assert(offsetof(KosekiTargetStatement, emergency) == 84, "offset");
+static_assert(offsetof(KosekiTargetStatement, valid) == 85, "offset");
+static_assert(offsetof(KosekiTargetStatement, reserved) == 86, "offset");
 
 typedef struct KosekiSensorSpectrum {
     int64_t time_of_measurement_ns; /* Time of measurement, UTC, nanoseconds since 1970. */

@@ -13,6 +13,7 @@ SENSOR_DETECTION_SCHEMA = 0xb3d1d23463cd8924  # BatchHeader.schema of its slices
 SENSOR_BEARING_SCHEMA = 0x91e05a7e1c4e0342  # BatchHeader.schema of its slices.
 SENSOR_ARRIVAL_SCHEMA = 0x131e74a726730982  # BatchHeader.schema of its slices.
 SENSOR_FIX_SCHEMA = 0xc19ad4d762f53481  # BatchHeader.schema of its slices.
+TARGET_STATEMENT_SCHEMA = 0x9f80da4649c98a8  # BatchHeader.schema of its slices.
 SENSOR_SPECTRUM_SCHEMA = 0x294141f134fd3cce  # BatchHeader.schema of its slices.
 PLATFORM_STATE_SCHEMA = 0x8d494f0b5412852b  # BatchHeader.schema of its slices.
 WIDE_AREA_SCHEMA = 0x3b99c7106b96bc51  # BatchHeader.schema of its slices.
@@ -88,6 +89,9 @@ REGISTRATION_TIME = 0x8  # The time offset is.
 REGISTRATION_RANGE = 0x10  # The range bias is.
 REGISTRATION_AZIMUTH = 0x20  # The azimuth bias is.
 WORK_STEP_WILD_CLOCK = 0x1  # Fusion did not believe the time of the report.
+TARGET_STATEMENT_SIZE = 0x1  # `length_m` and `width_m` hold a size.
+TARGET_STATEMENT_SELECTED_ALTITUDE = 0x2  # `selected_altitude_m` holds an altitude.
+TARGET_STATEMENT_OPERATOR = 0x4  # `operator_deg` holds a place.
 STATE_TENTATIVE = 0x0  # Seen, not yet believed.
 STATE_CONFIRMED = 0x1  # Believed, and supported by recent reports.
 STATE_COASTED = 0x2  # Believed, but carried on by extrapolation for want of reports.
@@ -154,6 +158,7 @@ STREAM_DECISIONS = 0x9  # Decisions of fusion.
 STREAM_ORDERS = 0xa  # States of orders.
 STREAM_ARRIVALS = 0xb  # Arrival times of a source.
 STREAM_FIXES = 0xc  # Ready-made fixes of a source.
+STREAM_STATEMENTS = 0xd  # What the targets of a source state beside their motion.
 STEP_BEGIN = 0x1  # Fusion starts from its configuration: `time_ns` is its epoch.
 STEP_REPORT = 0x2  # The report of `source` with the number `sequence` is worked off, and time has passed up to `time_ns`.
 STEP_PUBLISHER = 0x3  # The next reports of `source` come from the publisher with the incarnation `time_ns`.
@@ -253,6 +258,68 @@ REFUSAL_TAKES_NO_DESIGNATIONS = 0x17  # The tracker has no sensor that takes ord
 REFUSAL_NO_PLACE = 0x18  # The text is no place.
 REFUSAL_UNUSED_BY_RULE = 0x19  # The rule in force uses no such value.
 REFUSAL_FAR_PLACE = 0x1a  # The place is too far from the origin of the system frame.
+CATEGORY_UNKNOWN = 0x0  # Nothing is stated.
+CATEGORY_LIGHT = 0x1  # Aircraft below 7,031 kg (15,500 lb).
+CATEGORY_SMALL = 0x2  # Aircraft from 7,031 kg to 34,019 kg (75,000 lb).
+CATEGORY_LARGE = 0x3  # Aircraft from 34,019 kg to 136,078 kg (300,000 lb).
+CATEGORY_HIGH_VORTEX = 0x4  # Aircraft with a strong wake vortex.
+CATEGORY_HEAVY = 0x5  # Aircraft above 136,078 kg.
+CATEGORY_HIGH_PERFORMANCE = 0x6  # Aircraft with an acceleration above 5 g and a speed above 400 knots.
+CATEGORY_ROTORCRAFT = 0x7  # Helicopter or gyroplane.
+CATEGORY_GLIDER = 0x8  # Glider or sailplane.
+CATEGORY_LIGHTER_THAN_AIR = 0x9  # Balloon or airship.
+CATEGORY_PARACHUTIST = 0xa  # Parachutist or skydiver.
+CATEGORY_ULTRALIGHT = 0xb  # Ultralight, hang glider or paraglider.
+CATEGORY_UNMANNED = 0xc  # Unmanned aircraft.
+CATEGORY_SPACE = 0xd  # Space vehicle.
+CATEGORY_EMERGENCY_VEHICLE = 0x14  # Emergency vehicle on the ground.
+CATEGORY_SERVICE_VEHICLE = 0x15  # Service vehicle on the ground.
+CATEGORY_OBSTACLE = 0x16  # Obstacle, fixed or moored.
+CATEGORY_SHIP = 0x1e  # Ship of a kind without a word of its own.
+CATEGORY_WING_IN_GROUND = 0x1f  # Wing in ground effect.
+CATEGORY_FISHING = 0x20  # Fishing vessel.
+CATEGORY_TOWING = 0x21  # Vessel that tows.
+CATEGORY_DREDGING = 0x22  # Vessel engaged in dredging or underwater work.
+CATEGORY_DIVING = 0x23  # Vessel engaged in diving.
+CATEGORY_MILITARY = 0x24  # Vessel engaged in military operations.
+CATEGORY_SAILING = 0x25  # Sailing vessel.
+CATEGORY_PLEASURE = 0x26  # Pleasure craft.
+CATEGORY_HIGH_SPEED = 0x27  # High-speed craft.
+CATEGORY_PILOT = 0x28  # Pilot vessel.
+CATEGORY_RESCUE = 0x29  # Search and rescue vessel, or aircraft with an MMSI.
+CATEGORY_TUG = 0x2a  # Tug.
+CATEGORY_TENDER = 0x2b  # Port tender.
+CATEGORY_ANTI_POLLUTION = 0x2c  # Vessel with anti-pollution facilities.
+CATEGORY_LAW_ENFORCEMENT = 0x2d  # Law enforcement vessel.
+CATEGORY_MEDICAL = 0x2e  # Medical transport.
+CATEGORY_PASSENGER = 0x2f  # Passenger ship.
+CATEGORY_CARGO = 0x30  # Cargo ship.
+CATEGORY_TANKER = 0x31  # Tanker.
+CATEGORY_AID = 0x3c  # Aid to navigation.
+CATEGORY_BASE_STATION = 0x3d  # Base station ashore.
+CATEGORY_RESCUE_TRANSMITTER = 0x3e  # Search and rescue transmitter (AIS-SART, MMSI 970…).
+CATEGORY_MAN_OVERBOARD = 0x3f  # Man overboard device (MMSI 972…).
+CATEGORY_RESCUE_BEACON = 0x40  # Emergency position-indicating radio beacon (MMSI 974…).
+NAVIGATION_UNKNOWN = 0x0  # Nothing is stated.
+NAVIGATION_ENGINE = 0x1  # Under way using engine.
+NAVIGATION_ANCHORED = 0x2  # At anchor.
+NAVIGATION_NOT_UNDER_COMMAND = 0x3  # Not under command.
+NAVIGATION_RESTRICTED = 0x4  # Restricted manoeuvrability.
+NAVIGATION_CONSTRAINED = 0x5  # Constrained by the draught.
+NAVIGATION_MOORED = 0x6  # Moored.
+NAVIGATION_AGROUND = 0x7  # Aground.
+NAVIGATION_FISHING = 0x8  # Engaged in fishing.
+NAVIGATION_SAILING = 0x9  # Under way sailing.
+NAVIGATION_RESCUE = 0xf  # Active transmitter of search and rescue: AIS-SART, man overboard or beacon.
+EMERGENCY_UNKNOWN = 0x0  # Nothing is stated.
+EMERGENCY_NONE = 0x1  # No emergency.
+EMERGENCY_GENERAL = 0x2  # General emergency.
+EMERGENCY_MEDICAL = 0x3  # Medical emergency.
+EMERGENCY_MINIMUM_FUEL = 0x4  # Minimum fuel.
+EMERGENCY_NO_COMMUNICATION = 0x5  # No communication.
+EMERGENCY_UNLAWFUL_INTERFERENCE = 0x6  # Unlawful interference.
+EMERGENCY_DOWNED = 0x7  # Downed aircraft.
+EMERGENCY_DISTRESS = 0x8  # Distress at sea.
 
 
 class StageTimes(ctypes.Structure):
@@ -649,6 +716,46 @@ assert SensorFix.covariance_m2.offset == 72
 assert SensorFix.emitter_id.offset == 96
 assert SensorFix.source.offset == 100
 assert SensorFix.reserved.offset == 102
+
+
+class TargetStatement(ctypes.Structure):
+    _fields_ = [
+        ("time_ns", ctypes.c_int64),  # Time of the latest statement, UTC, nanoseconds since 1970.
+        ("sequence", ctypes.c_uint64),  # The sample's sequence number at its publisher.
+        ("stages", StageTimes),  # Stages passed so far.
+        ("operator_deg", ctypes.c_double * 2),  # Latitude and longitude (WGS-84) of the operator of an unmanned aircraft, degrees.
+        ("length_m", ctypes.c_float),  # Length, metres.
+        ("width_m", ctypes.c_float),  # Width, metres.
+        ("selected_altitude_m", ctypes.c_float),  # Altitude selected in the autopilot, metres of the standard atmosphere.
+        ("track_number", ctypes.c_uint32),  # Number of the target's track at its source.
+        ("source", ctypes.c_uint16),  # Source: its number in the configuration (TI-2).
+        ("category", ctypes.c_uint8),  # Category: a `TargetCategory` code.
+        ("navigation", ctypes.c_uint8),  # Navigation status: a `NavigationStatus` code.
+        ("emergency", ctypes.c_uint8),  # Emergency: an `Emergency` code.
+        ("valid", ctypes.c_uint8),  # Fields that hold something: see `target_statement_bits`.
+        ("reserved", ctypes.c_uint16),  # Reserved, 0.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "TargetStatement"
+
+
+assert ctypes.sizeof(TargetStatement) == 88
+assert TargetStatement.time_ns.offset == 0
+assert TargetStatement.sequence.offset == 8
+assert TargetStatement.stages.offset == 16
+assert TargetStatement.operator_deg.offset == 48
+assert TargetStatement.length_m.offset == 64
+assert TargetStatement.width_m.offset == 68
+assert TargetStatement.selected_altitude_m.offset == 72
+assert TargetStatement.track_number.offset == 76
+assert TargetStatement.source.offset == 80
+assert TargetStatement.category.offset == 82
+assert TargetStatement.navigation.offset == 83
+assert TargetStatement.emergency.offset == 84
+assert TargetStatement.valid.offset == 85
+assert TargetStatement.reserved.offset == 86
 
 
 class SensorSpectrum(ctypes.Structure):

@@ -165,6 +165,7 @@ pub const ALL: &[Layout] = &[
     crate::SensorBearing::LAYOUT,
     crate::SensorArrival::LAYOUT,
     crate::SensorFix::LAYOUT,
+    crate::TargetStatement::LAYOUT,
     crate::SensorSpectrum::LAYOUT,
     crate::PlatformState::LAYOUT,
     crate::WideArea::LAYOUT,
@@ -413,6 +414,11 @@ pub fn code_groups() -> Vec<CodeGroup> {
         bits("AlertBits", "ALERT", crate::alert_bits::CONSTANTS),
         bits("RegistrationBits", "REGISTRATION", crate::registration_bits::CONSTANTS),
         bits("WorkStepBits", "WORK_STEP", crate::work_step_bits::CONSTANTS),
+        bits(
+            "TargetStatementBits",
+            "TARGET_STATEMENT",
+            crate::target_statement_bits::CONSTANTS,
+        ),
         codes("TrackState", "STATE", crate::TrackState::constants()),
         codes("TrackKind", "KIND", crate::TrackKind::constants()),
         codes("MotionMode", "MODE", crate::MotionMode::constants()),
@@ -442,6 +448,9 @@ pub fn code_groups() -> Vec<CodeGroup> {
         codes("OrderKind", "ORDER", crate::OrderKind::constants()),
         codes("OrderStatus", "ORDER_STATUS", crate::OrderStatus::constants()),
         codes("Refusal", "REFUSAL", crate::Refusal::constants()),
+        codes("TargetCategory", "CATEGORY", crate::TargetCategory::constants()),
+        codes("NavigationStatus", "NAVIGATION", crate::NavigationStatus::constants()),
+        codes("Emergency", "EMERGENCY", crate::Emergency::constants()),
     ]
 }
 

@@ -50,6 +50,7 @@ mod sensor_spectrum;
 mod sensor_track;
 mod sensor_uid;
 mod stages;
+mod statement;
 mod system_track;
 mod target_type;
 mod topics;
@@ -91,13 +92,14 @@ pub use sensor_spectrum::{SPECTRUM_DIRECTIONS, SensorSpectrum};
 pub use sensor_track::{SensorTrack, alert_bits, sensor_track_bits};
 pub use sensor_uid::sensor_uid;
 pub use stages::StageTimes;
+pub use statement::{Emergency, NavigationStatus, TargetCategory, TargetStatement, target_statement_bits};
 pub use system_track::{CONTRIBUTIONS_MAX, Contribution, MotionMode, SystemTrack, contribution_bits};
 pub use target_type::{TYPE_NAME_MAX, TargetType};
 pub use topics::{
     Outgoing, Stream, StreamId, Streamed, Topic, TopicCapacity, TopicName, Visitor, alarms, cues, decisions, event_log,
     frame_origin, health, order_states, orders, own_tracks, platform_states, progress, restored, sensor_arrivals,
     sensor_bearings, sensor_detections, sensor_fixes, sensor_spectrum, sensor_tracks, smoothed_tracks, system_tracks,
-    visit, wide_area,
+    target_statements, visit, wide_area,
 };
 pub use unknown::{UNKNOWN_CLIMB_SIGMA_MPS, UNKNOWN_HEIGHT_SIGMA_M, UNKNOWN_VELOCITY_SIGMA_MPS};
 pub use wide_area::{Cue, WideArea, wide_area_bits};

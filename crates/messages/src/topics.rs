@@ -11,7 +11,8 @@ use crate::codes;
 use crate::layout::Sample;
 use crate::{
     Alarm, Cue, Decision, FrameOrigin, Health, Order, OrderState, PlatformState, Progress, Restored, SensorArrival,
-    SensorBearing, SensorDetection, SensorFix, SensorSpectrum, SensorTrack, SystemTrack, WideArea, WorkStep,
+    SensorBearing, SensorDetection, SensorFix, SensorSpectrum, SensorTrack, SystemTrack, TargetStatement, WideArea,
+    WorkStep,
 };
 
 /// Name of a topic in shared memory.
@@ -72,6 +73,8 @@ codes! {
         Arrivals = 11, "arrivals";
         /// Ready-made fixes of a source.
         Fixes = 12, "fixes";
+        /// What the targets of a source state beside their motion.
+        Statements = 13, "statements";
     }
 }
 
@@ -176,6 +179,7 @@ streamed! {
     SensorBearing: Bearings, sensor_bearings, time_of_measurement_ns;
     SensorArrival: Arrivals, sensor_arrivals, time_of_measurement_ns;
     SensorFix: Fixes, sensor_fixes, time_of_measurement_ns;
+    TargetStatement: Statements, target_statements, time_ns;
     PlatformState: PlatformStates, platform_states, time_ns;
     Cue: Cues, cues, time_ns;
     WideArea: WideArea, wide_area, time_of_observation_ns;
@@ -244,6 +248,7 @@ outgoing!(
     SensorDetection,
     SensorFix,
     SensorTrack,
+    TargetStatement,
     WideArea
 );
 
@@ -296,6 +301,10 @@ topics! {
 
     /// Ready-made fixes of one source whose adapter selects or joins them, before the resulting tracks.
     sensor_fixes(source_name) -> SensorFix: "sensor/{source_name}/fixes", 256 slices of 64, 4 to 16;
+
+    /// What the targets of one source state beside their motion (category, size, status, selected altitude), when some of
+    /// it changes, and for each target once a minute.
+    target_statements(source_name) -> TargetStatement: "sensor/{source_name}/statements", 64 slices of 64, 4 to 16;
 
     /// Spectra of one source that measures bearings with an antenna array. They are computed and published only while
     /// the topic has subscribers, and are not recorded.

@@ -31,10 +31,11 @@ pub use detection::{
     Detection, DetectionPlatform, DetectionTruth, QUANTITIES_MAX, StatedHeight, StatedVelocity, TransponderReply,
 };
 pub use messages::{DetectionKind, Quantity};
+pub use messages::{Emergency, NavigationStatus, TargetCategory};
 pub use observation::{Axes, Observation, Plane, Position, Quality, RADIUS95_SIGMAS, ServiceMessage, TRUNCATION_NS};
 pub use sensor_event::SensorEvent;
 pub use snapshot_block::SnapshotBlock;
-pub use statement::{Emergency, NavigationStatus, Statement, TargetCategory};
+pub use statement::Statement;
 pub use wide_area::WideAreaReport;
 
 use messages::StageTimes;

@@ -1,149 +1,8 @@
-//! What a target states beside its motion.
-//!
-//! A report carries position, velocity and identity. Category, size, status and intention change seldom; sources send
-//! them in messages of their own, so they are values of their own here.
+//! What a target states beside its motion, by one message.
 
-messages::codes! {
-    /// Category of a target, as the target states it.
-    pub enum TargetCategory: u8, default Unknown {
-        /// Nothing is stated.
-        Unknown = 0, "unknown";
-        /// Aircraft below 7,031 kg (15,500 lb).
-        Light = 1, "light";
-        /// Aircraft from 7,031 kg to 34,019 kg (75,000 lb).
-        Small = 2, "small";
-        /// Aircraft from 34,019 kg to 136,078 kg (300,000 lb).
-        Large = 3, "large";
-        /// Aircraft with a strong wake vortex.
-        HighVortex = 4, "high-vortex";
-        /// Aircraft above 136,078 kg.
-        Heavy = 5, "heavy";
-        /// Aircraft with an acceleration above 5 g and a speed above 400 knots.
-        HighPerformance = 6, "high-performance";
-        /// Helicopter or gyroplane.
-        Rotorcraft = 7, "rotorcraft";
-        /// Glider or sailplane.
-        Glider = 8, "glider";
-        /// Balloon or airship.
-        LighterThanAir = 9, "lighter-than-air";
-        /// Parachutist or skydiver.
-        Parachutist = 10, "parachutist";
-        /// Ultralight, hang glider or paraglider.
-        Ultralight = 11, "ultralight";
-        /// Unmanned aircraft.
-        Unmanned = 12, "unmanned";
-        /// Space vehicle.
-        Space = 13, "space";
-        /// Emergency vehicle on the ground.
-        EmergencyVehicle = 20, "emergency-vehicle";
-        /// Service vehicle on the ground.
-        ServiceVehicle = 21, "service-vehicle";
-        /// Obstacle, fixed or moored.
-        Obstacle = 22, "obstacle";
-        /// Ship of a kind without a word of its own.
-        Ship = 30, "ship";
-        /// Wing in ground effect.
-        WingInGround = 31, "wing-in-ground";
-        /// Fishing vessel.
-        Fishing = 32, "fishing";
-        /// Vessel that tows.
-        Towing = 33, "towing";
-        /// Vessel engaged in dredging or underwater work.
-        Dredging = 34, "dredging";
-        /// Vessel engaged in diving.
-        Diving = 35, "diving";
-        /// Vessel engaged in military operations.
-        Military = 36, "military";
-        /// Sailing vessel.
-        Sailing = 37, "sailing";
-        /// Pleasure craft.
-        Pleasure = 38, "pleasure";
-        /// High-speed craft.
-        HighSpeed = 39, "high-speed";
-        /// Pilot vessel.
-        Pilot = 40, "pilot";
-        /// Search and rescue vessel, or aircraft with an MMSI.
-        Rescue = 41, "rescue";
-        /// Tug.
-        Tug = 42, "tug";
-        /// Port tender.
-        Tender = 43, "tender";
-        /// Vessel with anti-pollution facilities.
-        AntiPollution = 44, "anti-pollution";
-        /// Law enforcement vessel.
-        LawEnforcement = 45, "law-enforcement";
-        /// Medical transport.
-        Medical = 46, "medical";
-        /// Passenger ship.
-        Passenger = 47, "passenger";
-        /// Cargo ship.
-        Cargo = 48, "cargo";
-        /// Tanker.
-        Tanker = 49, "tanker";
-        /// Aid to navigation.
-        Aid = 60, "aid";
-        /// Base station ashore.
-        BaseStation = 61, "base-station";
-        /// Search and rescue transmitter (AIS-SART, MMSI 970…).
-        RescueTransmitter = 62, "rescue-transmitter";
-        /// Man overboard device (MMSI 972…).
-        ManOverboard = 63, "man-overboard";
-        /// Emergency position-indicating radio beacon (MMSI 974…).
-        RescueBeacon = 64, "rescue-beacon";
-    }
-}
-
-messages::codes! {
-    /// Navigation status of a ship: the values of recommendation ITU-R M.1371, each plus one.
-    pub enum NavigationStatus: u8, default Unknown {
-        /// Nothing is stated.
-        Unknown = 0, "unknown";
-        /// Under way using engine.
-        Engine = 1, "engine";
-        /// At anchor.
-        Anchored = 2, "anchored";
-        /// Not under command.
-        NotUnderCommand = 3, "not-under-command";
-        /// Restricted manoeuvrability.
-        Restricted = 4, "restricted";
-        /// Constrained by the draught.
-        Constrained = 5, "constrained";
-        /// Moored.
-        Moored = 6, "moored";
-        /// Aground.
-        Aground = 7, "aground";
-        /// Engaged in fishing.
-        Fishing = 8, "fishing";
-        /// Under way sailing.
-        Sailing = 9, "sailing";
-        /// Active transmitter of search and rescue: AIS-SART, man overboard or beacon.
-        Rescue = 15, "rescue";
-    }
-}
-
-messages::codes! {
-    /// Emergency that a target states.
-    pub enum Emergency: u8, default Unknown {
-        /// Nothing is stated.
-        Unknown = 0, "unknown";
-        /// No emergency.
-        None = 1, "none";
-        /// General emergency.
-        General = 2, "general";
-        /// Medical emergency.
-        Medical = 3, "medical";
-        /// Minimum fuel.
-        MinimumFuel = 4, "minimum-fuel";
-        /// No communication.
-        NoCommunication = 5, "no-communication";
-        /// Unlawful interference.
-        UnlawfulInterference = 6, "unlawful-interference";
-        /// Downed aircraft.
-        Downed = 7, "downed";
-        /// Distress at sea.
-        Distress = 8, "distress";
-    }
-}
+use messages::{
+    Emergency, NavigationStatus, StageTimes, TargetCategory, TargetStatement, target_statement_bits as bits,
+};
 
 /// Statement of a target beside its motion. What is `None` or unknown was not stated, and stays what it was.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -162,4 +21,80 @@ pub struct Statement {
     pub selected_altitude_m: Option<f32>,
     /// Latitude and longitude of the operator of an unmanned aircraft, radians.
     pub operator_rad: Option<[f64; 2]>,
+}
+
+impl Statement {
+    /// Takes over what a later statement states.
+    pub fn update(&mut self, later: &Self) {
+        let Self { track_number, .. } = *later;
+        self.track_number = track_number;
+        if later.category != TargetCategory::Unknown {
+            self.category = later.category;
+        }
+        if later.navigation != NavigationStatus::Unknown {
+            self.navigation = later.navigation;
+        }
+        if later.emergency != Emergency::Unknown {
+            self.emergency = later.emergency;
+        }
+        self.size_m = later.size_m.or(self.size_m);
+        self.selected_altitude_m = later.selected_altitude_m.or(self.selected_altitude_m);
+        self.operator_rad = later.operator_rad.or(self.operator_rad);
+    }
+
+    /// The sample of source number `source` at `time_ns` (UTC, nanoseconds); sequence number and time of publication
+    /// are left to the publisher.
+    pub fn sample(&self, source: u16, time_ns: i64, stages: StageTimes) -> TargetStatement {
+        let [length_m, width_m] = self.size_m.unwrap_or_default();
+        let known = [
+            (self.size_m.is_some(), bits::SIZE),
+            (self.selected_altitude_m.is_some(), bits::SELECTED_ALTITUDE),
+            (self.operator_rad.is_some(), bits::OPERATOR),
+        ];
+        TargetStatement {
+            time_ns,
+            stages,
+            operator_deg: self.operator_rad.unwrap_or_default().map(f64::to_degrees),
+            length_m,
+            width_m,
+            selected_altitude_m: self.selected_altitude_m.unwrap_or_default(),
+            track_number: self.track_number,
+            source,
+            category: self.category.code(),
+            navigation: self.navigation.code(),
+            emergency: self.emergency.code(),
+            valid: known
+                .into_iter()
+                .filter(|(is_known, _)| *is_known)
+                .fold(0, |all, (_, bit)| all | bit),
+            ..TargetStatement::default()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_stated_stays_what_it_was() {
+        let mut known = Statement {
+            track_number: 7,
+            category: TargetCategory::Cargo,
+            size_m: Some([200.0, 30.0]),
+            ..Statement::default()
+        };
+        known.update(&Statement {
+            track_number: 7,
+            navigation: NavigationStatus::Anchored,
+            ..Statement::default()
+        });
+        assert_eq!(known.category, TargetCategory::Cargo);
+        let sample = known.sample(3, 5, StageTimes::default());
+        assert_eq!(
+            (sample.length_m, sample.navigation),
+            (200.0, NavigationStatus::Anchored.code())
+        );
+        assert_eq!((sample.valid, sample.source, sample.time_ns), (bits::SIZE, 3, 5));
+    }
 }

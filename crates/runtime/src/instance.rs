@@ -202,6 +202,7 @@ pub fn each_stream(deployment: &Deployment, publishers: usize, visit: &mut impl 
             Stream::Bearings => visit.visit(&messages::sensor_bearings(name), publishers)?,
             Stream::Arrivals => visit.visit(&messages::sensor_arrivals(name), publishers)?,
             Stream::Fixes => visit.visit(&messages::sensor_fixes(name), publishers)?,
+            Stream::Statements => visit.visit(&messages::target_statements(name), publishers)?,
             Stream::PlatformStates => visit.visit(&messages::platform_states(name), publishers)?,
             Stream::Cues => visit.visit(&messages::cues(name), publishers)?,
             Stream::WideArea => visit.visit(&messages::wide_area(name), publishers)?,

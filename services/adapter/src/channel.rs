@@ -4,10 +4,10 @@ use bus::{BusError, Mark, Publisher, SharedMemory, Subscriber};
 use deployment::Source;
 use messages::{
     Counter, Counters, Cue, NS_PER_S, PlatformState, SensorArrival, SensorBearing, SensorDetection, SensorFix,
-    SensorSpectrum, SensorTrack, WideArea,
+    SensorSpectrum, SensorTrack, StageTimes, TargetStatement, WideArea,
 };
 use observations::{
-    EmitterMeasurement, Observation, Sampled, SensorEvent, ServiceMessage, SnapshotBlock, WideAreaReport,
+    EmitterMeasurement, Observation, Sampled, SensorEvent, ServiceMessage, SnapshotBlock, Statement, WideAreaReport,
 };
 use platform::State;
 use reception::RefusedPlace;
@@ -21,6 +21,7 @@ use crate::Processed;
 use crate::continuity;
 use crate::outlet::TopicOutlet;
 use crate::receiver::ReceiptTime;
+use crate::statements::StatementBook;
 
 /// Maximum number of reports collected before publication: the reports of a batch of datagrams.
 const GATHERED_MAX: usize = 4096;
@@ -43,6 +44,9 @@ pub(crate) struct SourceChannel {
     /// States of the platform that carries the source's direction finder.
     platform: Option<Subscriber<SharedMemory, PlatformState>>,
     gathered: Samples,
+    /// What targets have stated, and the samples of it to publish.
+    statements: StatementBook,
+    stated: Vec<TargetStatement>,
     outlets: Outlets,
     /// Clock for the estimate of the source's clock offset.
     steady: Option<SteadyClock>,
@@ -62,6 +66,7 @@ struct Outlets {
     spectra: Option<Publisher<SharedMemory, SensorSpectrum>>,
     tracks: TopicOutlet<SensorTrack>,
     cues: TopicOutlet<Cue>,
+    statements: TopicOutlet<TargetStatement>,
 }
 
 impl Outlets {
@@ -84,6 +89,7 @@ impl Outlets {
             spectra: source.has_array().then(spectra).transpose()?,
             tracks: TopicOutlet::open(process, &messages::sensor_tracks(name), uid, source.has_tracks())?,
             cues: TopicOutlet::open(process, &messages::cues(name), uid, source.has_cues())?,
+            statements: TopicOutlet::open(process, &messages::target_statements(name), uid, source.has_statements)?,
         })
     }
 
@@ -156,6 +162,8 @@ impl SourceChannel {
                 tracks: Vec::with_capacity(GATHERED_MAX),
                 ..Samples::default()
             },
+            statements: StatementBook::default(),
+            stated: Vec::new(),
             outlets: Outlets::open(process, source)?,
             steady: None,
             silent_after_ns: source.silent_after_ns,
@@ -186,6 +194,26 @@ impl SourceChannel {
     pub(crate) fn take(&mut self, observation: &Observation, ingested_ns: i64) -> anyhow::Result<()> {
         self.pipeline.take(observation, ingested_ns, &mut self.gathered);
         self.publish_many()
+    }
+
+    /// Notes that the target `track_number` has transmitted.
+    pub(crate) fn alive(&mut self, track_number: u32, received: ReceiptTime) {
+        self.statements.alive(track_number, received.utc_ns);
+    }
+
+    /// Takes a statement of a target received at `received`.
+    pub(crate) fn state(&mut self, stated: &Statement, received: ReceiptTime) {
+        if let Some(whole) = self.statements.take(stated, received.utc_ns) {
+            self.gather_statement(&whole, received.utc_ns, received.mono_ns);
+        }
+    }
+
+    fn gather_statement(&mut self, whole: &Statement, utc_ns: i64, mono_ns: i64) {
+        let stages = StageTimes {
+            ingested_ns: mono_ns,
+            ..StageTimes::default()
+        };
+        self.stated.push(whole.sample(self.source, utc_ns, stages));
     }
 
     /// Takes the latest refused position, if any was refused since the last call.
@@ -264,6 +292,10 @@ impl SourceChannel {
             end: false,
         };
         self.gathered.has_picture = false;
+        for whole in self.statements.due(now.utc_ns) {
+            self.gather_statement(&whole, now.utc_ns, now.mono_ns);
+        }
+        self.outlets.statements.send(mark, &mut self.stated)?;
         Ok(self.outlets.send(mark, &mut self.gathered)?)
     }
 
@@ -279,6 +311,7 @@ impl SourceChannel {
         };
         entry.registration.set_clock_offset(self.clock_offset(Now::read()));
         entry.counters += decoded;
+        entry.counters[Counter::TracksDropped] += self.statements.refused();
         // A tracker's sensor publishes detections.
         let published = match self.has_tracks {
             true => self.outlets.tracks.sent(),

@@ -85,8 +85,8 @@ impl WayIn {
         SocketAddr::new(any, 0)
     }
 
-    /// Passes the next pieces to `visit`, each with the time of receipt, and whether no further piece continues it. Waits
-    /// at most [`PATIENCE`]. The capture gets what came from an address.
+    /// Passes the next pieces to `visit`, each with the time of receipt, and whether no further piece continues it.
+    /// Waits at most [`PATIENCE`]. The capture gets what came from an address.
     fn poll(
         &mut self,
         (now, steady): (Now, SteadyClock),
@@ -260,11 +260,19 @@ impl Agent for FeedAgent {
                         if let Some(place) = channel.take_refused_place() {
                             refusals.place(place, received);
                         }
+                        if let Some(number) = observed.track_number {
+                            channel.alive(number, received);
+                        }
                         if failed.is_ok() {
                             failed = taken;
                         }
                     }
-                    Fed::Statement(..) => {}
+                    Fed::Statement(origin, stated) => {
+                        let found = channels.iter_mut().find(|(wanted, _)| uses(*wanted, origin));
+                        if let Some((_, channel)) = found {
+                            channel.state(stated, received);
+                        }
+                    }
                     // Refused data are counted by reason.
                     Fed::Refused(reason, words) => refusals.note((reason, ""), received, words),
                 });

@@ -30,6 +30,7 @@ mod refusals;
 mod replay;
 mod row_lines;
 mod snapshots;
+mod statements;
 mod tables;
 mod tracker;
 mod wide_area;

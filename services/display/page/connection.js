@@ -210,6 +210,7 @@ export class Connection {
     for (const key of ["rule", "epoch", "sequence"]) if (track[key] != null) facts.push([key, String(track[key])]);
     if (track.identity?.mmsi) facts.push(["MMSI", track.identity.mmsi]);
     if (track.identity?.name) facts.push(["name", track.identity.name]);
+    for (const [name, text] of track.stated ?? []) facts.push([name, text]);
     const owner = shares.find((/** @type {any} */ share) => share.centre && share.track === track.owner_track_number);
     if (track.owner_track_number)
       facts.push(["owned by", `${owner?.name ?? "another centre"}, its ${track.owner_track_number}`]);

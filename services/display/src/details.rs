@@ -9,7 +9,8 @@
 //! `probability`), `level` (of the transponder, hundreds of feet), `level_age_s`, `height_valid`,
 //! `on_ground`, `merged_into`, `owner_track_number` (0: this centre owns the track), `nis`, `covariance` (the 21
 //! elements of the upper triangle), `identity` {`address`, `mmsi`, `mode_3a` (texts), `callsign`, `name`, `type`,
-//! `type_confidence`} and `contributions`. Each contribution has
+//! `type_confidence`}, `stated` ([[name, text]]: category, status, size and other facts beside the motion) and
+//! `contributions`. Each contribution has
 //! `source`, `name`, `track_number`, `weight`, `accuracy`, `fresh`, `scored`, `centre` (a system track of another
 //! centre), `origin` (the other centre; `null`: unknown), `time_s`, `time_of_measurement_ns`, and the last position
 //! of the sensor track: `position_m` [2] and `height_m`. In the past, position and velocity have no up component,
@@ -30,8 +31,9 @@
 
 use messages::picture::{PictureIdentity, PictureSensorTrack, PictureTrack, picture_track_bits};
 use messages::{
-    Contribution, FusionRule, Identity, MotionMode, NO_SOURCE, Spelled, SystemTrack, TargetType, TrackKind, TrackState,
-    contribution_bits,
+    Contribution, Emergency, FusionRule, Identity, MotionMode, NO_SOURCE, NavigationStatus, Spelled, SystemTrack,
+    TargetCategory, TargetStatement, TargetType, TrackKind, TrackState, contribution_bits,
+    target_statement_bits as bits,
 };
 use runtime::Now;
 use serde_json::{Value, json};
@@ -127,8 +129,63 @@ fn live(world: &World, number: u32) -> Option<Value> {
         "nis": nis(track.nis),
         "covariance": track.covariance.upper,
         "identity": identity(&track.identity, &track.target_type),
+        "stated": stated(world, track),
         "contributions": parts,
     }))
+}
+
+/// What the targets of the contributing sensor tracks have stated beside their motion, as names with texts: of each
+/// name the first that is known.
+fn stated(world: &World, track: &SystemTrack) -> Vec<(&'static str, String)> {
+    let mut known: Vec<(&'static str, String)> = Vec::new();
+    for part in track.contributions() {
+        let Some(statement) = world.statements.get(&(part.source, part.track_number)) else {
+            continue;
+        };
+        for (name, text) in stated_facts(statement) {
+            if let Some(text) = text.filter(|_| known.iter().all(|(other, _)| *other != name)) {
+                known.push((name, text));
+            }
+        }
+    }
+    known
+}
+
+/// The facts of a statement; `None` where a fact is not known.
+fn stated_facts(stated: &TargetStatement) -> [(&'static str, Option<String>); 6] {
+    let word = |word: Option<&str>| {
+        word.filter(|word| *word != "unknown")
+            .map(|word| word.replace('-', " "))
+    };
+    let holds = |bit: u8, text: String| (stated.valid & bit != 0).then_some(text);
+    let level = f64::from(stated.selected_altitude_m) * FEET_PER_M / 100.0;
+    let [latitude, longitude] = stated.operator_deg;
+    [
+        (
+            "category",
+            word(TargetCategory::from_code(stated.category).map(TargetCategory::word)),
+        ),
+        (
+            "status",
+            word(NavigationStatus::from_code(stated.navigation).map(NavigationStatus::word)),
+        ),
+        (
+            "emergency",
+            word(Emergency::from_code(stated.emergency).map(Emergency::word)),
+        ),
+        (
+            "size",
+            holds(bits::SIZE, format!("{:.0} × {:.0} m", stated.length_m, stated.width_m)),
+        ),
+        (
+            "selected level",
+            holds(bits::SELECTED_ALTITUDE, format!("FL {level:.0}")),
+        ),
+        (
+            "operator at",
+            holds(bits::OPERATOR, format!("{latitude:.5}, {longitude:.5}")),
+        ),
+    ]
 }
 
 fn past(world: &World, viewer: &Viewer, number: u32, state: u64) -> Option<Value> {

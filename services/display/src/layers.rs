@@ -5,7 +5,7 @@
 use bus::Payload;
 use messages::{
     Alarm, BatchHeader, Cue, Decision, OrderState, SensorBearing, SensorDetection, SensorTrack, Stream, Streamed,
-    SystemTrack, TopicName, WideArea,
+    SystemTrack, TargetStatement, TopicName, WideArea,
 };
 use runtime::Now;
 
@@ -87,6 +87,7 @@ displayed! {
     Alarms: Alarm, |world, (header, alarms), _| world.hear_alarms(header, alarms);
     Decisions: Decision, |world, (_, decisions), _| world.hear_decisions(decisions);
     Orders: OrderState, |world, (_, orders), _| world.observed.take_orders(orders);
+    Statements: TargetStatement, |world, (_, stated), _| world.hear_statements(stated);
     ; hidden: PlatformStates, Arrivals, Fixes
 }
 

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use messages::picture::{LayerRecord, PictureIdentity, PictureSensorTrack, PictureTrack};
-use messages::{Alarm, BatchHeader, Decision, FrameOrigin, SensorTrack, SystemTrack, TrackState};
+use messages::{Alarm, BatchHeader, Decision, FrameOrigin, SensorTrack, SystemTrack, TargetStatement, TrackState};
 use observed::Deployment;
 use runtime::Now;
 use rustc_hash::FxHashMap;
@@ -26,6 +26,8 @@ use crate::wire::{LAYER_AGE_S, Past};
 
 /// Maximum number of system tracks, of sensor tracks, and of past identities.
 const TRACKS_MAX: usize = 50_000;
+/// Age of a statement at which its target has left, nanoseconds: statements come once a minute.
+const STATEMENT_AGE_NS: i64 = 300 * NS_PER_S;
 /// Time between two clean-ups, nanoseconds.
 const CLEAN_UP_NS: i64 = 1_000_000_000;
 const NS_PER_S: i64 = 1_000_000_000;
@@ -156,6 +158,8 @@ pub(crate) struct World {
     pub(crate) identities: FxHashMap<u32, ReceivedRecord<PictureIdentity>>,
     pub(crate) sensor_tracks: BTreeMap<(u16, u32), ReceivedRecord<PictureSensorTrack>>,
     pub(crate) passing: Passing,
+    /// What targets have stated beside their motion, by source and track number.
+    pub(crate) statements: FxHashMap<(u16, u32), TargetStatement>,
     pub(crate) alarm_book: AlarmBook,
     pub(crate) coverage: Coverage,
     /// Latest reports of each sensor track.
@@ -191,6 +195,7 @@ impl World {
             identities: FxHashMap::default(),
             sensor_tracks: BTreeMap::new(),
             passing: Passing::default(),
+            statements: FxHashMap::default(),
             alarm_book: AlarmBook::default(),
             coverage: Coverage::new(sources.iter().map(|fact| (fact.site_m, fact.source.period_ns))),
             recent: RecentReports::default(),
@@ -415,6 +420,16 @@ impl World {
         self.passing.add(self.stamp, time_ns, record);
     }
 
+    /// Receives what targets state beside their motion.
+    pub(crate) fn hear_statements(&mut self, stated: &[TargetStatement]) {
+        for statement in stated {
+            let key = (statement.source, statement.track_number);
+            if self.statements.len() < TRACKS_MAX || self.statements.contains_key(&key) {
+                self.statements.insert(key, *statement);
+            }
+        }
+    }
+
     /// Receives the decisions of fusion.
     pub(crate) fn hear_decisions(&mut self, decisions: &[Decision]) {
         self.has_decisions |= !decisions.is_empty();
@@ -452,6 +467,8 @@ impl World {
         let oldest_ns = self.time_ns(now) - LAYER_AGE_S * NS_PER_S;
         self.sensor_tracks.retain(|_, heard| heard.time_ns >= oldest_ns);
         self.recent.forget_before(oldest_ns);
+        let stated_ns = self.time_ns(now) - STATEMENT_AGE_NS;
+        self.statements.retain(|_, stated| stated.time_ns >= stated_ns);
         self.coverage.forget_before(oldest_ns);
         let past_ns = self.history.span_ns().map_or(i64::MIN, |[from_ns, _]| from_ns);
         self.identities.retain(|_, heard| heard.time_ns >= past_ns);

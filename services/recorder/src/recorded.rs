@@ -16,7 +16,7 @@ use formats::tracks_csv::PlacedTrack;
 use frames::SystemFrame;
 use messages::{
     Alarm, AlarmEvent, Cue, Decision, OrderState, PlatformState, SensorArrival, SensorBearing, SensorDetection,
-    SensorFix, SensorTrack, Stream, Streamed, SystemTrack, WideArea,
+    SensorFix, SensorTrack, Stream, Streamed, SystemTrack, TargetStatement, WideArea,
 };
 use observations::{Arrival, Bearing, ReadyFix, Sampled as _, SensorEvent, WideAreaReport, sensor_id};
 
@@ -50,6 +50,7 @@ pub(crate) fn for_samples<F: ForSamples>(stream: Stream, task: F) -> F::Done {
         Stream::Bearings => task.of::<SensorBearing>("bearings"),
         Stream::Arrivals => task.of::<SensorArrival>("arrivals"),
         Stream::Fixes => task.of::<SensorFix>("fixes"),
+        Stream::Statements => task.of::<TargetStatement>("statements"),
         Stream::PlatformStates => task.of::<PlatformState>("platform_states"),
         Stream::Cues => task.of::<Cue>("cues"),
         Stream::WideArea => task.of::<WideArea>("wide_area"),
@@ -168,6 +169,18 @@ recorded_as_measured! {
     SensorBearing: Bearing;
     SensorArrival: Arrival;
     SensorFix: ReadyFix;
+}
+
+impl RecordedSample for TargetStatement {
+    type Row = Self;
+
+    fn row(&self, source: u16, _: &SystemFrame) -> Option<Self> {
+        Some(Self { source, ..*self })
+    }
+
+    fn stated_number(&self) -> u16 {
+        self.source
+    }
 }
 
 impl RecordedSample for PlatformState {
