@@ -235,7 +235,7 @@ fn wrong_usage_is_one_line() {
     let home = Home::new();
     write_site(&home, |_, _| ());
     let cases: [(&[&str], &[&str]); 8] = [
-        (&[], &["a command is missing", "demo, open, up, check, doctor"]),
+        (&[], &["a command is missing", "demo, open, new, up, check, doctor"]),
         (&["upp"], &["unrecognized subcommand 'upp'", "--help"]),
         (&["up"], &["<CONFIG>", "koseki up --help"]),
         (&["demo", "--for", "soon"], &["--for", "number of seconds"]),

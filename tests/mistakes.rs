@@ -5,7 +5,7 @@ use crate::common::{Folder, repository};
 /// Command lines, and words that their refusals contain.
 const MISTAKES: &[(&str, &[&str])] = &[
     // Commands, and places of options.
-    ("", &["a command is missing", "demo, open, up, check"]),
+    ("", &["a command is missing", "demo, open, new, up, check"]),
     ("upp", &["unrecognized subcommand 'upp'; did you mean 'up'?"]),
     ("help upp", &["unrecognized subcommand 'upp'"]),
     (

@@ -23,8 +23,8 @@
 //! - [`sensor_tracks_csv`], [`detections_csv`], [`bearings_csv`], [`emitter_rows_csv`], [`wide_area_csv`]:
 //!   observations and sensor tracks as rows of text;
 //! - [`named_columns`]: sensor tracks from tables in degrees, with the column names of others;
-//! - [`platform_states_csv`], [`cues_csv`], [`alarms_csv`], [`decisions_csv`], [`orders_csv`], [`statements_csv`]: what is
-//!   written only;
+//! - [`platform_states_csv`], [`cues_csv`], [`alarms_csv`], [`decisions_csv`], [`orders_csv`], [`statements_csv`]: what
+//!   is written only;
 //! - [`tracks_csv`]: system tracks, and tracks of a tracker, as output.
 
 #![forbid(unsafe_code)]

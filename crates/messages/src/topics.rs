@@ -302,8 +302,8 @@ topics! {
     /// Ready-made fixes of one source whose adapter selects or joins them, before the resulting tracks.
     sensor_fixes(source_name) -> SensorFix: "sensor/{source_name}/fixes", 256 slices of 64, 4 to 16;
 
-    /// What the targets of one source state beside their motion (category, size, status, selected altitude), when some of
-    /// it changes, and for each target once a minute.
+    /// What the targets of one source state beside their motion (category, size, status, selected altitude), when some
+    /// of it changes, and for each target once a minute.
     target_statements(source_name) -> TargetStatement: "sensor/{source_name}/statements", 64 slices of 64, 4 to 16;
 
     /// Spectra of one source that measures bearings with an antenna array. They are computed and published only while

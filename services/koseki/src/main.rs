@@ -28,6 +28,7 @@ mod instances;
 mod kinds;
 mod lab;
 mod link;
+mod new_config;
 mod open;
 mod order;
 mod programs;
@@ -112,6 +113,7 @@ fn run(command: Command) -> anyhow::Result<()> {
             launch(&config, options, up.seconds, up.fresh)
         }
         Command::Open(opened) => open::run(&opened),
+        Command::New(new) => new_config::run(&new),
         Command::Check(check) => check::run(&check),
         Command::Doctor(doctor) => doctor::run(&doctor),
         Command::Generate(generate) => generate::run(&generate),

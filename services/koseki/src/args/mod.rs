@@ -32,8 +32,8 @@ use encode::ENCODE_EXAMPLES;
 pub(crate) use encode::EncodeArgs;
 use feed::FEED_EXAMPLES;
 pub(crate) use feed::Feed;
-use open::OPEN_EXAMPLES;
-pub(crate) use open::OpenArgs;
+use open::{NEW_EXAMPLES, OPEN_EXAMPLES};
+pub(crate) use open::{NewConfig, OpenArgs, SiteKind};
 pub(crate) use order::GiveOrder;
 use recording::RECORDING_EXAMPLES;
 pub(crate) use recording::{
@@ -117,6 +117,9 @@ pub(crate) enum Command {
     /// Open files or feeds of any known kind, without a configuration: fuse them and show the picture
     #[command(after_help = OPEN_EXAMPLES)]
     Open(OpenArgs),
+    /// Print a commented configuration to begin a site with
+    #[command(after_help = NEW_EXAMPLES)]
+    New(NewConfig),
     /// Start and supervise a deployment
     #[command(after_help = UP_EXAMPLES)]
     Up(Up),

@@ -1,9 +1,9 @@
-//! Options of `koseki open`.
+//! Options of `koseki open` and `koseki new`.
 
 use std::path::PathBuf;
 use std::time::Duration;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use offline::values::seconds;
 
 pub(crate) const OPEN_EXAMPLES: &str = "\
@@ -49,4 +49,38 @@ pub(crate) struct OpenArgs {
     /// Parent folder of the run's records [default: records]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+}
+
+pub(crate) const NEW_EXAMPLES: &str = "\
+Examples:
+  koseki new air                     prints a configuration of 25 lines
+  koseki new sea --out harbour.toml  writes it: put your places and addresses into
+                                     it, then koseki check harbour.toml
+
+docs/configuration.md lists every key; config/ has larger examples.";
+
+/// `koseki new`.
+#[derive(Debug, Args)]
+pub(crate) struct NewConfig {
+    /// Kind of the site
+    #[arg(value_name = "KIND", value_enum)]
+    pub(crate) kind: SiteKind,
+    /// File to write, which must not exist [default: standard output]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: Option<PathBuf>,
+}
+
+/// Kind of a site.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum SiteKind {
+    /// A receiver of aircraft transponders, and a radar
+    Air,
+    /// A receiver of AIS, and a coastal radar
+    Sea,
+    /// Remote ID, and a sensor of your own
+    Drones,
+    /// Two radars and telemetry, recorded
+    Range,
+    /// Two files, with any rule
+    Research,
 }
