@@ -67,8 +67,8 @@ impl<'a> Processed<'a> {
     }
 }
 
-/// Reads the data of a feed in `bytes` as the adapter of a recording does; `observed` gets each target report. Data that
-/// state no receipt were received at `received_ns`, UTC, nanoseconds, if stated.
+/// Reads the data of a feed in `bytes` as the adapter of a recording does; `observed` gets each target report. Data
+/// that state no receipt were received at `received_ns`, UTC, nanoseconds, if stated.
 pub fn survey_feed(
     bytes: &[u8],
     format: FeedFormat,
