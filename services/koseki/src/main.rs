@@ -36,6 +36,7 @@ mod recording_copy;
 mod recording_export;
 mod recording_foxglove;
 mod recording_info;
+mod recording_paths;
 mod recordings;
 mod replay;
 mod send;

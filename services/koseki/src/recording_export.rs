@@ -17,6 +17,7 @@ use crate::args::RecordingExport;
 use crate::config::Config;
 use crate::recording_foxglove::PictureWriter;
 use crate::recording_info::{files, note_damage};
+use crate::recording_paths::{PathForm, PathSelection, Paths};
 use crate::replay::{configuration, facts};
 
 /// Exports.
@@ -31,6 +32,9 @@ pub(crate) fn run(export: &RecordingExport) -> anyhow::Result<()> {
             ("--csv", export.csv.as_ref()),
             ("--asterix", export.asterix.as_ref()),
             ("--foxglove", export.foxglove.as_ref()),
+            ("--geojson", export.geojson.as_ref()),
+            ("--kml", export.kml.as_ref()),
+            ("--gpx", export.gpx.as_ref()),
         ],
     )?;
     let facts = facts(&paths[0])?;
@@ -48,25 +52,52 @@ pub(crate) fn run(export: &RecordingExport) -> anyhow::Result<()> {
         .transpose()?;
     let pictures = |path: &PathBuf| PictureWriter::begin(&config, OutputFile::begin(path)?);
     let mut pictures = export.foxglove.as_ref().map(pictures).transpose()?;
+    let forms = [
+        (PathForm::GeoJson, &export.geojson),
+        (PathForm::Kml, &export.kml),
+        (PathForm::Gpx, &export.gpx),
+    ];
+    let has_paths = forms.iter().any(|(_, path)| path.is_some());
+    let mut lines = has_paths.then(|| Paths::new(config.frame, selection(export)));
     for path in &paths {
         let mut file = BufReader::with_capacity(1 << 18, File::open(path)?);
         recording::read::<_, anyhow::Error>(&mut file, |item| {
             note_damage(path, &item);
             tables.as_mut().map_or(Ok(()), |tables| tables.add(&item))?;
             pictures.as_mut().map_or(Ok(()), |pictures| pictures.add(&item))?;
-            if let (Some(blocks), Item::Sample { topic, octets }) = (&mut blocks, &item)
+            if let Item::Sample { topic, octets } = &item
                 && *topic == tracks.as_str()
                 && let Some(track) = SystemTrack::of_octets(octets)
             {
-                blocks.write(&track)?;
+                blocks.as_mut().map_or(Ok(()), |blocks| blocks.write(&track))?;
+                if let Some(lines) = &mut lines {
+                    lines.add(&track);
+                }
             }
             Ok(())
         })
         .with_context(|| format!("exporting {}", path.display()))?;
     }
+    for (form, path) in forms {
+        if let (Some(lines), Some(path)) = (&lines, path) {
+            let mut file = OutputFile::begin(path)?;
+            lines.write(form, &mut file)?;
+            file.finish()?;
+        }
+    }
     tables.map_or(Ok(()), Tables::finish)?;
     pictures.map_or(Ok(()), PictureWriter::finish)?;
     blocks.map_or(Ok(()), |blocks| blocks.finish()?.0.finish())
+}
+
+/// States of the paths that are asked for.
+fn selection(export: &RecordingExport) -> PathSelection {
+    PathSelection {
+        from_ns: export.from,
+        to_ns: export.to,
+        area_deg: export.area,
+        targets: export.targets.clone(),
+    }
 }
 
 /// Midnight from which the recorder's tables count seconds.

@@ -213,8 +213,17 @@ fn in_lines(columns: &str) -> String {
     lines.join("\n         ")
 }
 
-/// Returns the help of `koseki fuse`, with the keys of a sensor.
+/// Whether the command line asks for a text of help. The parser makes the texts of all commands at each start.
+fn is_help_asked() -> bool {
+    let asks = ["--help", "-h", "help", "generate"];
+    std::env::args_os().any(|word| asks.iter().any(|asked| word == *asked))
+}
+
+/// Returns the help of `koseki fuse`, with the keys of a sensor and the named columns; empty unless help is asked for.
 fn fuse_examples() -> String {
+    if !is_help_asked() {
+        return String::new();
+    }
     let text = FUSE_EXAMPLES.replace("{KEYS}", configuration::sensor_help().trim_end());
     let named: Vec<_> = named_columns_help(69)
         .lines()

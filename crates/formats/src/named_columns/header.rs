@@ -253,10 +253,13 @@ pub fn has_named_columns<R: Read>(table: &Table<R>) -> bool {
         .into_iter()
         .all(has)
         && (has("P00") || has("trace"));
+    if is_complete {
+        return false;
+    }
     let is_placed = states(Quantity::Latitude) || states(Quantity::Longitude);
     let is_plain = !OF_SENSOR_TRACKS.into_iter().any(has);
     let is_plane = [Quantity::Time, Quantity::East, Quantity::North]
         .into_iter()
         .all(states);
-    !is_complete && (is_placed || is_plain && is_plane)
+    is_placed || is_plain && is_plane
 }

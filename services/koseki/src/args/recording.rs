@@ -16,7 +16,9 @@ Examples:
       --to 2026-05-01T10:05:00Z --out near-miss.mcap
   koseki recording merge records/tower/latest --out night.mcap
   koseki recording repair damaged.mcap --out repaired.mcap
-  koseki recording export near-miss.mcap --csv near-miss --asterix near-miss.ast";
+  koseki recording export near-miss.mcap --csv near-miss --asterix near-miss.ast
+  koseki recording export records/tower/latest --kml tower.kml --gpx tower.gpx \\
+      --from 2026-05-01T10:00:00Z --area 1.5,41.0,2.5,41.6 --targets IBE12AB,4";
 
 /// `koseki recording`.
 #[derive(Debug, Subcommand)]
@@ -31,7 +33,7 @@ pub(crate) enum RecordingCommand {
     Repair(RecordingRepair),
     /// Write a recording in other formats
     #[command(override_usage = "koseki recording export [OPTIONS] <RECORDING>\n         \
-                                <--csv <DIR>|--asterix <FILE>|--foxglove <FILE>>")]
+                                <--csv <DIR>|--asterix <FILE>|--foxglove <FILE>|--geojson <FILE>|--kml <FILE>|--gpx <FILE>>")]
     Export(RecordingExport),
 }
 
@@ -105,4 +107,25 @@ pub(crate) struct RecordingExport {
     /// and in space
     #[arg(long, value_name = "FILE", group = "format")]
     pub(crate) foxglove: Option<PathBuf>,
+    /// File for the paths of the system tracks as GeoJSON: confirmed states, one a second
+    #[arg(long, value_name = "FILE", group = "format")]
+    pub(crate) geojson: Option<PathBuf>,
+    /// The same as KML, with times
+    #[arg(long, value_name = "FILE", group = "format")]
+    pub(crate) kml: Option<PathBuf>,
+    /// The same as GPX
+    #[arg(long, value_name = "FILE", group = "format")]
+    pub(crate) gpx: Option<PathBuf>,
+    /// Of paths, omit states before this time, UTC, as in 2026-05-01T10:00:00Z
+    #[arg(long, value_name = "TIME", value_parser = values::utc)]
+    pub(crate) from: Option<i64>,
+    /// Of paths, omit states after this time
+    #[arg(long, value_name = "TIME", value_parser = values::utc)]
+    pub(crate) to: Option<i64>,
+    /// Of paths, omit states outside west, south, east, north, degrees
+    #[arg(long, value_name = "W,S,E,N", value_parser = values::area, allow_hyphen_values = true)]
+    pub(crate) area: Option<[f64; 4]>,
+    /// Only the paths of these track numbers, call signs, addresses, MMSIs or names
+    #[arg(long, value_name = "TARGET", value_delimiter = ',')]
+    pub(crate) targets: Vec<String>,
 }

@@ -8,6 +8,19 @@ use formats::rows::Utc;
 use offline::values::seconds;
 use runtime::Speed;
 
+/// Reads west, south, east, north, degrees.
+pub(super) fn area(text: &str) -> Result<[f64; 4], String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse::<f64>()).collect();
+    let area: Option<[f64; 4]> = numbers.ok().and_then(|numbers| numbers.try_into().ok());
+    let is_area = |[west, south, east, north]: &[f64; 4]| {
+        [west, east].iter().all(|degrees| (-180.0..=180.0).contains(*degrees))
+            && (-90.0..=90.0).contains(south)
+            && (south..=&90.0).contains(&north)
+    };
+    area.filter(is_area)
+        .ok_or_else(|| "write west, south, east and north in degrees, as in 1.5,41.0,2.5,41.6".to_owned())
+}
+
 /// Parses a UTC time in the form of the recordings; returns nanoseconds since 1970.
 pub(super) fn utc(text: &str) -> Result<i64, String> {
     let form = "write a time as in 2026-05-01T10:00:00Z";
