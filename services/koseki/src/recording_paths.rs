@@ -1,11 +1,11 @@
 //! Paths of the system tracks of a recording, for maps and geographic programs: GeoJSON, KML, GPX.
 //!
 //! Each track is a path of its confirmed states, thinned to a state a second: longitude, latitude, height above the
-//! ellipsoid, time. A silence of more than [`GAP_NS`] divides a path into segments, so that no line is drawn where nothing
-//! was known. A selection takes the states within times and an area, and tracks by number or name.
+//! ellipsoid, time. A silence of more than [`GAP_NS`] divides a path into segments, so that no line is drawn across
+//! the silence. A selection takes the states within times and an area, and tracks by number or name.
 //!
-//! Limits: all states of the selection are in memory, 40 bytes each. Altitudes by pressure are not exported: a height is
-//! NaN, or missing, where no source measures it.
+//! Limits: all states of the selection are in memory, 40 bytes each. Altitudes by pressure are not exported: a height
+//! is missing where no source measures it.
 
 use std::collections::BTreeMap;
 use std::io::Write;

@@ -33,7 +33,8 @@ pub(crate) enum RecordingCommand {
     Repair(RecordingRepair),
     /// Write a recording in other formats
     #[command(override_usage = "koseki recording export [OPTIONS] <RECORDING>\n         \
-                                <--csv <DIR>|--asterix <FILE>|--foxglove <FILE>|--geojson <FILE>|--kml <FILE>|--gpx <FILE>>")]
+                                <--csv <DIR>|--asterix <FILE>|--foxglove <FILE>|\n          \
+                                --geojson <FILE>|--kml <FILE>|--gpx <FILE>>")]
     Export(RecordingExport),
 }
 

@@ -10,8 +10,8 @@ use csv_table::CsvError;
 use crate::files::InputError;
 use crate::host::{Host, TableInput};
 
-/// Most bytes of a begin.
-const HEAD_MAX: usize = 1 << 20;
+/// Most bytes of a begin: more would leave the caches before its rows are read.
+const HEAD_MAX: usize = 1 << 16;
 
 /// A file of which the begin has been read.
 pub(super) struct BegunFile {
@@ -25,7 +25,7 @@ impl BegunFile {
     /// # Errors
     /// If the file cannot be read.
     pub(super) fn of(host: &dyn Host, path: &Path) -> Result<Self, InputError> {
-        let (mut rest, mut head) = (host.open(path)?, Vec::new());
+        let (mut rest, mut head) = (host.open(path)?, Vec::with_capacity(HEAD_MAX));
         let read = rest.by_ref().take(HEAD_MAX as u64).read_to_end(&mut head);
         let failed = |reason| InputError::new(path, CsvError::Input { line: 1, reason });
         read.map_err(failed).map(|_| Self { head, rest })
