@@ -94,7 +94,7 @@ pub(crate) fn run(open: &OpenArgs) -> anyhow::Result<()> {
             decide(&format!("{}: {doubt}", found.file.display()));
         }
     }
-    launch(&config, options, open.seconds, true)?;
+    launch(&config, options, open.seconds, false)?;
     if is_recorded && !open.no_display {
         return show(&folder.join("latest"), open);
     }
