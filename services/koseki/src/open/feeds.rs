@@ -3,14 +3,13 @@
 //! The feed is read until a format is certain and a target has stated a position, which becomes the origin of the
 //! frame. A feed that brings nothing in [`PATIENCE`] is named by its port where the port is a usual one.
 
-use std::io::{ErrorKind, Read as _};
-use std::net::{SocketAddr, TcpStream, ToSocketAddrs as _, UdpSocket};
+use std::net::{SocketAddr, ToSocketAddrs as _};
 use std::time::Duration;
 
 use anyhow::Context as _;
 use deployment::FeedFormat;
 use formats::foreign::Foreign;
-use net::Document;
+use net::{Document, LinesSettings, ReceiverSettings, TcpLines, UdpReceiver};
 use offline::Usage;
 use runtime::Now;
 use runtime::clock::mono_ns;
@@ -23,8 +22,6 @@ const PATIENCE: Duration = Duration::from_secs(20);
 const STEP: Duration = Duration::from_millis(200);
 /// Octets that are looked at.
 const OCTETS_MAX: usize = 4 << 20;
-/// Largest datagram.
-const DATAGRAM_MAX: usize = 1 << 16;
 /// Ports of receivers: number, format, what usually sends there.
 const PORTS: [(u16, FeedFormat, &str); 5] = [
     (30_002, FeedFormat::ModeS, "frames of transponder receivers as text"),
@@ -73,8 +70,8 @@ fn socket(what: &str, address: &str) -> Result<SocketAddr, Usage> {
 
 /// Source of octets.
 enum Octets {
-    Tcp(TcpStream),
-    Udp(UdpSocket),
+    Tcp(Box<TcpLines>, SocketAddr),
+    Udp(Box<UdpReceiver>),
     Http(Box<Document>),
 }
 
@@ -82,15 +79,15 @@ impl Octets {
     fn open(address: &FeedAddress) -> anyhow::Result<Self> {
         Ok(match address {
             FeedAddress::Tcp(server) => {
-                let stream = TcpStream::connect_timeout(server, Duration::from_secs(5))
-                    .with_context(|| format!("{server} cannot be reached"))?;
-                stream.set_read_timeout(Some(STEP))?;
-                Self::Tcp(stream)
+                let settings = LinesSettings {
+                    line_octets_max: None,
+                    ..LinesSettings::new(*server)
+                };
+                Self::Tcp(Box::new(TcpLines::new(settings)?), *server)
             }
             FeedAddress::Udp(listen) => {
-                let socket = UdpSocket::bind(listen).with_context(|| format!("{listen} cannot be listened to"))?;
-                socket.set_read_timeout(Some(STEP))?;
-                Self::Udp(socket)
+                let settings = ReceiverSettings::new(listen.ip(), listen.port());
+                Self::Udp(Box::new(UdpReceiver::open(&settings)?))
             }
             FeedAddress::Http(url) => Self::Http(Box::new(Document::open(url, Duration::from_secs(1))?)),
         })
@@ -99,36 +96,33 @@ impl Octets {
     /// Appends what comes within a step.
     ///
     /// # Errors
-    /// If the server has closed the connection, or a document cannot be fetched.
+    /// If the server cannot be reached or has closed the connection, or a document cannot be fetched.
     fn read(&mut self, into: &mut Vec<u8>) -> anyhow::Result<()> {
-        let mut piece = vec![0; DATAGRAM_MAX];
-        let read = match self {
-            Self::Tcp(stream) => stream.read(&mut piece).and_then(|octets| match octets {
-                0 => Err(ErrorKind::UnexpectedEof.into()),
-                octets => Ok(octets),
-            }),
-            Self::Udp(socket) => socket.recv(&mut piece),
+        match self {
+            Self::Tcp(client, server) => {
+                client.poll(mono_ns(), STEP, |octets| into.extend_from_slice(octets));
+                let counted = client.counters();
+                anyhow::ensure!(counted.failed_attempts == 0, "{server} cannot be reached");
+                anyhow::ensure!(counted.lost_connections == 0, "{server} has closed the connection");
+            }
+            Self::Udp(socket) => {
+                socket.receive(STEP, |datagram| {
+                    into.extend_from_slice(datagram.bytes);
+                    // Datagrams may lack the end of their last line.
+                    if !datagram.bytes.ends_with(b"\n") && datagram.bytes.is_ascii() {
+                        into.push(b'\n');
+                    }
+                })?;
+            }
             Self::Http(document) => {
                 document.poll(STEP, |octets| {
                     into.extend_from_slice(octets);
                     into.push(b'\n');
                 });
                 anyhow::ensure!(document.trouble().is_empty(), "{}", document.trouble());
-                return Ok(());
             }
-        };
-        match read {
-            Ok(octets) => {
-                into.extend_from_slice(&piece[..octets]);
-                // Datagrams may lack the end of their last line.
-                if matches!(self, Self::Udp(_)) && !piece[..octets].ends_with(b"\n") && piece[..octets].is_ascii() {
-                    into.push(b'\n');
-                }
-                Ok(())
-            }
-            Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => Ok(()),
-            Err(error) => Err(error.into()),
         }
+        Ok(())
     }
 }
 
