@@ -46,6 +46,18 @@ fn opened(home: &Home, name: &str, options: &[&str]) -> (Value, String) {
     (report["picture"].clone(), said)
 }
 
+/// Cells of a column of a table.
+fn column<'a>(table: &'a str, name: &str) -> Vec<&'a str> {
+    let mut lines = table.lines();
+    let place = lines
+        .next()
+        .unwrap()
+        .split(',')
+        .position(|column| column == name)
+        .unwrap();
+    lines.map(|line| line.split(',').nth(place).unwrap()).collect()
+}
+
 #[test]
 fn a_file_of_each_kind_becomes_a_track() {
     let home = Home::new();
@@ -89,6 +101,12 @@ fn a_file_of_each_kind_becomes_a_track() {
         let checked = home.run(&["check", &config, "--data", "."]);
         assert_eq!(checked.status.code(), Some(0), "{checked:?}");
     }
+    // The category is stated beside the motion, once, since it does not change within a minute.
+    let paths = ["out-history.jsonl/latest", "tables"].map(|path| home.path(path).display().to_string());
+    let exported = home.run(&["recording", "export", &paths[0], "--csv", &paths[1]]);
+    assert_eq!(exported.status.code(), Some(0), "{exported:?}");
+    let stated = home.read("tables/statements_history.csv");
+    assert_eq!(column(&stated, "category"), ["large"], "{stated}");
 }
 
 #[test]

@@ -18,7 +18,7 @@ fuzz_target!(|input: &[u8]| {
         lines += 1;
         let received_ns = 1_700_000_000_000_000_000 + lines * i64::from(choice >> 2) * 100_000_000;
         let connection = lines as u32 % u32::from((choice & 3) + 1);
-        let _ = reader.take(connection, line, received_ns, |output| {
+        let _ = reader.take(connection, line, received_ns, |_, output| {
             let [latitude, longitude] = match output {
                 AisOutput::Target(found) | AisOutput::OwnShip(found) => {
                     let velocity_mps = found.velocity.unwrap_or_default();

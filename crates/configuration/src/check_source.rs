@@ -94,7 +94,11 @@ pub(super) fn check_source(
             .place
             .as_ref()
             .map(|place| [place.latitude_deg, place.longitude_deg]),
-        has_statements: matches!(&input, Input::Live(live) if network.feed(&live.receiver).is_some()),
+        has_statements: match &input {
+            Input::Live(live) => network.feed(&live.receiver).is_some(),
+            Input::Recorded(recorded) => recorded.format.feed().is_some(),
+            _ => false,
+        },
         clock_step: model.limits.clock_step(),
         tracks_max: model.limits.tracks,
         input,

@@ -16,7 +16,7 @@ fn main() -> io::Result<()> {
     for (number, line) in io::stdin().lock().split(b'\n').enumerate() {
         let (line, before) = (line?, *reader.counters());
         let mut fields = Map::new();
-        let result = reader.take(0, &line, 0, |output| match output {
+        let result = reader.take(0, &line, 0, |_, output| match output {
             AisOutput::Target(observation) => drop(fields.insert("target".to_owned(), target(&observation))),
             AisOutput::OwnShip(observation) => drop(fields.insert("own_ship".to_owned(), target(&observation))),
             AisOutput::Statement(stated) => {

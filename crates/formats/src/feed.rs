@@ -50,12 +50,21 @@ pub enum FeedOrigin {
     Repeated,
 }
 
+/// Transmission of a target in a feed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Transmission {
+    /// Origin of its positions.
+    pub origin: FeedOrigin,
+    /// Its time, UTC, nanoseconds since 1970: the time of receipt where the data have none.
+    pub utc_ns: i64,
+}
+
 /// What a piece of a feed has brought.
 pub enum Fed<'a> {
     /// Report of a target.
-    Target(FeedOrigin, &'a Observation),
+    Target(Transmission, &'a Observation),
     /// Statement of a target beside its motion.
-    Statement(FeedOrigin, &'a Statement),
+    Statement(Transmission, &'a Statement),
     /// Refused data: the reason, and the refusal in words.
     Refused(&'static str, &'a dyn fmt::Display),
 }
@@ -125,7 +134,7 @@ impl FeedReader {
             Reader::Sbs(merger) => match merger.take(piece, received_ns) {
                 Ok(Some(observed)) => {
                     *first = first.or_else(|| dated(piece));
-                    out(Fed::Target(FeedOrigin::Own, &observed));
+                    out(Fed::Target(own(received_ns), &observed));
                 }
                 Ok(None) => {}
                 Err(error) => {
@@ -144,9 +153,11 @@ impl FeedReader {
                     if output.clock == FrameClock::Line {
                         first.get_or_insert(output.utc_ns);
                     }
+                    let utc_ns = output.utc_ns;
+                    let transmission = Transmission { origin, utc_ns };
                     match &output.value {
-                        ModeSValue::Observation(observed) => out(Fed::Target(origin, observed)),
-                        ModeSValue::Statement(statement) => out(Fed::Statement(origin, statement)),
+                        ModeSValue::Observation(observed) => out(Fed::Target(transmission, observed)),
+                        ModeSValue::Statement(statement) => out(Fed::Statement(transmission, statement)),
                     }
                 });
                 for (reason, count) in reader.counters().refusals() {
@@ -158,9 +169,9 @@ impl FeedReader {
                 }
             }
             Reader::Ais(reader) => {
-                let taken = reader.take(CONNECTION, piece, received_ns, |output| match output {
-                    AisOutput::Target(observed) => out(Fed::Target(FeedOrigin::Own, &observed)),
-                    AisOutput::Statement(statement) => out(Fed::Statement(FeedOrigin::Own, &statement)),
+                let taken = reader.take(CONNECTION, piece, received_ns, |utc_ns, output| match output {
+                    AisOutput::Target(observed) => out(Fed::Target(own(utc_ns), &observed)),
+                    AisOutput::Statement(statement) => out(Fed::Statement(own(utc_ns), &statement)),
                     // Own ship and stations ashore are no targets.
                     AisOutput::OwnShip(_) | AisOutput::Fixed(_) => {}
                 });
@@ -325,12 +336,20 @@ fn dated(line: &[u8]) -> Option<i64> {
     }
 }
 
+/// A target's own transmission at `utc_ns` (nanoseconds).
+fn own(utc_ns: i64) -> Transmission {
+    let origin = FeedOrigin::Own;
+    Transmission { origin, utc_ns }
+}
+
 /// Passes the news of a target on: position and statement.
 fn give(origin: FeedOrigin, message: &TargetMessage, out: &mut dyn FnMut(Fed<'_>)) {
+    let utc_ns = message.time_ns;
+    let transmission = Transmission { origin, utc_ns };
     if let Some(observed) = &message.observation {
-        out(Fed::Target(origin, observed));
+        out(Fed::Target(transmission, observed));
     }
     if let Some(statement) = &message.statement {
-        out(Fed::Statement(origin, statement));
+        out(Fed::Statement(transmission, statement));
     }
 }

@@ -79,12 +79,15 @@ impl RecordedContent {
                     }
                 }
             }
-            Self::Feed(feed, wanted) => feed.read_piece(&mut |fed| {
-                if let Fed::Target(origin, observed) = fed
-                    && feed::uses(*wanted, origin)
-                {
-                    intake.observe(observed);
+            Self::Feed(feed, wanted) => feed.read_piece(&mut |fed| match fed {
+                Fed::Target(transmission, observed) if feed::uses(*wanted, transmission.origin) => {
+                    intake.heard(transmission, observed);
                 }
+                Fed::Statement(transmission, stated) if feed::uses(*wanted, transmission.origin) => {
+                    intake.state(transmission, stated);
+                }
+                // Refused data are counted.
+                Fed::Target(..) | Fed::Statement(..) | Fed::Refused(..) => {}
             }),
             Self::Tracks(tracks) => tracks.read_row(intake),
         }

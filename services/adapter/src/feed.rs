@@ -9,7 +9,7 @@ use std::time::Duration;
 use deployment::{Feed, FeedFormat, FeedLink, FeedOrigin, Input};
 use formats::ais::AisSettings;
 use formats::cot_events::CotSettings;
-use formats::feed::{Fed, FeedReader, FeedSettings};
+use formats::feed::{Fed, FeedReader, FeedSettings, Transmission};
 use formats::mode_s::{ModeSSettings, ReceiverRange};
 use formats::readsb::ReadsbSettings;
 use formats::remote_id::RemoteIdSettings;
@@ -250,7 +250,7 @@ impl Agent for FeedAgent {
         self.way_in
             .poll((now, steady), &mut self.capture, |piece, received, is_whole| {
                 reader.take(piece, Some(received.utc_ns), &mut |fed| match fed {
-                    Fed::Target(origin, observed) => {
+                    Fed::Target(Transmission { origin, .. }, observed) => {
                         let Some((_, channel)) = channels.iter_mut().find(|(wanted, _)| uses(*wanted, origin)) else {
                             return;
                         };
@@ -267,7 +267,7 @@ impl Agent for FeedAgent {
                             failed = taken;
                         }
                     }
-                    Fed::Statement(origin, stated) => {
+                    Fed::Statement(Transmission { origin, .. }, stated) => {
                         let found = channels.iter_mut().find(|(wanted, _)| uses(*wanted, origin));
                         if let Some((_, channel)) = found {
                             channel.state(stated, received);

@@ -1,8 +1,11 @@
 //! Data of a recording through the source's pipeline, in the order of time.
 
-use messages::{Counter, Counters, SensorDetection, SensorTrack};
-use observations::{Observation, ServiceMessage};
+use formats::feed::Transmission;
+use messages::{Counter, Counters, SensorDetection, SensorTrack, StageTimes, TargetStatement};
+use observations::{Observation, ServiceMessage, Statement};
 use sources::{Pipeline, Reorder, Samples};
+
+use crate::statements::StatementBook;
 
 /// Receiver of a recording's contents.
 #[derive(Debug)]
@@ -11,6 +14,10 @@ pub(crate) struct Intake {
     pipeline: Pipeline,
     samples: Samples,
     reorder: Reorder<SensorTrack>,
+    book: StatementBook,
+    stated: Vec<TargetStatement>,
+    /// Latest time of a transmission in the recording, UTC, nanoseconds.
+    heard_ns: i64,
     late: u64,
     tracks: u64,
 }
@@ -23,6 +30,9 @@ impl Intake {
             pipeline,
             samples: Samples::default(),
             reorder: Reorder::new(reorder_ns),
+            book: StatementBook::default(),
+            stated: Vec::new(),
+            heard_ns: i64::MIN,
             late: 0,
             tracks: 0,
         }
@@ -32,6 +42,34 @@ impl Intake {
     pub(crate) fn observe(&mut self, observed: &Observation) {
         self.pipeline.take(observed, 0, &mut self.samples);
         self.put_in_order();
+    }
+
+    /// Takes a target report of a feed.
+    pub(crate) fn heard(&mut self, transmission: Transmission, observed: &Observation) {
+        self.go_on(transmission);
+        if let Some(number) = observed.track_number {
+            self.book.alive(number, self.heard_ns);
+        }
+        self.observe(observed);
+    }
+
+    /// Takes what a target of a feed states beside its motion.
+    pub(crate) fn state(&mut self, transmission: Transmission, stated: &Statement) {
+        self.go_on(transmission);
+        let whole = self.book.take(stated, self.heard_ns);
+        self.stated.extend(whole.map(|whole| self.sample(&whole)));
+    }
+
+    /// States again what is due at the time of a transmission: a replay gives what the live feed gave.
+    fn go_on(&mut self, transmission: Transmission) {
+        self.heard_ns = self.heard_ns.max(transmission.utc_ns);
+        for whole in self.book.due(self.heard_ns) {
+            self.stated.push(self.sample(&whole));
+        }
+    }
+
+    fn sample(&self, whole: &Statement) -> TargetStatement {
+        whole.sample(self.source, self.heard_ns, StageTimes::default())
     }
 
     /// Takes a record about the sensor.
@@ -62,6 +100,11 @@ impl Intake {
         self.samples.detections.drain(..)
     }
 
+    /// Returns what targets have stated since the last call.
+    pub(crate) fn statements(&mut self) -> impl Iterator<Item = TargetStatement> + '_ {
+        self.stated.drain(..)
+    }
+
     /// Returns the next track in the order of times, if no earlier track can follow.
     pub(crate) fn pop(&mut self) -> Option<SensorTrack> {
         self.reorder.pop()
@@ -71,6 +114,7 @@ impl Intake {
     pub(crate) fn counters(&self) -> Counters {
         let mut counters = self.pipeline.counters();
         counters[Counter::RejectedLate] += self.late;
+        counters[Counter::TracksDropped] += self.book.refused();
         counters[Counter::Reports] += self.tracks;
         counters[Counter::Reports] -= self.late;
         counters

@@ -12,6 +12,7 @@
 #![forbid(unsafe_code)]
 
 mod bearings;
+mod beside;
 mod blocks;
 mod capture;
 mod channel;

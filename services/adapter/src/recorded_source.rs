@@ -7,12 +7,13 @@ use std::collections::VecDeque;
 
 use anyhow::Context as _;
 use deployment::{Recorded, Source};
-use messages::{Counters, ProcessKind, SensorDetection, SensorTrack, Stream, StreamId};
+use messages::{Counters, ProcessKind, SensorDetection, SensorTrack, Stream, StreamId, TargetStatement};
 use runtime::Process;
 use sources::{Pipeline, SourceReading};
 use tracking::wide_area::arrivals::Arrivals;
 
 use crate::Processed;
+use crate::beside::Beside;
 use crate::content::RecordedContent;
 use crate::intake::Intake;
 use crate::replay::{Published, ReplayAgent, Replayed};
@@ -28,9 +29,8 @@ pub struct RecordedSource {
     intake: Intake,
     ready: VecDeque<SensorTrack>,
     next_number: u64,
-    /// Detections of tracks, numbered by the place in the recording.
-    detections: VecDeque<SensorDetection>,
-    next_detection: u64,
+    detections: Beside<SensorDetection>,
+    statements: Beside<TargetStatement>,
 }
 
 /// Creates the agent that replays a recorded source.
@@ -75,11 +75,21 @@ pub(crate) fn replay(
         sensor_uid,
     };
     let detections = source.has_detections().then(|| detections.open(process, &[]));
+    let statements = Published {
+        topic: &messages::target_statements(&source.name),
+        stream: StreamId {
+            stream: Stream::Statements,
+            number,
+        },
+        sensor_uid,
+    };
+    let statements = source.has_statements.then(|| statements.open(process, &[]));
     ReplayAgent::new(
         process,
         recording.with_context(|| path.display().to_string())?,
         tracks.open(process, &[ProcessKind::Fusion])?,
         detections.transpose()?,
+        statements.transpose()?,
     )
 }
 
@@ -128,8 +138,8 @@ impl RecordedSource {
             intake: Intake::new(source.number, pipeline, recorded.reorder_ns),
             ready: VecDeque::with_capacity(2 * AHEAD),
             next_number: 0,
-            detections: VecDeque::new(),
-            next_detection: 0,
+            detections: Beside::default(),
+            statements: Beside::default(),
         };
         recording.decode_ahead();
         Ok(recording)
@@ -148,10 +158,11 @@ impl RecordedSource {
             if self.content.is_exhausted() {
                 self.intake.end();
             }
-            for mut detection in self.intake.detections() {
-                detection.sequence = self.next_detection;
-                self.next_detection += 1;
-                self.detections.push_back(detection);
+            for detection in self.intake.detections() {
+                self.detections.push(detection.time_of_measurement_ns, detection);
+            }
+            for stated in self.intake.statements() {
+                self.statements.push(stated.time_ns, stated);
             }
             while let Some(mut report) = self.intake.pop() {
                 report.sequence = self.next_number;
@@ -184,12 +195,12 @@ impl Replayed for RecordedSource {
         }
     }
 
-    fn peek_detection(&self) -> Option<&SensorDetection> {
-        self.detections.front()
+    fn detections(&mut self) -> Option<&mut Beside<SensorDetection>> {
+        Some(&mut self.detections)
     }
 
-    fn next_detection(&mut self) -> Option<SensorDetection> {
-        self.detections.pop_front()
+    fn statements(&mut self) -> Option<&mut Beside<TargetStatement>> {
+        Some(&mut self.statements)
     }
 
     fn counters(&self) -> Counters {

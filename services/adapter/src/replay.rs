@@ -9,11 +9,12 @@ use std::fmt::Debug;
 use std::time::Duration;
 
 use bus::{Mark, SharedMemory, WaitMode, Waiter};
-use messages::{Counter, Counters, Outgoing, ProcessKind, SensorDetection, StreamId, Topic};
+use messages::{Counter, Counters, Outgoing, ProcessKind, SensorDetection, StreamId, TargetStatement, Topic};
 use runtime::Process;
 use runtime::clock::mono_ns;
 use runtime::{Agent, HealthEntry, Now, Speed, Turn};
 
+use crate::beside::{Beside, BesideOutlet};
 use crate::outlet::PacedOutlet;
 
 /// Time between two looks for consumers.
@@ -41,13 +42,13 @@ pub(crate) trait Replayed: Debug {
     /// Leaves out the samples numbered below `first_needed`.
     fn skip_to(&mut self, first_needed: u64);
 
-    /// The next detection of which the samples were made, if tracks are made here.
-    fn peek_detection(&self) -> Option<&SensorDetection> {
+    /// The detections of which the samples were made, if tracks are made here.
+    fn detections(&mut self) -> Option<&mut Beside<SensorDetection>> {
         None
     }
 
-    /// Takes that detection.
-    fn next_detection(&mut self) -> Option<SensorDetection> {
+    /// What targets have stated, if the recording gives statements.
+    fn statements(&mut self) -> Option<&mut Beside<TargetStatement>> {
         None
     }
 
@@ -60,8 +61,8 @@ pub(crate) trait Replayed: Debug {
 pub(crate) struct ReplayAgent<R: Replayed> {
     recording: R,
     outlet: PacedOutlet<R::Sample>,
-    /// The way out of the detections behind the tracks; only the recorder reads all detections.
-    detections: Option<PacedOutlet<SensorDetection>>,
+    detections: Option<BesideOutlet<SensorDetection>>,
+    statements: Option<BesideOutlet<TargetStatement>>,
     waiter: Waiter<SharedMemory>,
     speed: Speed,
     /// The recording's clock, once running.
@@ -101,13 +102,15 @@ impl<R: Replayed> ReplayAgent<R> {
         recording: R,
         outlet: PacedOutlet<R::Sample>,
         detections: Option<PacedOutlet<SensorDetection>>,
+        statements: Option<PacedOutlet<TargetStatement>>,
     ) -> anyhow::Result<Self> {
         let mut waiter = process.bus.waiter(WaitMode::Event);
         waiter.watch(&process.bus, &messages::progress())?;
         Ok(Self {
             recording,
             outlet,
-            detections,
+            detections: detections.map(BesideOutlet),
+            statements: statements.map(BesideOutlet),
             waiter,
             speed: process.options.speed,
             clock: None,
@@ -126,47 +129,23 @@ impl<R: Replayed> ReplayAgent<R> {
         });
     }
 
-    /// Publishes a slice of the detections that are due before the next samples; `None` if there are none, else whether
-    /// the detections wait for the recorder. After a restart, detections that the recorder still lacks are published
-    /// again.
-    fn publish_detections(&mut self, until_ns: i64, now: Now) -> anyhow::Result<Option<Turn>> {
-        let Some(outlet) = &mut self.detections else {
-            return Ok(None);
-        };
-        outlet.update()?;
-        let (recording, first_needed) = (&mut self.recording, outlet.flow().first_needed());
-        while recording
-            .peek_detection()
-            .is_some_and(|next| next.sequence < first_needed)
+    /// Publishes a slice of the detections, else of the statements, that are due before the next samples; `None` if
+    /// there are none, else whether they wait for the recorder.
+    fn publish_beside(&mut self, until_ns: i64, now: Now) -> anyhow::Result<Option<Turn>> {
+        let mut sent = None;
+        if let (Some(outlet), Some(detections)) = (&mut self.detections, self.recording.detections()) {
+            sent = outlet.publish(detections, until_ns, now)?;
+        }
+        if sent.is_none()
+            && let (Some(outlet), Some(statements)) = (&mut self.statements, self.recording.statements())
         {
-            recording.next_detection();
+            sent = outlet.publish(statements, until_ns, now)?;
         }
-        let is_due = |next: &SensorDetection| next.time_of_measurement_ns <= until_ns;
-        if !recording.peek_detection().is_some_and(is_due) {
-            return Ok(None);
-        }
-        if !outlet.may_send() {
-            self.waited += 1;
-            return Ok(Some(Turn::Idle(PATIENCE)));
-        }
-        let mut slice = Vec::with_capacity(outlet.slice_len());
-        while slice.len() < outlet.slice_len()
-            && let Some(next) = recording.peek_detection().filter(|next| is_due(next))
-        {
-            slice.push(*next);
-            recording.next_detection();
-        }
-        let mark = Mark {
-            progress_ns: slice.last().map_or(i64::MIN, |last| last.time_of_measurement_ns),
-            sent_ns: mono_ns(),
-            end: false,
-        };
-        let mut rest = slice.iter();
-        outlet.send(mark, slice.len(), now.mono_ns, || {
-            let detection = rest.next().copied().unwrap_or_default();
-            (detection.sequence, detection)
-        })?;
-        Ok(Some(Turn::Worked))
+        self.waited += u64::from(sent == Some(false));
+        Ok(sent.map(|is_sent| match is_sent {
+            true => Turn::Worked,
+            false => Turn::Idle(PATIENCE),
+        }))
     }
 
     /// Time of the data until which everything is due.
@@ -199,8 +178,13 @@ impl<R: Replayed> ReplayAgent<R> {
         sent?;
         self.ended = mark.end;
         self.end_said_ns = mark.sent_ns;
-        if let Some(detections) = self.detections.as_mut().filter(|_| mark.end) {
-            detections.send(mark, 0, now.mono_ns, Default::default)?;
+        if mark.end {
+            self.detections
+                .as_mut()
+                .map_or(Ok(()), |outlet| outlet.end(mark, now))?;
+            self.statements
+                .as_mut()
+                .map_or(Ok(()), |outlet| outlet.end(mark, now))?;
         }
         Ok(())
     }
@@ -237,13 +221,13 @@ impl<R: Replayed> Agent for ReplayAgent<R> {
             return Ok(Turn::Worked);
         };
         let count = self.due(clock, now);
-        // Detections first: up to the last of these samples, and all remaining detections before the end.
+        // Detections and statements first: up to the last of these samples, and all that remain before the end.
         let last_ns = count.checked_sub(1).and_then(|last| self.recording.due_ns(last));
         let until_ns = match self.recording.due_ns(count) {
             Some(_) => last_ns.unwrap_or(i64::MIN),
             None => i64::MAX,
         };
-        if let Some(turn) = self.publish_detections(until_ns, now)? {
+        if let Some(turn) = self.publish_beside(until_ns, now)? {
             return Ok(turn);
         }
         if count == 0 && self.recording.due_ns(0).is_some() {

@@ -113,7 +113,8 @@ impl AisReader {
     }
 
     /// Takes a line of the connection numbered `connection`, received at `received_utc_ns` (UTC, nanoseconds since
-    /// 1970), and gives its content to `each`: the position first. A time in the line replaces the time of receipt.
+    /// 1970), and gives its content to `each`, with the time of receipt: the position first. A time in the line replaces
+    /// the time of receipt.
     ///
     /// # Errors
     /// [`AisError`] if the line was refused. The refusal is already counted; a caller with published counters needs no
@@ -123,7 +124,7 @@ impl AisReader {
         connection: u32,
         line: &'a [u8],
         received_utc_ns: i64,
-        each: impl FnMut(AisOutput),
+        each: impl FnMut(i64, AisOutput),
     ) -> Result<(), AisError<'a>> {
         self.take_line(connection, line, received_utc_ns, each)
             .map_err(|rejection| {
@@ -137,7 +138,7 @@ impl AisReader {
         connection: u32,
         line: &[u8],
         received_utc_ns: i64,
-        each: impl FnMut(AisOutput),
+        mut each: impl FnMut(i64, AisOutput),
     ) -> Result<(), AisRejection> {
         let Some(line) = AisLine::parse(line)? else {
             self.counters.others += 1;
@@ -166,7 +167,7 @@ impl AisReader {
         self.counters.timed += u64::from(stated_ns.is_some());
         self.counters.first_stated_ns = self.counters.first_stated_ns.or(stated_ns);
         self.counters.types[usize::from(message.message_type())] += 1;
-        self.give(&message, is_own_ship, now_ns, each);
+        self.give(&message, is_own_ship, now_ns, |output| each(now_ns, output));
         Ok(())
     }
 

@@ -19,7 +19,7 @@ pub(crate) fn reader() -> AisReader {
 pub(crate) fn outputs(reader: &mut AisReader, lines: &[&str], received_ns: i64) -> Vec<AisOutput> {
     let mut found = Vec::new();
     for line in lines {
-        let taken = reader.take(0, line.as_bytes(), received_ns, |output| found.push(output));
+        let taken = reader.take(0, line.as_bytes(), received_ns, |_, output| found.push(output));
         taken.unwrap_or_else(|error| panic!("{error}"));
     }
     found
@@ -361,7 +361,7 @@ fn own_ship_is_apart_and_impossible_numbers_are_refused() {
     for mmsi in [0, 1_193_046, 1_000_000_000] {
         let line = class_a(|report| report.mmsi = aivdm::Mmsi::from_raw(mmsi));
         let error = reader()
-            .take(0, line.as_bytes(), 0, |_| panic!())
+            .take(0, line.as_bytes(), 0, |_, _| panic!())
             .unwrap_err()
             .rejection;
         assert_eq!(error, AisRejection::Mmsi);

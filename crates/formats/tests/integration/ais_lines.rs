@@ -36,7 +36,7 @@ fn lines_of(counters: &AisCounters) -> u64 {
 fn statements(reader: &mut AisReader, lines: &[(u32, &str, i64)]) -> usize {
     let mut count = 0;
     for (connection, line, at_s) in lines {
-        let _ = reader.take(*connection, line.as_bytes(), at_s * S, |output| {
+        let _ = reader.take(*connection, line.as_bytes(), at_s * S, |_, output| {
             count += usize::from(matches!(output, AisOutput::Statement(_)));
         });
     }
@@ -174,7 +174,7 @@ fn every_line_is_counted_once() {
         &endless,
     ];
     for line in lines {
-        let _ = reader.take(0, line.as_bytes(), 0, |_| {});
+        let _ = reader.take(0, line.as_bytes(), 0, |_, _| {});
     }
     let counters = reader.counters();
     assert_eq!((counters.messages, counters.parts, counters.others), (1, 1, 3));
@@ -190,7 +190,7 @@ fn every_line_is_counted_once() {
         (1, 9)
     );
     assert_eq!(counters.types[5], 1);
-    let error = reader.take(0, short.as_bytes(), 0, |_| {}).unwrap_err().to_string();
+    let error = reader.take(0, short.as_bytes(), 0, |_, _| {}).unwrap_err().to_string();
     assert!(
         error.contains("AIVDM,1,1,,A,1000") && error.contains("shorter or longer"),
         "{error}"
@@ -213,7 +213,7 @@ fn a_hundred_thousand_mutated_sentences_are_taken() {
             line.truncate(end);
             line.extend_from_slice(format!("*{sum:02X}").as_bytes());
         }
-        let _ = reader.take(dice.below(3) as u32, &line, number * S / 50, |_| {});
+        let _ = reader.take(dice.below(3) as u32, &line, number * S / 50, |_, _| {});
     }
     assert_eq!(lines_of(reader.counters()), 100_000);
     assert!(reader.counters().messages > 1000, "{:?}", reader.counters());
@@ -236,7 +236,7 @@ proptest! {
     fn any_payload_gives_finite_values(lines in prop::collection::vec(any_sentence(), 1..20), received_ns: i64) {
         let mut reader = AisReader::new(AisSettings { stations_max: 4 });
         for line in &lines {
-            let _ = reader.take(0, line.as_bytes(), received_ns, |output| {
+            let _ = reader.take(0, line.as_bytes(), received_ns, |_, output| {
                 let position = match output {
                     AisOutput::Target(found) | AisOutput::OwnShip(found) => found.geodetic.unwrap(),
                     AisOutput::Fixed(found) => found.position_rad,
@@ -255,7 +255,7 @@ proptest! {
     ) {
         let mut reader = AisReader::new(AisSettings { stations_max: 4 });
         for line in &lines {
-            let _ = reader.take(0, line, at, |_| {});
+            let _ = reader.take(0, line, at, |_, _| {});
         }
         prop_assert_eq!(lines_of(reader.counters()), lines.len() as u64);
     }

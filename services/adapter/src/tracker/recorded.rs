@@ -17,6 +17,7 @@ use sources::{Pipeline, Samples, SourceReading};
 use tracking::wide_area::arrivals::Arrivals;
 
 use crate::Processed;
+use crate::beside::Beside;
 use crate::content::RecordedContent;
 use crate::intake::Intake;
 use crate::plot_rows::event_of;
@@ -36,8 +37,7 @@ pub(super) struct RecordedTracker {
     has_ended: bool,
     ready: VecDeque<SensorTrack>,
     next_track: u64,
-    detections: VecDeque<SensorDetection>,
-    next_detection: u64,
+    detections: Beside<SensorDetection>,
 }
 
 /// Creates the agent that replays the tracks of recorded sensors.
@@ -57,8 +57,7 @@ pub(super) fn replay(process: &Process, tracker: Processed<'_>) -> anyhow::Resul
         has_ended: false,
         ready: VecDeque::with_capacity(2 * AHEAD),
         next_track: 0,
-        detections: VecDeque::new(),
-        next_detection: 0,
+        detections: Beside::default(),
     };
     recording.read_all(process, tracker)?;
     recording.carry(process, tracker)?;
@@ -82,6 +81,7 @@ pub(super) fn replay(process: &Process, tracker: Processed<'_>) -> anyhow::Resul
         recording,
         tracks.open(process, &[ProcessKind::Fusion])?,
         Some(detections.open(process, &[])?),
+        None,
     )
 }
 
@@ -209,10 +209,8 @@ impl RecordedTracker {
                     self.has_ended = true;
                 }
             }
-            for mut detection in self.samples.detections.drain(..) {
-                detection.sequence = self.next_detection;
-                self.next_detection += 1;
-                self.detections.push_back(detection);
+            for detection in self.samples.detections.drain(..) {
+                self.detections.push(detection.time_of_measurement_ns, detection);
             }
             for mut track in self.samples.tracks.drain(..) {
                 track.sequence = self.next_track;
@@ -249,12 +247,8 @@ impl Replayed for RecordedTracker {
         }
     }
 
-    fn peek_detection(&self) -> Option<&SensorDetection> {
-        self.detections.front()
-    }
-
-    fn next_detection(&mut self) -> Option<SensorDetection> {
-        self.detections.pop_front()
+    fn detections(&mut self) -> Option<&mut Beside<SensorDetection>> {
+        Some(&mut self.detections)
     }
 
     fn counters(&self) -> Counters {

@@ -47,6 +47,7 @@ pub(crate) fn agent(process: &Process, sensor: &WideAreaSensor, readings: &Readi
             recording,
             published.open(process, &[])?,
             None,
+            None,
         )?));
     }
     let receiver = sensor.receiver().and_then(|name| process.config.receiver(name));
