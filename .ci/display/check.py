@@ -111,11 +111,12 @@ class Koseki:
         self.log = open(log, "w+", encoding="utf-8")
         self.process = subprocess.Popen([koseki, *command], stdout=self.log, stderr=subprocess.STDOUT)
 
-    def address(self):
-        """Address that it prints."""
+    def address(self, but=""):
+        """Address that it prints, except `but`."""
         end = time.monotonic() + 30
         while time.monotonic() < end:
-            found = re.search(r"http://127\.0\.0\.1:\d+\S*", pathlib.Path(self.log.name).read_text(encoding="utf-8"))
+            printed = pathlib.Path(self.log.name).read_text(encoding="utf-8")
+            found = [each for each in re.findall(r"http://127\.0\.0\.1:\d+[^\s:,]*", printed) if each != but]
             if found:
                 return found[0]
             if self.process.poll() is not None:
