@@ -3,6 +3,7 @@
 use estimation::Gaussian;
 use messages::{AXES, SensorTrack, sensor_track_bits};
 
+use crate::corrections::Corrected;
 use crate::facts::EarlierReport;
 use crate::measurement::{
     Content, CovarianceBasis, Measurement, UnfilteredContent, as_reported, as_stated, gaussian_of,
@@ -17,13 +18,14 @@ const OLD_REPORTS: u32 = 32;
 impl Sources {
     /// Writes the content of a report into an empty `Content`. The report follows `earlier`, the latest report of the
     /// sensor track, after that many seconds. A track without an earlier report `goes_on` if the track had reports
-    /// before a restart. Learns the filter of the source, unless the report's covariance was repaired.
+    /// before a restart. Learns the filter of the source, unless the report's covariance was repaired. `place_m` is the
+    /// place of the sensor in the plane, if known, metres.
     #[inline]
     pub fn read_content(
         &mut self,
         report: &SensorTrack,
         (earlier, goes_on): (Option<(&EarlierReport<'_>, f64)>, bool),
-        repaired: bool,
+        (repaired, place_m): (bool, Option<[f64; 2]>),
         content: &mut Content,
     ) {
         let model = &mut self.models[usize::from(report.source)];
@@ -39,6 +41,17 @@ impl Sources {
                 if let Some(noise) = model.process_noise() {
                     let predicted = noise.predicted(&before, seconds);
                     content.measurement = recovered_measurement(&predicted, &after, has_height);
+                    return;
+                }
+            }
+            if !repaired && shows_filter(&report.covariance) {
+                let (before, after) = (earlier.stated.as_stated(), gaussian_of(report));
+                let has_height =
+                    report.has(sensor_track_bits::HEIGHT) && earlier.stated.report.has(sensor_track_bits::HEIGHT);
+                let corrected = Corrected::of((&before, seconds), (&after, has_height), place_m);
+                model.corrections.learn(&corrected, earlier.reports);
+                if model.corrections.is_used() {
+                    content.measurement = model.corrections.measurement(&corrected);
                     return;
                 }
             }
@@ -143,14 +156,19 @@ impl Sources {
     }
 
     /// The measurement between two states of a sensor track of `source`, the first so many seconds earlier; `None` if
-    /// no measurement explains the change. `evidence` is the track's evidence of its tracker. Learns nothing.
+    /// no measurement explains the change. `evidence` is the track's evidence of its tracker, `place_m` the place of the
+    /// sensor in the plane, if known, metres. Learns nothing.
     pub fn measurement_between(
         &self,
-        (source, evidence): (u16, &GainEvidence),
+        (source, evidence, place_m): (u16, &GainEvidence, Option<[f64; 2]>),
         (before, seconds): (&Gaussian, f64),
         (after, has_height): (&Gaussian, bool),
     ) -> Option<Measurement> {
+        let corrections = &self.models[usize::from(source)].corrections;
         match self.models[usize::from(source)].process_noise() {
+            None if corrections.is_used() && shows_filter(&after.covariance) => {
+                corrections.measurement(&Corrected::of((before, seconds), (after, has_height), place_m))
+            }
             Some(noise) => recovered_measurement(&noise.predicted(before, seconds), after, has_height),
             None => match self.models[usize::from(source)].undone_between(
                 evidence,

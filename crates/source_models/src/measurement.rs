@@ -1,9 +1,10 @@
 //! The measurement behind a report: recovered from the sensor track if the source's filter can be undone, else the
 //! report itself.
 //!
-//! A report of a filter that cannot be undone repeats earlier information; its errors persist over some reports. Such a
-//! report stands for a measurement with three times the report's covariance. A covariance without correlation of
-//! position and velocity indicates no filter: the report is used directly.
+//! A report of a filter that cannot be undone, not even by its corrections (module `corrections`), repeats earlier
+//! information; its errors persist over some reports. Such a report stands for a measurement with three times the
+//! report's covariance. A covariance without correlation of position and velocity indicates no filter: the report is
+//! used directly.
 
 use estimation::{Gaussian, Recovered, Symmetric3, recovered};
 use messages::{AXES, Covariance, SensorTrack, sensor_track_bits};

@@ -19,6 +19,7 @@ use kept::kept;
 use messages::Covariance;
 use serde::{Deserialize, Serialize};
 
+use crate::corrections::Corrections;
 use crate::error_shape::ErrorShape;
 use crate::seeker::Seeker;
 use crate::tracker_gain::{Change, GainEvidence, TrackerGain, Undone};
@@ -96,6 +97,8 @@ kept! {
         pub(crate) shape: ErrorShape,
         /// Gain of the source's tracker.
         gain: TrackerGain,
+        /// Measurements behind tracks whose covariances come from several models of motion.
+        pub(crate) corrections: Corrections,
         /// Mean innovation over all sensor tracks: remaining errors of the source, metres.
         mean_offset_m: [f64; 2],
         /// Squared deviation of a track's mean innovation from that mean, relative to the part explained by noise.
@@ -124,6 +127,7 @@ impl Default for SourceModel {
             covariance_scale: Seeker::default(),
             shape: ErrorShape::default(),
             gain: TrackerGain::default(),
+            corrections: Corrections::default(),
             mean_offset_m: [0.0; 2],
             spread_ratio: Median::default(),
             spread_noise_m2: Median::default(),
@@ -145,7 +149,7 @@ impl SourceModel {
     /// Returns whether the covariances of the source's reports show a filter that cannot be undone.
     #[inline]
     pub(crate) fn cannot_be_undone(&self) -> bool {
-        self.process_noise.is_none() && self.looked_at >= REPEATED_FIRST
+        self.process_noise.is_none() && !self.corrections.is_used() && self.looked_at >= REPEATED_FIRST
     }
 
     /// Whether to learn from the next pair of reports: all first pairs, and a few later pairs.

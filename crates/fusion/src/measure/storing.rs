@@ -1,7 +1,7 @@
 //! Reports into their sensor tracks, each with the measurement behind the report.
 
 use messages::{Counter, NS_PER_S, SensorTrack, TrackState};
-use source_models::{Content, Correction, Fact, Measurement, ReportFact};
+use source_models::{Content, Correction, Fact, Measurement, ReportFact, place_of};
 
 use crate::admit::inlet;
 use crate::associate::association_step::Search;
@@ -33,9 +33,10 @@ impl Engine {
         let (mut content, mut correction) = (Content::none(), Correction::NONE);
         if !is_foreign {
             let goes_on = before.is_none() && self.tracks.goes_on(report.source, report.track_number);
+            let place_m = place_of(&self.settings.sources[usize::from(report.source)]);
             self.tracks
                 .sources
-                .read_content(report, (before, goes_on), repaired, &mut content);
+                .read_content(report, (before, goes_on), (repaired, place_m), &mut content);
             correction = self.tracks.sources.correction_of(&self.settings.sources, report);
         }
         let sensors = &mut self.tracks.sensors;

@@ -13,7 +13,7 @@
 //! A sensor track that waited for the end of the scan came in time, and is not late.
 
 use messages::{Counter, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
-use source_models::{Fact, FilterInnovation, Measurement, Referred, ReportFact, gaussian_of};
+use source_models::{Fact, FilterInnovation, Measurement, Referred, ReportFact, gaussian_of, place_of};
 
 use crate::engine::Engine;
 use crate::explanation::Sink;
@@ -182,7 +182,8 @@ impl Engine {
         let entry = self.tracks.sensors.get(sensor);
         let (source, time_ns) = (entry.source, report.time_of_measurement_ns);
         let track = (source, entry.track_number);
-        let shown = (source, &entry.evidence);
+        let place_m = place_of(&self.settings.sources[usize::from(source)]);
+        let shown = (source, &entry.evidence, place_m);
         let kept = &self.tracks.kept;
         let (before, after) = kept.around(entry.system, track, time_ns)?;
         let seconds = |from_ns: i64, to_ns: i64| (to_ns - from_ns) as f64 / NS_PER_S;
