@@ -12,6 +12,7 @@ use observations::{Observation, Statement};
 use crate::ais::{AisOutput, AisReader, AisSettings};
 use crate::cot_events::{CotReader, CotSettings};
 use crate::mode_s::{FrameClock, ModeSOrigin, ModeSReader, ModeSRefusal, ModeSSettings, ModeSValue};
+use crate::nmea::{RadarTargetReader, RadarTargetSettings};
 use crate::readsb::{self, ReadsbReader, ReadsbSettings};
 use crate::remote_id::{RemoteIdReader, RemoteIdSettings};
 use crate::sbs::{AircraftMerger, SbsLine, SbsSettings, stamped_ns};
@@ -29,6 +30,8 @@ pub enum FeedSettings {
     ModeS(ModeSSettings),
     /// Lines of AIS; a piece is a line.
     Ais(AisSettings),
+    /// Lines with targets of a radar; a piece is a line.
+    RadarTargets(RadarTargetSettings),
     /// JSON of readsb; a piece is a document, or several.
     Readsb(ReadsbSettings),
     /// Lines of JSON with messages of Remote ID; a piece is a line.
@@ -40,7 +43,7 @@ pub enum FeedSettings {
 /// Origin of a position in a feed: the errors of two origins have nothing in common.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FeedOrigin {
-    /// The target states its own position.
+    /// The target states its own position, or the feed has no other origin.
     Own,
     /// A network of receivers has calculated the position from times of arrival.
     Multilateration,
@@ -103,6 +106,7 @@ enum Reader {
     Sbs(AircraftMerger),
     ModeS(Box<ModeSReader>),
     Ais(Box<AisReader>),
+    RadarTargets(Box<RadarTargetReader>),
     Readsb(Box<ReadsbReader>),
     RemoteId(Box<RemoteIdReader>),
     Cot(Box<CotReader>),
@@ -116,6 +120,9 @@ impl FeedReader {
                 FeedSettings::Sbs(settings) => Reader::Sbs(AircraftMerger::new(settings)),
                 FeedSettings::ModeS(settings) => Reader::ModeS(Box::new(ModeSReader::new(settings))),
                 FeedSettings::Ais(settings) => Reader::Ais(Box::new(AisReader::new(settings))),
+                FeedSettings::RadarTargets(settings) => {
+                    Reader::RadarTargets(Box::new(RadarTargetReader::new(settings)))
+                }
                 FeedSettings::Readsb(settings) => Reader::Readsb(Box::new(ReadsbReader::new(settings))),
                 FeedSettings::RemoteId(settings) => Reader::RemoteId(Box::new(RemoteIdReader::new(settings))),
                 FeedSettings::Cot(settings) => Reader::Cot(Box::new(CotReader::new(settings))),
@@ -181,6 +188,18 @@ impl FeedReader {
                     out(Fed::Refused(error.rejection.sentence(), &error));
                 }
             }
+            Reader::RadarTargets(reader) => {
+                let taken = reader.take(piece, received_utc_ns);
+                *first = first.or(reader.counters().first_stated_ns);
+                match taken {
+                    Ok(Some(observed)) => out(Fed::Target(own(received_ns), &observed)),
+                    Ok(None) => {}
+                    Err(error) => {
+                        self.refused_octets += piece.len() as u64;
+                        out(Fed::Refused(error.rejection.sentence(), &error));
+                    }
+                }
+            }
             Reader::Readsb(reader) => {
                 for document in readsb::documents(piece) {
                     let before = *reader.counters();
@@ -238,7 +257,7 @@ impl FeedReader {
         match &mut self.reader {
             Reader::ModeS(reader) => reader.end(None, &mut |_| {}),
             Reader::Cot(reader) => reader.end(),
-            Reader::Sbs(_) | Reader::Ais(_) | Reader::Readsb(_) | Reader::RemoteId(_) => {}
+            Reader::Sbs(_) | Reader::Ais(_) | Reader::RadarTargets(_) | Reader::Readsb(_) | Reader::RemoteId(_) => {}
         }
     }
 
@@ -282,6 +301,17 @@ impl FeedReader {
                     refused: counted.rejected.iter().sum(),
                     without_position: counted.without_position,
                     without_room: counted.refused_stations,
+                    repeated: counted.repeats,
+                    ..FeedCounts::default()
+                }
+            }
+            Reader::RadarTargets(reader) => {
+                let counted = reader.counters();
+                FeedCounts {
+                    records: counted.targets + counted.ended,
+                    timed: counted.timed,
+                    refused: counted.rejected.iter().sum(),
+                    without_position: counted.without_position,
                     repeated: counted.repeats,
                     ..FeedCounts::default()
                 }

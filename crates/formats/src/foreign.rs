@@ -123,7 +123,7 @@ impl fmt::Display for Foreign {
             Self::Gzip => "it is compressed by gzip: unpack it",
             Self::Beast => "it is a recording of Beast frames (Mode S), which `koseki open` reads: [source.recorded] format = \"mode-s\"",
             Self::Ais => "it is a log of AIS (ships), which `koseki open` reads: [source.recorded] format = \"ais\"",
-            Self::Nmea => "it is a log of NMEA 0183 sentences, which a [[platform]] takes live as states of own ship",
+            Self::Nmea => "it is a log of NMEA 0183 sentences: `koseki open` reads the targets of a radar (TTM, TLL), and a [[platform]] takes states of own ship live",
             Self::Sbs => "it is an SBS log (BaseStation), which `koseki open` reads: [source.recorded] format = \"sbs\"",
             Self::ModeS => "it is a log of Mode S frames as text (AVR), which `koseki open` reads: [source.recorded] format = \"mode-s\"",
             Self::Hex => "it is hexadecimal text; lines of whole data blocks are read as the container hex, and `koseki open` reads Mode S frames with times: turn other text into octets, as `xxd -r -p` does",

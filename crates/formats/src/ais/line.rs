@@ -1,31 +1,12 @@
-//! Lines around the sentences of AIS: tag blocks, times of loggers, stations.
+//! Sentences of AIS in lines, with what stands around them.
 //!
-//! A sentence states neither when nor where it was received. Receivers, loggers and collecting centres add both, each
-//! in a form of its own, before or behind the sentence:
-//!
-//! ```text
-//! \s:2573135,c:1577836800*01\!BSVDM,1,1,,A,1…,0*5C      tag block of IEC 61162-450 and NMEA 0183 since 4.0
-//! 2024-01-02 03:04:05,!AIVDM,1,1,,A,1…,0*5C             time of a logger, UTC; or seconds since 1970
-//! !AIVDM,1,1,,A,1…,0*5C,r003669945,1577836800           station and time of the United States Coast Guard
-//! ```
-//!
-//! Other text before a sentence is skipped: the checksum decides whether a sentence is whole. A tag block with a wrong
-//! sum is not used; the sentence behind it has a sum of its own.
+//! Text before a sentence that is no [`Envelope`] is skipped: the checksum decides whether a sentence is whole.
 
 use aivdm::Sentence;
 use aivdm::error::NmeaError;
-use frames::time::NS_PER_S;
-use jiff::{civil::DateTime, tz::TimeZone};
 
 use super::counters::AisRejection;
-use crate::nmea::summed;
-
-/// Longest line that is read, octets: a sentence of 82, a tag block of 80, and what stands behind them.
-const LINE_OCTETS_MAX: usize = 1024;
-/// Numbers above this one are milliseconds since 1970, not seconds.
-const SECONDS_MAX: f64 = 40e9;
-/// Times since 1970 that are meant as such, seconds: from the year 1973 to 2255.
-const SINCE_1970_S: std::ops::Range<f64> = 1e8..9e9;
+use crate::nmea::{Envelope, LINE_OCTETS_MAX};
 
 /// A line with a sentence of AIS.
 #[derive(Debug)]
@@ -63,50 +44,14 @@ impl<'a> AisLine<'a> {
             .split_once('*')
             .and_then(|(_, sum)| sum.get(2..))
             .unwrap_or_default();
-        let mut found = Self {
+        let envelope = Envelope::of(before, behind);
+        Ok(Some(Self {
             sentence,
-            received_ns: None,
-            station: None,
-            has_wrong_tag: false,
-        };
-        let before = match before.trim_end().strip_suffix('\\') {
-            Some(tagged) => {
-                let (before, tag) = tagged.rsplit_once('\\').unwrap_or_default();
-                found.take_tag(tag);
-                before
-            }
-            None => before,
-        };
-        found.received_ns = found.received_ns.or_else(|| logged_ns(before));
-        found.take_behind(behind);
-        Ok(Some(found))
-    }
-
-    fn take_tag(&mut self, tag: &'a str) {
-        let Ok((tag, _)) = summed(tag) else {
-            self.has_wrong_tag = true;
-            return;
-        };
-        let mut group = None;
-        for (key, value) in tag.split(',').filter_map(|field| field.trim().split_once(':')) {
-            match key {
-                "c" => self.received_ns = since_1970_ns(value),
-                "s" => self.station = Some(value),
-                // Sentence number, number of sentences, number of the group.
-                "g" => group = value.splitn(3, '-').nth(2),
-                _ => {}
-            }
-        }
-        // Only the first sentence of a group need name the station.
-        self.station = group.or(self.station);
-    }
-
-    fn take_behind(&mut self, behind: &'a str) {
-        for field in behind.split(',').map(str::trim) {
-            let is_station = field.len() > 1 && field.starts_with(['r', 'b']);
-            self.station = self.station.or(is_station.then_some(field));
-            self.received_ns = self.received_ns.or_else(|| since_1970_ns(field));
-        }
+            received_ns: envelope.received_ns,
+            // Only the first sentence of a group need name the station.
+            station: envelope.group.or(envelope.station),
+            has_wrong_tag: envelope.has_wrong_tag,
+        }))
     }
 }
 
@@ -119,28 +64,10 @@ fn rejection(error: NmeaError) -> AisRejection {
     }
 }
 
-/// Time that a logger wrote before a sentence: a date with a time of day, or seconds since 1970.
-fn logged_ns(text: &str) -> Option<i64> {
-    let text = text.trim_matches([' ', '\t', ',', ';', '[', ']']);
-    if text.contains('-') {
-        let at: DateTime = text.trim_end_matches('Z').parse().ok()?;
-        let at = at.to_zoned(TimeZone::UTC).ok()?;
-        return i64::try_from(at.timestamp().as_nanosecond()).ok();
-    }
-    since_1970_ns(text)
-}
-
-fn since_1970_ns(text: &str) -> Option<i64> {
-    let is_plain = |octet: u8| octet.is_ascii_digit() || octet == b'.';
-    let number: f64 = text.parse().ok().filter(|_| text.bytes().all(is_plain))?;
-    let number_s = if number > SECONDS_MAX { number / 1e3 } else { number };
-    SINCE_1970_S
-        .contains(&number_s)
-        .then(|| (number_s.floor() as i64) * NS_PER_S + (number_s.fract() * NS_PER_S as f64) as i64)
-}
-
 #[cfg(test)]
 mod tests {
+    use frames::time::NS_PER_S;
+
     use super::*;
 
     const SENTENCE: &str = "!AIVDM,1,1,,B,177KQJ5000G?tO`K>RA1wUbN0TKH,0*5C";

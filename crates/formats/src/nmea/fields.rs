@@ -50,6 +50,17 @@ impl<'a> Fields<'a> {
         Ok(self.number(low_deg, high_deg)?.map(f64::to_radians))
     }
 
+    /// An angle in degrees with its side, as radians towards the east.
+    pub(super) fn eastward(&mut self) -> Result<Option<f64>, NmeaFault> {
+        let angle = self.angle(0.0, 180.0)?;
+        match (angle, self.text()) {
+            (None, _) => Ok(None),
+            (Some(angle), "E") => Ok(Some(angle)),
+            (Some(angle), "W") => Ok(Some(-angle)),
+            _ => Err(NmeaFault::Field),
+        }
+    }
+
     /// Time of day, nanoseconds; a leap second counts as the next one.
     pub(super) fn time_of_day_ns(&mut self) -> Result<Option<i64>, NmeaFault> {
         let text = self.text();

@@ -1,7 +1,7 @@
 //! NMEA 0183: navigation receivers, compasses and inertial sensors on ships.
 //!
-//! Read are position (GGA, RMC), velocity (RMC, VTG), heading (HDT, THS) and attitude (PASHR), and apart from these the
-//! targets of a radar (TTM, TLL: [`RadarTarget`]). The crate `nmea` would read four of these, but depends on `chrono`,
+//! Read are position (GGA, RMC, GLL), velocity (RMC, VTG), heading (HDT, THS, HDG) and attitude (PASHR), and apart from
+//! these the targets of a radar (TTM, TLL: [`RadarTarget`], and [`RadarTargetReader`] for their positions). The crate `nmea` would read four of these, but depends on `chrono`,
 //! which `deny.toml` excludes; `nmea0183` gives reasons as texts, so wrong checksums and cut sentences could not be
 //! counted apart. The sentences are short; the framing below is what matters.
 //!
@@ -15,21 +15,33 @@
 //! meanwhile changed by an unknown part of a turn, so its standard deviation grows by the rate of turn times the
 //! deviation of the receipt ([`NmeaSettings::receipt_sigma_s`]). VTG belongs to the latest fix.
 //!
+//! HDG states a magnetic heading. It is read where it states the variation, too, and for as long as no instrument that
+//! finds true north by itself is among the sentences.
+//!
 //! # Faults
 //!
 //! A sentence without its checksum is refused, not only a wrong one: a cut sentence is otherwise a shorter number.
 //! Every refusal is counted by reason ([`NmeaCounts`]), and the latest is named ([`NmeaRefusal`]).
 
+mod envelope;
 mod fields;
+mod own_ship;
 mod radar_targets;
 mod reader;
 mod refusal;
 mod sentence;
+mod target_counters;
+mod target_numbers;
+mod target_reader;
+#[cfg(test)]
+mod target_reader_tests;
 mod writer;
 
+pub(crate) use envelope::{Envelope, LINE_OCTETS_MAX};
 pub use radar_targets::{RadarPlace, RadarTarget, Reference, Referred};
 pub use reader::{NmeaReader, NmeaSettings};
 pub use refusal::NmeaRefusal;
-pub(crate) use sentence::summed;
 pub use sentence::{NmeaCounts, NmeaFault};
+pub use target_counters::{RadarTargetCounters, RadarTargetError, RadarTargetRejection};
+pub use target_reader::{RadarTargetReader, RadarTargetSettings};
 pub use writer::write_sentences;

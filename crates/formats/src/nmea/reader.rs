@@ -15,6 +15,8 @@ const NS_PER_DAY: i64 = 86_400 * NS_PER_S as i64;
 const RATE_OVER_MAX_NS: i64 = 5 * NS_PER_S as i64;
 /// Age of a fix up to which a velocity without a time belongs to it, nanoseconds.
 const FIX_AGE_MAX_NS: i64 = 2 * NS_PER_S as i64;
+/// Age of a true heading up to which magnetic ones beside it are not read, nanoseconds.
+const TRUE_HEADING_AGE_MAX_NS: u64 = 10 * NS_PER_S as u64;
 
 /// Settings of a reader.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,6 +44,8 @@ pub struct NmeaReader {
     height_m: f64,
     /// Time and angle of the latest heading without a stated time.
     heading: Option<(i64, f64)>,
+    /// Time of the latest heading of an instrument that finds true north by itself.
+    true_heading_ns: Option<i64>,
 }
 
 impl NmeaReader {
@@ -57,6 +61,7 @@ impl NmeaReader {
             fix: None,
             height_m: 0.0,
             heading: None,
+            true_heading_ns: None,
         }
     }
 
@@ -142,12 +147,27 @@ impl NmeaReader {
         let mut fields = Fields::of(text);
         let read = match kind {
             SentenceKind::Gga => self.gga(&mut fields, received_ns),
+            SentenceKind::Gll => self.gll(&mut fields, received_ns),
             SentenceKind::Rmc => self.rmc(&mut fields, received_ns),
             SentenceKind::Vtg => self.vtg(&mut fields, received_ns),
             SentenceKind::Hdt => self.hdt(&mut fields, received_ns),
             SentenceKind::Ths => self.ths(&mut fields, received_ns),
+            SentenceKind::Hdg if self.has_true_heading(received_ns) => return Ok(None),
+            SentenceKind::Hdg => match self.hdg(&mut fields, received_ns).transpose() {
+                Some(read) => read,
+                None => return Ok(None),
+            },
             SentenceKind::Pashr => self.pashr(&mut fields, received_ns),
         };
+        if let Ok(Navigation {
+            time_ns,
+            heading_rad: Some(_),
+            ..
+        }) = read
+            && kind != SentenceKind::Hdg
+        {
+            self.true_heading_ns = Some(time_ns);
+        }
         self.refused.place = fields.place;
         read.map(Some)
     }
@@ -169,6 +189,24 @@ impl NmeaReader {
         let place = Geodetic::from_degrees(latitude, longitude, height_m).map_err(|_| NmeaFault::Field)?;
         let time_ns = self.day(time_of_day.ok_or(NmeaFault::NoFix)?, received_ns)?;
         self.height_m = height_m;
+        self.fix = Some((time_ns, received_ns));
+        Ok(Navigation {
+            time_ns,
+            place: Some(place),
+            ..Navigation::default()
+        })
+    }
+
+    fn gll(&mut self, fields: &mut Fields<'_>, received_ns: Option<i64>) -> Result<Navigation, NmeaFault> {
+        let latitude = fields.coordinate(2, ["N", "S"])?;
+        let longitude = fields.coordinate(3, ["E", "W"])?;
+        let time_of_day = fields.time_of_day_ns()?;
+        if fields.text() != "A" {
+            return Err(NmeaFault::NoFix);
+        }
+        let (latitude, longitude) = latitude.zip(longitude).ok_or(NmeaFault::NoFix)?;
+        let place = Geodetic::from_degrees(latitude, longitude, self.height_m).map_err(|_| NmeaFault::Field)?;
+        let time_ns = self.day(time_of_day.ok_or(NmeaFault::NoFix)?, received_ns)?;
         self.fix = Some((time_ns, received_ns));
         Ok(Navigation {
             time_ns,
@@ -242,6 +280,27 @@ impl NmeaReader {
             return Err(NmeaFault::Field);
         }
         self.heading(heading, received_ns)
+    }
+
+    /// Whether an instrument finds true north: a magnetic compass beside it is the less accurate one.
+    fn has_true_heading(&self, received_ns: Option<i64>) -> bool {
+        let now_ns = received_ns.or(self.stated_ns);
+        let age_ns = self
+            .true_heading_ns
+            .zip(now_ns)
+            .map(|(then_ns, now_ns)| now_ns.abs_diff(then_ns));
+        age_ns.is_some_and(|age_ns| age_ns <= TRUE_HEADING_AGE_MAX_NS)
+    }
+
+    /// A magnetic heading becomes a true one by its deviation and the variation of the place; `None` without these.
+    fn hdg(&mut self, fields: &mut Fields<'_>, received_ns: Option<i64>) -> Result<Option<Navigation>, NmeaFault> {
+        let magnetic = fields.angle(0.0, 360.0)?;
+        let deviation = fields.eastward()?.unwrap_or(0.0);
+        let Some(variation) = fields.eastward()? else {
+            return Ok(None);
+        };
+        let heading = magnetic.map(|magnetic| (magnetic + deviation + variation).rem_euclid(TAU));
+        self.heading(heading, received_ns).map(Some)
     }
 
     fn ths(&mut self, fields: &mut Fields<'_>, received_ns: Option<i64>) -> Result<Navigation, NmeaFault> {

@@ -89,10 +89,12 @@ impl NmeaCounts {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum SentenceKind {
     Gga,
+    Gll,
     Rmc,
     Vtg,
     Hdt,
     Ths,
+    Hdg,
     Pashr,
 }
 
@@ -123,10 +125,12 @@ pub(super) fn framed(line: &[u8]) -> Result<Option<(SentenceKind, &str)>, NmeaFa
     }
     let kind = match kind {
         b"GGA" => SentenceKind::Gga,
+        b"GLL" => SentenceKind::Gll,
         b"RMC" => SentenceKind::Rmc,
         b"VTG" => SentenceKind::Vtg,
         b"HDT" => SentenceKind::Hdt,
         b"THS" => SentenceKind::Ths,
+        b"HDG" => SentenceKind::Hdg,
         _ => return Ok(None),
     };
     Ok(Some((kind, fields)))
