@@ -109,6 +109,69 @@ fn a_file_of_each_kind_becomes_a_track() {
     assert_eq!(column(&stated, "category"), ["large"], "{stated}");
 }
 
+/// Appends the checksum and a line end.
+fn sentence(body: &str) -> String {
+    let sum = body.bytes().skip(1).fold(0, |sum, octet| sum ^ octet);
+    format!("{body}*{sum:02X}\r\n")
+}
+
+/// 200 lines of a ship that goes north at 10 kt, and tracks a ship 3 NM abeam with the same course by radar.
+fn radar_lines() -> String {
+    let of_second = |second: u64| {
+        let clock = format!("09{:02}{:02}.00", second / 60, second % 60);
+        let minutes = 10.0 * second as f64 / 3600.0;
+        [
+            format!("$GPRMC,{clock},A,54{minutes:07.4},N,01030.0000,E,10.0,0.0,060624,,,A"),
+            "$GPVTG,0.0,T,,M,10.0,N,18.5,K,A".to_owned(),
+            "$HEHDT,0.0,T".to_owned(),
+            format!("$RATTM,5,3.00,90.0,R,0.0,0.0,R,,,N,,T,,{clock},A"),
+        ]
+        .map(|body| sentence(&body))
+        .concat()
+    };
+    (0..50).map(of_second).collect()
+}
+
+#[test]
+fn targets_of_a_radar_become_tracks_beside_those_of_ais() {
+    let home = Home::new();
+    home.write("radar.nmea", radar_lines());
+    let (picture, said) = opened(&home, "radar.nmea", &[]);
+    assert_eq!(
+        (&picture["started"], &picture["ever_confirmed"]),
+        (&1.into(), &1.into()),
+        "{said}"
+    );
+    assert!(
+        said.contains("format \"radar-targets\": 50 of 50 transmissions") && said.contains("first day: 2024-06-06"),
+        "{said}"
+    );
+    // A radar ashore sends no place.
+    let targets: String = radar_lines()
+        .lines()
+        .filter(|line| line.contains("TTM"))
+        .map(|line| sentence(&line.split('*').next().unwrap().replace("R,", "T,")))
+        .collect();
+    home.write("ashore.nmea", targets);
+    let options = ["--place", "54.0,10.5", "--date", "2024-06-06"];
+    let (picture, said) = opened(&home, "ashore.nmea", &options);
+    assert_eq!(&picture["ever_confirmed"], &1, "{said}");
+    // A logger writes the sentences of all devices.
+    let ais: String = SHIP
+        .iter()
+        .zip(0..)
+        .map(|(sentence, place)| format!("{} {sentence}\n", BEGUN_S + 10 * place))
+        .collect();
+    home.write("both.log", ais + &radar_lines());
+    let (picture, said) = opened(&home, "both.log", &[]);
+    assert_eq!(&picture["ever_confirmed"], &2, "{said}");
+    let config = home.read("out-both.log/open.toml");
+    assert!(
+        config.contains("format = \"ais\"") && config.contains("format = \"radar-targets\""),
+        "{config}"
+    );
+}
+
 #[test]
 fn what_cannot_be_read_is_named_with_the_remedy() {
     let home = Home::new();
@@ -121,6 +184,10 @@ fn what_cannot_be_read_is_named_with_the_remedy() {
     home.write("empty", "");
     home.write("notes.txt", "Dear all,\nplease find attached.\n");
     home.write("utf16.csv", utf16);
+    home.write(
+        "radar.nmea",
+        sentence("$RATTM,5,3.00,90.0,T,0.0,0.0,T,,,N,,T,,090000,A"),
+    );
     home.write("both.csv", "time,lat,latitude,lon\n1,2,3,4\n");
     for (name, reason) in [
         ("frames.avr", "has no time"),
@@ -128,6 +195,7 @@ fn what_cannot_be_read_is_named_with_the_remedy() {
         ("notes.txt", "it is text"),
         ("utf16.csv", "save it as UTF-8"),
         ("both.csv", "latitude"),
+        ("radar.nmea", "state [source.place] of a radar ashore"),
         ("absent.csv", "absent.csv"),
     ] {
         let file = home.path(name).display().to_string();

@@ -412,6 +412,7 @@ fn check_feed(key: &str, raw: &FeedTable) -> Checked<Feed> {
 fn of_feed(format: FeedFormat, origin: FeedOrigin) -> Technology {
     match (format, origin) {
         (FeedFormat::Ais, _) => Technology::Ais,
+        (FeedFormat::RadarTargets, _) => Technology::Primary,
         (_, FeedOrigin::Multilateration) => Technology::Multilateration,
         // A ground station states what radars see.
         (_, FeedOrigin::Traffic) => Technology::Other,

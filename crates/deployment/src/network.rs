@@ -26,7 +26,7 @@ pub enum ReceiverTransport {
         /// The server.
         server: SocketAddr,
     },
-    /// Reports of targets that state their own positions, from a receiver of transponders or of AIS.
+    /// Reports of targets from a receiver of transponders or of AIS, or from a ship's radar.
     Feed(Feed),
 }
 
@@ -66,6 +66,8 @@ settings::words! {
         ModeS = "mode-s",
         /// AIS: lines of NMEA 0183.
         Ais = "ais",
+        /// Targets that ships' radars track: sentences TTM and TLL of NMEA 0183.
+        RadarTargets = "radar-targets",
         /// JSON of readsb and its relatives.
         Readsb = "readsb",
         /// Lines of JSON with messages of Remote ID.
@@ -80,7 +82,7 @@ settings::words! {
     pub enum FeedOrigin {
         /// Every origin.
         Any = "any",
-        /// Targets that state their own positions.
+        /// Targets that state their own positions, and the targets of a radar.
         Own = "own",
         /// Multilateration by a network of receivers.
         Multilateration = "mlat",
@@ -94,7 +96,7 @@ settings::words! {
 impl FeedFormat {
     /// Whether the data are lines of text.
     pub const fn is_lines(self) -> bool {
-        matches!(self, Self::Sbs | Self::Ais | Self::RemoteId)
+        matches!(self, Self::Sbs | Self::Ais | Self::RadarTargets | Self::RemoteId)
     }
 }
 

@@ -214,6 +214,8 @@ settings::words! {
         ModeS = "mode-s",
         /// AIS: lines of NMEA 0183.
         Ais = "ais",
+        /// Targets that ships' radars track: sentences TTM and TLL of NMEA 0183.
+        RadarTargets = "radar-targets",
         /// JSON of readsb and its relatives: documents, lines of history, traces.
         Readsb = "readsb",
         /// Lines of JSON with messages of Remote ID.
@@ -232,6 +234,7 @@ impl RecordedFormat {
             Self::Sbs => Some(FeedFormat::Sbs),
             Self::ModeS => Some(FeedFormat::ModeS),
             Self::Ais => Some(FeedFormat::Ais),
+            Self::RadarTargets => Some(FeedFormat::RadarTargets),
             Self::Readsb => Some(FeedFormat::Readsb),
             Self::RemoteId => Some(FeedFormat::RemoteId),
             Self::Cot => Some(FeedFormat::Cot),

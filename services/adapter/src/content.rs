@@ -18,7 +18,7 @@ use messages::{Counter, Counters, SensorTrack};
 use observations::Observation;
 
 use crate::counted::decoded;
-use crate::feed;
+use crate::feed::{self, StatedReceiver};
 use crate::intake::Intake;
 
 /// Longest piece of a recorded feed without lines, bytes.
@@ -41,12 +41,12 @@ impl RecordedContent {
     pub(crate) fn open(
         bytes: Vec<u8>,
         recorded: &Recorded,
-        (frame, place_deg): (SystemFrame, Option<[f64; 2]>),
+        (frame, receiver): (SystemFrame, StatedReceiver),
         first_day_ns: i64,
     ) -> Result<Self, CsvError> {
         Ok(match recorded.format.feed() {
             Some(feed) => {
-                let read = (feed, place_deg, first_day_ns);
+                let read = (feed, receiver, first_day_ns);
                 Self::Feed(Box::new(RecordedFeed::open(read, bytes)), recorded.origin)
             }
             None if recorded.format == RecordedFormat::Asterix => {
@@ -118,14 +118,14 @@ pub(crate) struct RecordedFeed {
 }
 
 impl RecordedFeed {
-    /// Opens the data of `bytes`, with the receiver's latitude and longitude, degrees, if known, and the begin of the
-    /// first day, UTC, nanoseconds: ticks of receivers without a date begin there.
-    pub(crate) fn open((format, place_deg, first_day_ns): (FeedFormat, Option<[f64; 2]>, i64), bytes: Vec<u8>) -> Self {
+    /// Opens the data of `bytes`, with what is known of the receiver, and the begin of the first day, UTC, nanoseconds:
+    /// ticks of receivers without a date begin there.
+    pub(crate) fn open((format, receiver, first_day_ns): (FeedFormat, StatedReceiver, i64), bytes: Vec<u8>) -> Self {
         Self {
             received_ns: None,
             packed: Packed::of_feed(bytes),
             format,
-            reader: FeedReader::new(feed::settings(format, 0, place_deg, first_day_ns)),
+            reader: FeedReader::new(feed::settings(format, 0, receiver, first_day_ns)),
             first_day_ns,
         }
     }
@@ -135,7 +135,7 @@ impl RecordedFeed {
         let (format, is_lines) = (self.format, self.format.is_lines());
         let (piece, received_ns) = self.packed.next_piece(|rest| {
             let length = match format {
-                FeedFormat::Sbs | FeedFormat::Ais | FeedFormat::RemoteId => {
+                FeedFormat::Sbs | FeedFormat::Ais | FeedFormat::RadarTargets | FeedFormat::RemoteId => {
                     rest.iter().position(|octet| *octet == b'\n').map(|end| end + 1)
                 }
                 FeedFormat::ModeS | FeedFormat::Cot => Some(PIECE_OCTETS_MAX),
@@ -149,10 +149,11 @@ impl RecordedFeed {
             (&rest[..length], length)
         });
         let piece = if is_lines { piece.trim_ascii_end() } else { piece };
-        // Lines without a time have no use in a text file; frames may have ticks.
+        // Lines without a time have no use in a text file; frames may have ticks, and radars send own ship's time.
+        let has_receipt = is_lines && format != FeedFormat::RadarTargets;
         let received_ns = received_ns
             .or(self.received_ns)
-            .or(is_lines.then_some(self.first_day_ns));
+            .or(has_receipt.then_some(self.first_day_ns));
         // Refused data are counted by reason.
         self.reader.take(piece, received_ns, out);
         if self.packed.is_exhausted() {

@@ -6,19 +6,22 @@
 use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::time::Duration;
 
-use deployment::{Feed, FeedFormat, FeedLink, FeedOrigin, Input};
+use deployment::{Feed, FeedFormat, FeedLink, FeedOrigin, Input, Source};
 use formats::ais::AisSettings;
 use formats::cot_events::CotSettings;
 use formats::feed::{Fed, FeedReader, FeedSettings, Transmission};
 use formats::mode_s::{ModeSSettings, ReceiverRange};
+use formats::nmea::RadarTargetSettings;
 use formats::readsb::ReadsbSettings;
 use formats::remote_id::RemoteIdSettings;
 use formats::sbs::SbsSettings;
+use frames::PolarSigma;
 use messages::{Counter, Counters};
 use net::{Document, LinesSettings, ReceiverSettings, TcpLines, UdpReceiver};
 use runtime::Process;
 use runtime::clock::SteadyClock;
 use runtime::{Agent, HealthEntry, Now, Turn};
+use sources::SourceReading;
 
 use crate::Processed;
 use crate::capture::Capture;
@@ -169,12 +172,30 @@ impl WayIn {
     }
 }
 
-/// How the pieces of a feed are read: `place_deg` is the receiver's latitude and longitude, `start_ns` the UTC of the
-/// first frame of a recording that has ticks only.
+/// Receiver of a feed, as the configuration states it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct StatedReceiver {
+    /// Latitude and longitude, degrees.
+    pub(crate) place_deg: Option<[f64; 2]>,
+    /// Accuracy of range and azimuth, of a radar.
+    pub(crate) sigma: Option<PolarSigma>,
+}
+
+impl StatedReceiver {
+    /// The receiver of a source.
+    pub(crate) fn of(source: &Source, reading: &SourceReading) -> Self {
+        Self {
+            place_deg: source.stated_place_deg,
+            sigma: reading.model.covariance.polar(),
+        }
+    }
+}
+
+/// How the pieces of a feed are read: `start_ns` is the UTC of the first frame of a recording that has ticks only.
 pub(crate) fn settings(
     format: FeedFormat,
     ahead_of_utc_min: i32,
-    place_deg: Option<[f64; 2]>,
+    StatedReceiver { place_deg, sigma }: StatedReceiver,
     start_ns: i64,
 ) -> FeedSettings {
     match format {
@@ -191,6 +212,7 @@ pub(crate) fn settings(
             ..ModeSSettings::default()
         }),
         FeedFormat::Ais => FeedSettings::Ais(AisSettings::default()),
+        FeedFormat::RadarTargets => FeedSettings::RadarTargets(RadarTargetSettings { place_deg, sigma }),
         FeedFormat::Readsb => FeedSettings::Readsb(ReadsbSettings::default()),
         FeedFormat::RemoteId => FeedSettings::RemoteId(RemoteIdSettings::default()),
         FeedFormat::Cot => FeedSettings::Cot(CotSettings::default()),
@@ -223,7 +245,13 @@ pub(crate) fn counted(reader: &FeedReader) -> Counters {
 impl FeedAgent {
     pub(crate) fn new(process: &Process, feed: &Feed, sources: &[Processed<'_>]) -> anyhow::Result<Self> {
         let way_in = WayIn::open(feed)?;
-        let place_deg = sources.iter().find_map(|processed| processed.source.stated_place_deg);
+        let stated = sources
+            .iter()
+            .map(|processed| StatedReceiver::of(processed.source, processed.reading()));
+        let stated = stated.reduce(|first, further| StatedReceiver {
+            place_deg: first.place_deg.or(further.place_deg),
+            sigma: first.sigma.or(further.sigma),
+        });
         let channels = sources.iter().map(|processed| {
             let origin = match &processed.source.input {
                 Input::Live(live) => live.origin,
@@ -234,7 +262,12 @@ impl FeedAgent {
         Ok(Self {
             capture: Capture::open(process, way_in.recorded_to())?,
             way_in,
-            reader: FeedReader::new(settings(feed.format, feed.ahead_of_utc_min, place_deg, 0)),
+            reader: FeedReader::new(settings(
+                feed.format,
+                feed.ahead_of_utc_min,
+                stated.unwrap_or_default(),
+                0,
+            )),
             channels: channels.collect::<anyhow::Result<_>>()?,
             steady: SteadyClock::of(Now::read()),
             refusals: LatestRefusals::default(),

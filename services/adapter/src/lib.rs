@@ -48,7 +48,7 @@ use sources::{Readings, SourceReading};
 use crate::bearings::Bearings;
 use crate::blocks::BlockSources;
 use crate::content::RecordedFeed;
-use crate::feed::FeedAgent;
+use crate::feed::{FeedAgent, StatedReceiver};
 use crate::plot_rows::PlotRows;
 use crate::receiver::DatagramAgent;
 use crate::row_lines::RowLineAgent;
@@ -76,7 +76,11 @@ pub fn survey_feed(
     (place_deg, received_ns): (Option<[f64; 2]>, Option<i64>),
     observed: &mut dyn FnMut(&Observation),
 ) -> FeedSurvey {
-    RecordedFeed::open((format, place_deg, 0), bytes.to_vec()).survey(received_ns, observed)
+    let receiver = StatedReceiver {
+        place_deg,
+        ..StatedReceiver::default()
+    };
+    RecordedFeed::open((format, receiver, 0), bytes.to_vec()).survey(received_ns, observed)
 }
 
 /// Runs the adapter named in `process` (of a receiver, a recorded source or a wide-area sensor) until the work is done

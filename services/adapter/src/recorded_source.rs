@@ -15,6 +15,7 @@ use tracking::wide_area::arrivals::Arrivals;
 use crate::Processed;
 use crate::beside::Beside;
 use crate::content::RecordedContent;
+use crate::feed::StatedReceiver;
 use crate::intake::Intake;
 use crate::replay::{Published, ReplayAgent, Replayed};
 use crate::wide_area::recorded;
@@ -132,7 +133,7 @@ impl RecordedSource {
         counts: Arrivals,
     ) -> anyhow::Result<Self> {
         let pipeline = Pipeline::new(reading.model, &reading.processing, first_day_ns, counts)?;
-        let place = (reading.model.system, source.stated_place_deg);
+        let place = (reading.model.system, StatedReceiver::of(source, reading));
         let mut recording = Self {
             content: RecordedContent::open(bytes, recorded, place, first_day_ns)?,
             intake: Intake::new(source.number, pipeline, recorded.reorder_ns),

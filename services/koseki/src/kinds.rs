@@ -9,6 +9,7 @@ pub(crate) fn feed_of(kind: Foreign) -> Option<FeedFormat> {
         Foreign::Sbs => Some(FeedFormat::Sbs),
         Foreign::Beast | Foreign::ModeS => Some(FeedFormat::ModeS),
         Foreign::Ais => Some(FeedFormat::Ais),
+        Foreign::Nmea => Some(FeedFormat::RadarTargets),
         Foreign::Json => Some(FeedFormat::Readsb),
         _ => None,
     }

@@ -87,6 +87,8 @@ struct RecordingOwner {
     whose: Box<str>,
     /// Place of the configuration: `source[0].recorded`.
     place: Box<str>,
+    /// Latitude and longitude where a source stands, degrees, if stated.
+    stands_deg: Option<[f64; 2]>,
 }
 
 impl RecordingOwner {
@@ -118,6 +120,7 @@ pub(crate) fn inspect(config: &Config, data: &Path, depth: Depth) -> Result<Vec<
         let key = RecordingOwner {
             whose: format!("source \"{}\"", source.name).into(),
             place: format!("source[{}].recorded", source.number).into(),
+            stands_deg: source.stated_place_deg,
         };
         let file = data.join(&recorded.file);
         let looked = fs::read(&file)
@@ -167,6 +170,7 @@ fn inspect_states(platform: &Platform, data: &Path) -> Result<(), UnusableRecord
     let key = RecordingOwner {
         whose: format!("platform \"{}\"", platform.name).into(),
         place: format!("platform[{}].recorded", platform.number).into(),
+        stands_deg: None,
     };
     let file = data.join(file);
     let looked = match fs::read(&file) {
@@ -186,6 +190,7 @@ fn inspect_plots(sensor: &Source, data: &Path, depth: Depth) -> Result<(), Unusa
     let key = RecordingOwner {
         whose: format!("sensor \"{}\"", sensor.name).into(),
         place: "tracker.sensor.recorded".into(),
+        stands_deg: None,
     };
     let file = data.join(&recorded.file);
     let looked = match fs::read(&file) {
@@ -215,6 +220,7 @@ fn inspect_wide_area(sensor: &WideAreaSensor, data: &Path, depth: Depth) -> Resu
     let key = RecordingOwner {
         whose: format!("wide-area sensor \"{}\"", sensor.name).into(),
         place: format!("wide_area_sensor[{}].{part}", sensor.number).into(),
+        stands_deg: None,
     };
     let looked = match fs::read(&file) {
         Err(error) => Err(key.unreadable(&error)),
@@ -420,11 +426,11 @@ fn turn(
 /// Reads the data of a feed.
 fn read_feed(bytes: &[u8], format: FeedFormat, key: &RecordingOwner) -> Result<RecordingFindings, String> {
     let mut found = RecordingFindings::default();
-    let counts = adapter::survey_feed(bytes, format, (None, None), &mut |report| {
+    let survey = adapter::survey_feed(bytes, format, (key.stands_deg, None), &mut |report| {
         found.first_time_ns = found.first_time_ns.or(report.time_of_day_ns);
         found.last_time_ns = report.time_of_day_ns.or(found.last_time_ns);
-    })
-    .counts;
+    });
+    let counts = survey.counts;
     found.records = counts.records;
     found.skipped = counts.refused_octets;
     let kind = Foreign::of(bytes).filter(|kind| feed_of(*kind) != Some(format) && *kind != Foreign::Empty);
@@ -433,6 +439,13 @@ fn read_feed(bytes: &[u8], format: FeedFormat, key: &RecordingOwner) -> Result<R
         return Err(format!(
             "nothing of format \"{}\", expected some for {whose}: {kind}; correct {place}.file or .format",
             format.word()
+        ));
+    }
+    if let Some(refused) = survey.refused.filter(|_| found.records == 0) {
+        return Err(format!(
+            "nothing of format \"{}\" can be read for {}: {refused}",
+            format.word(),
+            key.whose
         ));
     }
     let has_receipts = Container::detect(bytes) != Container::Raw;

@@ -17,6 +17,7 @@ use sources::{Pipeline, Samples, SourceReading};
 use tracking::wide_area::arrivals::Arrivals;
 
 use crate::Processed;
+use crate::StatedReceiver;
 use crate::beside::Beside;
 use crate::content::RecordedContent;
 use crate::intake::Intake;
@@ -182,7 +183,8 @@ impl RecordedTracker {
             PlotFormat::Asterix => {
                 let pipeline = Pipeline::new(reading.model, &reading.processing, first_day_ns, Arrivals::default())?;
                 let mut intake = Intake::new(sensor.number, pipeline, 0);
-                let mut content = RecordedContent::open(bytes, recorded, (reading.model.system, None), first_day_ns)?;
+                let place = (reading.model.system, StatedReceiver::default());
+                let mut content = RecordedContent::open(bytes, recorded, place, first_day_ns)?;
                 while !content.is_exhausted() {
                     content.read_piece(&mut intake);
                     events.extend(intake.detections().filter_map(|sample| SensorEvent::of_sample(&sample)));

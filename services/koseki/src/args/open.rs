@@ -21,8 +21,9 @@ tell is asked for: --place, --date. The configuration is kept in the folder of
 the run: edit it, and start it again by `koseki up`.
 
 Files: ASTERIX (data blocks, pcap, pcapng, final, .gps, hexadecimal lines), Mode
-S (Beast, AVR, hexadecimal lines), SBS-1, JSON of readsb, AIS, Remote ID, Cursor
-on Target, tables of tracks, recordings of all topics (MCAP).";
+S (Beast, AVR, hexadecimal lines), SBS-1, JSON of readsb, AIS, targets of ships'
+radars (TTM, TLL), Remote ID, Cursor on Target, tables of tracks, recordings of
+all topics (MCAP).";
 
 /// `koseki open`.
 #[derive(Debug, Args)]

@@ -177,7 +177,10 @@ pub(super) fn open(address: &FeedAddress, place_deg: Option<[f64; 2]>) -> anyhow
         _ => {
             let found = match Foreign::of(&read) {
                 _ if read.is_empty() => format!("nothing came in {} s", PATIENCE.as_secs()),
-                Some(kind) => kind.to_string(),
+                Some(kind) => match refused(kind, &read, place_deg) {
+                    Some(refused) => format!("{kind}; the latest refusal: {refused}"),
+                    None => kind.to_string(),
+                },
                 None => format!("{} octets of no kind that is known here came", read.len()),
             };
             return Err(Usage(format!("{what}: {found}; `koseki open --help` lists what is read")).into());
@@ -213,6 +216,14 @@ fn judge(octets: &[u8], place_deg: Option<[f64; 2]>) -> Option<(FeedFormat, u64,
     judged
         .max_by_key(|(_, records, _)| *records)
         .filter(|(_, records, _)| *records > 0)
+}
+
+/// Returns the latest refusal of the likeliest format with one.
+fn refused(kind: Foreign, octets: &[u8], place_deg: Option<[f64; 2]>) -> Option<String> {
+    let received_ns = Some(Now::read().utc_ns);
+    feeds_of(kind)
+        .iter()
+        .find_map(|format| adapter::survey_feed(octets, *format, (place_deg, received_ns), &mut |_| ()).refused)
 }
 
 #[cfg(test)]

@@ -1,35 +1,34 @@
 //! What a file is, by its bytes.
 
-use std::collections::BTreeMap;
-use std::fmt::Write as _;
+use std::cmp::Reverse;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use adapter::FeedSurvey;
-use asterix::Edition;
 use deployment::FeedFormat;
 use flate2::read::MultiGzDecoder;
 use formats::containers::{Container, TimeStamp, datagrams};
 use formats::foreign::Foreign;
 use formats::named_columns::TableOutline;
-use formats::observation::{Reading, read};
 use formats::recording::RecordingBytes;
 use formats::time_base::is_since_1970;
-use offline::{InputError, Usage};
+use offline::InputError;
 
+use super::asterix;
 use super::names::name_of;
 use crate::recordings::table_rows;
 
 /// Bytes at the begin of MCAP files.
 const MCAP: &[u8] = b"\x89MCAP0\r\n";
 /// Limits of a source whose place is not known.
-const ANYWHERE: &str = "# Its place is not known, so its range is not checked.\n[source.limits]\nrange_m = 2000000.0\n";
+pub(super) const ANYWHERE: &str =
+    "# Its place is not known, so its range is not checked.\n[source.limits]\nrange_m = 2000000.0\n";
+/// Accuracy of a ship's radar.
+const RADAR_ACCURACY: &str = "# Range and bearing of the standard for ships' radars, seen from the ship.\n[source.covariance]\nfrom = \"report\"\n";
 /// Bytes at the begin of files of gzip.
 const GZIP: &[u8] = b"\x1f\x8b\x08";
 /// Longest unpacked file, octets.
 const UNPACKED_MAX: u64 = 4 << 30;
-/// Greatest number of senders in a recording, each of which is a source.
-const SENDERS_MAX: usize = 16;
 
 /// A file or feed, judged.
 #[derive(Debug)]
@@ -101,7 +100,7 @@ pub(super) fn file(path: &Path, place_deg: Option<[f64; 2]>, folder: &Path) -> a
     let foreign = survey.foreign(&bytes);
     let has_another_edition = || survey.categories.values().any(|category| category.better().is_some());
     if foreign.is_none() && (survey.records() > 0 || has_another_edition()) {
-        return asterix(path, &bytes, place_deg);
+        return asterix::judged(path, &bytes, place_deg);
     }
     // A capture of a feed has no block of ASTERIX.
     let kind = match Container::detect(&bytes) {
@@ -117,12 +116,12 @@ pub(super) fn file(path: &Path, place_deg: Option<[f64; 2]>, folder: &Path) -> a
     };
     let candidates = kind.map(feeds_of).unwrap_or_default();
     let judged = candidates.iter().map(|format| feed(path, &bytes, *format, place_deg));
-    let best = judged.max_by_key(|(_, survey)| survey.counts.records);
-    let refused = match best {
-        Some((opened, survey)) if survey.counts.records > 0 => return Ok(opened),
-        Some((_, survey)) => survey.refused,
-        None => None,
-    };
+    let (mut read, unread): (Vec<_>, Vec<_>) = judged.partition(|found| found.survey.counts.records > 0);
+    read.sort_by_key(|found| Reverse(found.survey.counts.records));
+    if !read.is_empty() {
+        return Ok(joined(read));
+    }
+    let refused = unread.into_iter().find_map(|found| found.survey.refused);
     if kind == Some(Foreign::Csv) {
         return table(path, &bytes);
     }
@@ -164,16 +163,47 @@ pub(super) fn feeds_of(kind: Foreign) -> &'static [FeedFormat] {
     match kind {
         Foreign::Sbs => &[FeedFormat::Sbs],
         Foreign::Beast | Foreign::ModeS | Foreign::Hex => &[FeedFormat::ModeS],
-        Foreign::Ais => &[FeedFormat::Ais],
+        Foreign::Ais => &[FeedFormat::Ais, FeedFormat::RadarTargets],
+        Foreign::Nmea => &[FeedFormat::RadarTargets],
         Foreign::Json => &[FeedFormat::Readsb, FeedFormat::ModeS, FeedFormat::RemoteId],
         Foreign::Xml => &[FeedFormat::Cot],
-        Foreign::Csv | Foreign::Text => &[FeedFormat::ModeS, FeedFormat::Ais],
+        Foreign::Csv | Foreign::Text => &[FeedFormat::ModeS, FeedFormat::Ais, FeedFormat::RadarTargets],
         _ => &[],
     }
 }
 
+/// A file as the recording of a feed.
+struct JudgedFeed {
+    format: FeedFormat,
+    opened: Opened,
+    survey: FeedSurvey,
+}
+
+/// Joins the formats of one file, the likeliest first: receivers at sea write the sentences of AIS and of a radar into
+/// the same file, and each is a source. Of other formats, the first is the file's.
+fn joined(read: Vec<JudgedFeed>) -> Opened {
+    let is_of_ship = |found: &JudgedFeed| matches!(found.format, FeedFormat::Ais | FeedFormat::RadarTargets);
+    let are_of_ship = read.len() > 1 && read.iter().all(is_of_ship);
+    let joined = read.into_iter().map(|mut found| {
+        if are_of_ship {
+            found.opened.sources[0].suffix = found.format.word().to_owned();
+        }
+        found.opened
+    });
+    let joined = joined.reduce(|mut first, further| {
+        if are_of_ship {
+            first.sources.extend(further.sources);
+            first.decisions.extend(further.decisions);
+            first.first_deg = first.first_deg.or(further.first_deg);
+            first.first_utc_ns = first.first_utc_ns.or(further.first_utc_ns);
+        }
+        first
+    });
+    joined.expect("a file is judged as at least one format")
+}
+
 /// Judges a file as the recording of a feed.
-fn feed(path: &Path, bytes: &[u8], format: FeedFormat, place_deg: Option<[f64; 2]>) -> (Opened, FeedSurvey) {
+fn feed(path: &Path, bytes: &[u8], format: FeedFormat, place_deg: Option<[f64; 2]>) -> JudgedFeed {
     let mut first_deg = None;
     let mut positions = 0_u64;
     let survey = adapter::survey_feed(bytes, format, (place_deg, None), &mut |report| {
@@ -193,6 +223,9 @@ fn feed(path: &Path, bytes: &[u8], format: FeedFormat, place_deg: Option<[f64; 2
         counts.records,
         counts.records + counts.refused
     )];
+    if let Some(refused) = survey.refused.as_ref().filter(|_| format == FeedFormat::RadarTargets) {
+        decisions.push(format!("refused last: {refused}"));
+    }
     if format == FeedFormat::ModeS && place_deg.is_none() {
         decisions.push("positions on the ground need the receiver's place: --place".to_owned());
     }
@@ -214,14 +247,18 @@ fn feed(path: &Path, bytes: &[u8], format: FeedFormat, place_deg: Option<[f64; 2
         first_utc_ns: survey.first_utc_ns.or(received_ns),
         is_in_metres: false,
     };
-    (opened, survey)
+    JudgedFeed { format, opened, survey }
 }
 
 /// The source of a feed.
 pub(super) fn feed_source(format: FeedFormat, place_deg: Option<[f64; 2]>) -> SourceText {
+    let accuracy = match format {
+        FeedFormat::RadarTargets => RADAR_ACCURACY,
+        _ => "",
+    };
     SourceText {
         keys: period(format).to_owned(),
-        tables: place_deg.map_or_else(|| ANYWHERE.to_owned(), place),
+        tables: place_deg.map_or_else(|| ANYWHERE.to_owned(), place) + accuracy,
         ..SourceText::default()
     }
 }
@@ -231,12 +268,15 @@ pub(super) fn feed_source(format: FeedFormat, place_deg: Option<[f64; 2]>) -> So
 fn period(format: FeedFormat) -> &'static str {
     match format {
         FeedFormat::Ais => "period_s = 10.0\nsilent_periods = 0\n",
+        // A turn of a ship's antenna.
+        FeedFormat::RadarTargets => "period_s = 2.5\nsilent_periods = 0\n",
         FeedFormat::Cot => "period_s = 5.0\nsilent_periods = 0\n",
         FeedFormat::Sbs | FeedFormat::ModeS | FeedFormat::Readsb | FeedFormat::RemoteId => "silent_periods = 0\n",
     }
 }
 
-fn place([latitude, longitude]: [f64; 2]) -> String {
+/// Table of a source's place, latitude and longitude, degrees.
+pub(super) fn place([latitude, longitude]: [f64; 2]) -> String {
     format!("[source.place]\nlatitude_deg = {latitude:?}\nlongitude_deg = {longitude:?}\n")
 }
 
@@ -279,172 +319,4 @@ fn table(path: &Path, bytes: &[u8]) -> anyhow::Result<Opened> {
         is_in_metres,
         first_utc_ns: first_ns.filter(|first_ns| is_since_1970(*first_ns)),
     })
-}
-
-/// Target reports of one sender.
-#[derive(Debug, Default)]
-struct Sender {
-    reports: u64,
-    /// Reports whose position is relative to the sensor.
-    relative: u64,
-    categories: BTreeMap<u8, u64>,
-}
-
-/// Judges a recording of ASTERIX: each sender is a source.
-fn asterix(path: &Path, bytes: &[u8], place_deg: Option<[f64; 2]>) -> anyhow::Result<Opened> {
-    let (editions, mut decisions) = editions(bytes);
-    let chosen: Vec<_> = editions
-        .iter()
-        .filter_map(|(category, edition)| asterix::registry::find(*category, *edition))
-        .map(asterix::choice::ChosenEdition::Category)
-        .collect();
-    let recording = RecordingBytes::new(bytes).with_editions(&chosen);
-    let survey = recording.survey();
-    let mut senders: BTreeMap<Option<(u8, u8)>, Sender> = BTreeMap::new();
-    let (mut first_deg, mut first_utc_ns) = (None, None);
-    recording.for_each(&survey, |found| {
-        if let Some(TimeStamp::Utc { ns }) = found.time_stamp {
-            first_utc_ns.get_or_insert(ns);
-        }
-        if let Reading::Target(report) = read(found.record) {
-            let sender = senders.entry(report.sac_sic).or_default();
-            sender.reports += 1;
-            *sender.categories.entry(found.record.table().number).or_default() += 1;
-            match report.geodetic {
-                Some(position) => drop(first_deg.get_or_insert(position.map(f64::to_degrees))),
-                None => sender.relative += 1,
-            }
-        }
-        Ok::<(), std::convert::Infallible>(())
-    })?;
-    let of_all: u64 = senders.values().map(|sender| sender.reports).sum();
-    if of_all == 0 {
-        return Err(InputError::new(path, "has records of ASTERIX and no target report").into());
-    }
-    // Records without an identity are of the sender before.
-    senders.retain(|identity, _| identity.is_some());
-    if senders.is_empty() {
-        senders.insert(
-            None,
-            Sender {
-                reports: of_all,
-                ..Sender::default()
-            },
-        );
-    }
-    if senders.len() > SENDERS_MAX {
-        let what = format!(
-            "has {} senders, more than {SENDERS_MAX}: write a configuration",
-            senders.len()
-        );
-        return Err(InputError::new(path, what).into());
-    }
-    let relative: Vec<_> = senders
-        .iter()
-        .filter(|(_, sender)| sender.relative > 0)
-        .map(|(identity, _)| *identity)
-        .collect();
-    if !relative.is_empty() && place_deg.is_none() {
-        let names: Vec<String> = relative.iter().map(|identity| named(*identity)).collect();
-        return Err(Usage(format!(
-            "{}: positions of {} are relative to the sensor: give its place, --place LATITUDE,LONGITUDE",
-            path.display(),
-            names.join(", ")
-        ))
-        .into());
-    }
-    if relative.len() > 1 {
-        decisions.push(format!(
-            "{} sensors stand at --place; if they stand apart, give each its [source.place] in the configuration",
-            relative.len()
-        ));
-    }
-    decisions.push(format!(
-        "ASTERIX, {} target reports of {} senders: {}",
-        of_all,
-        senders.len(),
-        senders
-            .keys()
-            .map(|identity| named(*identity))
-            .collect::<Vec<_>>()
-            .join(", ")
-    ));
-    let sources = senders
-        .iter()
-        .map(|(identity, sender)| source(*identity, sender, &editions, place_deg));
-    Ok(Opened {
-        label: name_of(&path.display().to_string()),
-        input: OpenedInput::File(path.to_owned()),
-        sources: sources.collect(),
-        decisions,
-        first_deg,
-        first_utc_ns,
-        is_in_metres: false,
-    })
-}
-
-fn named(identity: Option<(u8, u8)>) -> String {
-    identity.map_or_else(|| "an unnamed sender".to_owned(), |(sac, sic)| format!("{sac}/{sic}"))
-}
-
-fn source(
-    identity: Option<(u8, u8)>,
-    sender: &Sender,
-    editions: &BTreeMap<u8, Edition>,
-    place_deg: Option<[f64; 2]>,
-) -> SourceText {
-    let mut input_keys = "truncated = \"accept\"\n".to_owned();
-    if let Some((sac, sic)) = identity {
-        let _ = write!(input_keys, "sac = {sac}\nsic = {sic}\n");
-    }
-    let stated: Vec<String> = editions
-        .iter()
-        .map(|(category, edition)| format!("\"{category}\" = \"{edition}\""))
-        .collect();
-    if !stated.is_empty() {
-        let _ = writeln!(input_keys, "editions = {{ {} }}", stated.join(", "));
-    }
-    let most = sender.categories.iter().max_by_key(|(_, count)| **count);
-    SourceText {
-        suffix: identity.map(|(sac, sic)| format!("{sac}-{sic}")).unwrap_or_default(),
-        // A radar's turn takes seconds; the period of a target is learned.
-        keys: match most {
-            Some((1 | 48 | 62, _)) => "period_s = 4.0\n".to_owned(),
-            _ => String::new(),
-        },
-        input_keys,
-        tables: match place_deg.filter(|_| sender.relative > 0) {
-            Some(place_deg) => place(place_deg),
-            None => ANYWHERE.to_owned(),
-        },
-    }
-}
-
-/// Returns the edition of each category that the blocks fit best.
-fn editions(bytes: &[u8]) -> (BTreeMap<u8, Edition>, Vec<String>) {
-    let survey = RecordingBytes::new(bytes).survey();
-    let (mut editions, mut decisions) = (BTreeMap::new(), Vec::new());
-    for (number, category) in &survey.categories {
-        let Some(edition) = category.edition else {
-            decisions.push(format!("category {number:03} has no table here: left out"));
-            continue;
-        };
-        let better = category.better().filter(|_| category.is_withheld());
-        let (edition, why) = match better.and_then(|(editions, fitting)| Some((*editions.first()?, fitting))) {
-            Some((better, fitting)) => {
-                let why = format!(
-                    "fits {fitting} of {} blocks that edition {edition} does not",
-                    category.blocks_refused
-                );
-                (better, why)
-            }
-            None => {
-                let fitting = category.blocks - category.blocks_refused;
-                (edition, format!("fits {fitting} of {} blocks", category.blocks))
-            }
-        };
-        decisions.push(format!("category {number:03}, edition {edition}: {why}"));
-        editions.insert(*number, edition);
-    }
-    (editions, decisions)
 }

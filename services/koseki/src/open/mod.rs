@@ -7,6 +7,7 @@
 //!
 //! Nothing is guessed in silence: each decision is printed with its reason, and what the data cannot tell is asked for.
 
+mod asterix;
 mod feeds;
 mod judge;
 mod names;
