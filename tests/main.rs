@@ -15,6 +15,7 @@ mod requirements;
 mod bearings;
 mod decode;
 mod encode;
+mod finder_reports;
 mod foreign_inputs;
 mod fuse;
 mod golden;

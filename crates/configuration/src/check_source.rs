@@ -187,19 +187,24 @@ fn check_locator(
     let may_have_bearings = match input {
         Input::Live(live) => network.is_udp(&live.receiver),
         Input::Simulated(_) => matches!(instrument, Some(Instrument::DirectionFinder { .. })),
-        Input::Recorded(_) | Input::External | Input::Tracker(_) => false,
+        Input::Recorded(recorded) => recorded.format == RecordedFormat::Asterix,
+        Input::External | Input::Tracker(_) => false,
     };
     let locator = match (&raw.locator, input) {
         (Some(locator), _) if may_have_bearings => *locator,
         (Some(_), _) => {
-            let what =
-                "takes bearings: of a [[receiver]] with [receiver.udp], or of a [source.simulated_direction_finder]";
+            let what = "takes bearings: of a [[receiver]] with [receiver.udp], of a [source.recorded] in ASTERIX \
+                        (category 205), or of a [source.simulated_direction_finder]";
             return Err(SettingsError::new(key("locator"), what));
         }
         (None, Input::Simulated(_)) if may_have_bearings => locating::Settings::default(),
         (None, _) => return Ok(None),
     };
     let array = raw.array.clone();
+    if array.is_some() && matches!(input, Input::Recorded(_)) {
+        let what = "measures bearings from live snapshots: leave it out of a recording";
+        return Err(SettingsError::new(key("array"), what));
+    }
     if let Some(array) = &array {
         array
             .music()

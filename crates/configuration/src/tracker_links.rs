@@ -21,7 +21,7 @@ pub(super) fn check_links(
     raw: &[SourceTable],
     sensors: &[WideAreaSensorTable],
 ) -> Checked<()> {
-    let hears = |source: &&CheckedSource| source.has_bearings();
+    let hears = |source: &&CheckedSource| source.publishes_bearings();
     let finders: Vec<(String, u16)> = sources
         .iter()
         .filter(hears)

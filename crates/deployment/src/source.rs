@@ -99,6 +99,11 @@ impl Source {
         matches!(self.delivers, SampleDelivery::Bearings { .. })
     }
 
+    /// Whether it publishes its bearings, and where the finder was; a recording publishes the tracks only.
+    pub fn publishes_bearings(&self) -> bool {
+        self.has_bearings() && !self.input.is_recorded()
+    }
+
     /// Whether its bearings are measured from snapshots of an antenna array.
     pub fn has_array(&self) -> bool {
         self.delivers == SampleDelivery::Bearings { array: true }

@@ -25,7 +25,7 @@ impl Deployment {
     /// source, then the wide-area sensors, then the system.
     pub fn streams(&self) -> impl Iterator<Item = (StreamId, &str)> {
         let of_sources = self.sources.iter().flat_map(|source| {
-            let locates = source.has_bearings();
+            let locates = source.publishes_bearings();
             let streams = [
                 (Stream::SensorTracks, true),
                 (Stream::Detections, source.has_detections()),

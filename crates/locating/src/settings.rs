@@ -10,6 +10,8 @@ settings::settings! {
     pub struct Settings {
         /// Greatest number of emitters at a time; each needs 28 kB.
         emitters_max: usize = 1024, in [1, 100_000];
+        /// Standard deviation of bearings that state none: those of ASTERIX (category 205).
+        bearing_sigma_deg: Degrees = Degrees::of(2.0), in [1e-3, 57];
         /// How emitters may move (EL-2).
         motion: EmitterMotionSettings = EmitterMotionSettings::default();
         /// Consistency of bearings: bearings that contradict the others are set aside.

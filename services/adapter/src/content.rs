@@ -19,16 +19,27 @@ use observations::Observation;
 
 use crate::counted::decoded;
 use crate::feed::{self, StatedReceiver};
+use crate::finder_reports::FinderReports;
 use crate::intake::Intake;
 
 /// Longest piece of a recorded feed without lines, bytes.
 const PIECE_OCTETS_MAX: usize = 1 << 16;
 
+/// Data blocks of ASTERIX in a file.
+#[derive(Debug)]
+pub(crate) struct RecordedBlocks {
+    packed: Packed,
+    decoder: Decoder,
+    /// Direction finder whose reports are located; `None` of a source of targets.
+    finder: Option<FinderReports>,
+    first_day_ns: i64,
+}
+
 /// Recorded file, and the reader's progress.
 #[derive(Debug)]
 pub(crate) enum RecordedContent {
     /// ASTERIX data blocks, and the reader of the blocks.
-    Asterix(Packed, Box<Decoder>),
+    Asterix(Box<RecordedBlocks>),
     /// Data of a feed.
     Feed(Box<RecordedFeed>, FeedOrigin),
     /// Table of sensor tracks.
@@ -51,16 +62,29 @@ impl RecordedContent {
             }
             None if recorded.format == RecordedFormat::Asterix => {
                 let tables = StatedTables::new(&recorded.asterix.editions, recorded.asterix.is_strict);
-                Self::Asterix(Packed::new(bytes), Box::new(tables.decoder()))
+                Self::Asterix(Box::new(RecordedBlocks {
+                    packed: Packed::new(bytes),
+                    decoder: tables.decoder(),
+                    finder: None,
+                    first_day_ns,
+                }))
             }
             None => Self::Tracks(RecordedTracks::open(bytes, frame, first_day_ns)?),
         })
     }
 
+    /// The same, with the reports of a direction finder located.
+    pub(crate) fn with_finder(mut self, finder: Option<FinderReports>) -> Self {
+        if let Self::Asterix(blocks) = &mut self {
+            blocks.finder = finder;
+        }
+        self
+    }
+
     /// Whether everything has been read.
     pub(crate) fn is_exhausted(&self) -> bool {
         match self {
-            Self::Asterix(packed, _) => packed.is_exhausted(),
+            Self::Asterix(blocks) => blocks.packed.is_exhausted(),
             Self::Feed(feed, _) => feed.packed.is_exhausted(),
             Self::Tracks(tracks) => tracks.reader.is_none(),
         }
@@ -69,16 +93,7 @@ impl RecordedContent {
     /// Reads the next block, line or row.
     pub(crate) fn read_piece(&mut self, intake: &mut Intake) {
         match self {
-            Self::Asterix(packed, decoder) => {
-                let (block, length) = packed.next_block();
-                for record in decoder.records_of(block.into_iter(), length).flatten() {
-                    match observation::read(&record) {
-                        Reading::Target(observed) => intake.observe(&observed),
-                        Reading::Service(service) => intake.service(&service),
-                        Reading::Other => {}
-                    }
-                }
-            }
+            Self::Asterix(blocks) => blocks.read_block(intake),
             Self::Feed(feed, wanted) => feed.read_piece(&mut |fed| match fed {
                 Fed::Target(transmission, observed) if feed::uses(*wanted, transmission.origin) => {
                     intake.heard(transmission, observed);
@@ -96,11 +111,36 @@ impl RecordedContent {
     /// Adds the counts so far.
     pub(crate) fn count(&self, counters: &mut Counters) {
         match self {
-            Self::Asterix(_, decoder) => *counters += &decoded(decoder.counts()),
+            Self::Asterix(blocks) => {
+                *counters += &decoded(blocks.decoder.counts());
+                if let Some(finder) = &blocks.finder {
+                    *counters += finder.counters();
+                }
+            }
             Self::Feed(feed, _) => *counters += &feed::counted(&feed.reader),
             Self::Tracks(tracks) => {
                 counters[Counter::Records] += tracks.rows;
                 counters[Counter::BlocksRejected] += tracks.rejected;
+            }
+        }
+    }
+}
+
+impl RecordedBlocks {
+    fn read_block(&mut self, intake: &mut Intake) {
+        let (block, length) = self.packed.next_block();
+        for record in self.decoder.records_of(block.into_iter(), length).flatten() {
+            match observation::read(&record) {
+                Reading::Target(observed) => intake.observe(&observed),
+                Reading::Service(service) => intake.service(&service),
+                Reading::Other => {
+                    let finder = self.finder.as_mut();
+                    // Refused reports are counted by reason.
+                    let taken = finder.and_then(|finder| finder.take(&record, None, self.first_day_ns).ok());
+                    if let Some(measured) = taken.flatten() {
+                        intake.emitter(&measured);
+                    }
+                }
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use formats::feed::Transmission;
 use messages::{Counter, Counters, SensorDetection, SensorTrack, StageTimes, TargetStatement};
-use observations::{Observation, ServiceMessage, Statement};
+use observations::{EmitterMeasurement, Observation, ServiceMessage, Statement};
 use sources::{Pipeline, Reorder, Samples};
 
 use crate::statements::StatementBook;
@@ -70,6 +70,16 @@ impl Intake {
 
     fn sample(&self, whole: &Statement) -> TargetStatement {
         whole.sample(self.source, self.heard_ns, StageTimes::default())
+    }
+
+    /// Takes a measurement of an emitter.
+    pub(crate) fn emitter(&mut self, measured: &EmitterMeasurement) {
+        self.pipeline.emitter(measured, 0, &mut self.samples);
+        // A recording publishes the tracks.
+        self.samples.bearings.clear();
+        self.samples.platforms.clear();
+        self.samples.fixes.clear();
+        self.put_in_order();
     }
 
     /// Takes a record about the sensor.

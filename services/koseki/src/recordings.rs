@@ -22,7 +22,7 @@ use formats::autoferry;
 use formats::containers::{Container, datagrams};
 use formats::foreign::Foreign;
 use formats::named_columns::TableOutline;
-use formats::observation::{Reading, read};
+use formats::observation::{Reading, finder_report, read};
 use formats::platform_states_csv::PlatformStateReader;
 use formats::recording::{RecordingBytes, RecordingSurvey};
 use formats::scan_rows_csv::ScanRowReader;
@@ -89,6 +89,8 @@ struct RecordingOwner {
     place: Box<str>,
     /// Latitude and longitude where a source stands, degrees, if stated.
     stands_deg: Option<[f64; 2]>,
+    /// Whether its bearings are located.
+    locates: bool,
 }
 
 impl RecordingOwner {
@@ -121,6 +123,7 @@ pub(crate) fn inspect(config: &Config, data: &Path, depth: Depth) -> Result<Vec<
             whose: format!("source \"{}\"", source.name).into(),
             place: format!("source[{}].recorded", source.number).into(),
             stands_deg: source.stated_place_deg,
+            locates: source.has_bearings(),
         };
         let file = data.join(&recorded.file);
         let looked = fs::read(&file)
@@ -171,6 +174,7 @@ fn inspect_states(platform: &Platform, data: &Path) -> Result<(), UnusableRecord
         whose: format!("platform \"{}\"", platform.name).into(),
         place: format!("platform[{}].recorded", platform.number).into(),
         stands_deg: None,
+        locates: false,
     };
     let file = data.join(file);
     let looked = match fs::read(&file) {
@@ -191,6 +195,7 @@ fn inspect_plots(sensor: &Source, data: &Path, depth: Depth) -> Result<(), Unusa
         whose: format!("sensor \"{}\"", sensor.name).into(),
         place: "tracker.sensor.recorded".into(),
         stands_deg: None,
+        locates: false,
     };
     let file = data.join(&recorded.file);
     let looked = match fs::read(&file) {
@@ -221,6 +226,7 @@ fn inspect_wide_area(sensor: &WideAreaSensor, data: &Path, depth: Depth) -> Resu
         whose: format!("wide-area sensor \"{}\"", sensor.name).into(),
         place: format!("wide_area_sensor[{}].{part}", sensor.number).into(),
         stands_deg: None,
+        locates: false,
     };
     let looked = match fs::read(&file) {
         Err(error) => Err(key.unreadable(&error)),
@@ -252,11 +258,27 @@ fn look(bytes: &[u8], recorded: &Recorded, key: &RecordingOwner, depth: Depth) -
             check_kind(bytes, recorded, &survey, key)?;
             let doubts = doubts(&survey, recorded, key)?;
             let blocks = count_blocks(bytes, recorded, &survey, key)?;
-            let decoded = decode(bytes, recorded, depth);
+            let decoded = decode(bytes, recorded, depth, key.locates);
             (blocks, RecordingFindings { doubts, ..decoded })
         }
         None => (0, read_rows(bytes, key)?),
     };
+    if found.first_time_ns.is_none() && key.locates {
+        return Err(format!(
+            "byte 0: found no report of a direction finder (category 205) in any block, expected some for {}: correct \
+             {}.file, or leave [source.locator] out",
+            key.whose, key.place
+        ));
+    }
+    let is_of_finder =
+        |feed: Option<FeedFormat>| feed.is_none() && decode(bytes, recorded, depth, true).first_time_ns.is_some();
+    if found.first_time_ns.is_none() && is_of_finder(recorded.format.feed()) {
+        return Err(format!(
+            "its reports are those of direction finders (category 205), which {} does not locate: add [source.locator] to \
+             the source of {}",
+            key.whose, key.place
+        ));
+    }
     if found.first_time_ns.is_none() {
         return Err(format!(
             "byte 0: found no target report in any block, expected some for {}: correct {}.file, or the editions under \
@@ -375,16 +397,18 @@ fn expected_categories(recorded: &Recorded) -> Vec<u8> {
     stated.iter().map(|(number, _)| *number).collect()
 }
 
-fn decode(bytes: &[u8], recorded: &Recorded, depth: Depth) -> RecordingFindings {
+fn decode(bytes: &[u8], recorded: &Recorded, depth: Depth, locates: bool) -> RecordingFindings {
     let mut decoder = tables(recorded).decoder();
     let mut found = RecordingFindings::default();
     'datagrams: for datagram in datagrams(bytes).flatten() {
         for record in decoder.records(&datagram.bytes).flatten() {
-            let Reading::Target(report) = read(&record) else {
-                continue;
+            let time_of_day_ns = match read(&record) {
+                Reading::Target(report) if !locates => report.time_of_day_ns,
+                Reading::Other if locates => finder_report(&record).and_then(|report| report.time_of_day_ns),
+                _ => continue,
             };
-            found.first_time_ns = found.first_time_ns.or(report.time_of_day_ns);
-            found.last_time_ns = report.time_of_day_ns.or(found.last_time_ns);
+            found.first_time_ns = found.first_time_ns.or(time_of_day_ns);
+            found.last_time_ns = time_of_day_ns.or(found.last_time_ns);
             if depth == Depth::Blocks && found.first_time_ns.is_some() {
                 break 'datagrams;
             }

@@ -1,9 +1,9 @@
 //! NMEA 0183: navigation receivers, compasses and inertial sensors on ships.
 //!
-//! Read are position (GGA, RMC, GLL), velocity (RMC, VTG), heading (HDT, THS, HDG) and attitude (PASHR), and apart from
-//! these the targets of a radar (TTM, TLL: [`RadarTarget`], and [`RadarTargetReader`] for their positions). The crate `nmea` would read four of these, but depends on `chrono`,
-//! which `deny.toml` excludes; `nmea0183` gives reasons as texts, so wrong checksums and cut sentences could not be
-//! counted apart. The sentences are short; the framing below is what matters.
+//! Read are position (GGA, RMC, GLL), velocity (RMC, VTG), heading (HDT, THS, HDG) and attitude (PASHR), and apart
+//! from these the targets of a radar (TTM, TLL: [`RadarTarget`], [`RadarTargetReader`]). The crate `nmea` would read
+//! four of these, but depends on `chrono`, which `deny.toml` excludes; `nmea0183` gives reasons as texts, so wrong
+//! checksums and cut sentences could not be counted apart. The sentences are short; the framing below is what matters.
 //!
 //! # Time
 //!

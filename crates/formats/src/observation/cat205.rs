@@ -69,6 +69,8 @@ pub struct FinderReport {
     pub uncertainty_m: Option<f64>,
     /// Number of the transmission's track.
     pub track_number: Option<u16>,
+    /// Name of the channel.
+    pub channel: Option<[u8; 7]>,
     /// Frequency of the channel, hertz, if the channel's name is one.
     pub frequency_hz: Option<f64>,
 }
@@ -128,6 +130,22 @@ pub enum FinderRefusal {
     TrackNumber,
 }
 
+impl FinderRefusal {
+    /// A word for the reason, by which refusals are told apart.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Kind => "kind",
+            Self::Time => "time",
+            Self::Bearing => "bearing",
+            Self::BearingRange => "bearing-range",
+            Self::Position => "position",
+            Self::PositionRange => "position-range",
+            Self::Uncertainty => "uncertainty",
+            Self::TrackNumber => "track-number",
+        }
+    }
+}
+
 /// The report in a record; `None` for records of other categories.
 pub fn finder_report(record: &Record<'_>) -> Option<FinderReport> {
     record.table().is_one_of(CAT205).then(|| FinderReport {
@@ -148,6 +166,7 @@ pub fn finder_report(record: &Record<'_>) -> Option<FinderReport> {
         system_bearing_rad: SYSTEM_BEARING.quantity(record),
         uncertainty_m: UNCERTAINTY.quantity(record),
         track_number: TRACK_NUMBER.number(record).map(|number| number as u16),
+        channel: record.item(CHANNEL).and_then(|name| name.try_into().ok()),
         frequency_hz: record.item(CHANNEL).and_then(frequency_hz),
     })
 }

@@ -14,7 +14,8 @@ use offline::Usage;
 use runtime::Now;
 use runtime::clock::mono_ns;
 
-use super::judge::{Opened, OpenedInput, feed_source, feeds_of};
+use super::judge::{feed_source, feeds_of};
+use super::opened::{Opened, OpenedInput};
 
 /// Longest time until a position must have come.
 const PATIENCE: Duration = Duration::from_secs(20);

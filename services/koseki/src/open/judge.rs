@@ -2,7 +2,7 @@
 
 use std::cmp::Reverse;
 use std::io::Read as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use adapter::FeedSurvey;
 use deployment::FeedFormat;
@@ -16,64 +16,17 @@ use offline::InputError;
 
 use super::asterix;
 use super::names::name_of;
+use super::opened::{ANYWHERE, Opened, OpenedInput, SourceText, place};
 use crate::recordings::table_rows;
 
 /// Bytes at the begin of MCAP files.
 const MCAP: &[u8] = b"\x89MCAP0\r\n";
-/// Limits of a source whose place is not known.
-pub(super) const ANYWHERE: &str =
-    "# Its place is not known, so its range is not checked.\n[source.limits]\nrange_m = 2000000.0\n";
 /// Accuracy of a ship's radar.
 const RADAR_ACCURACY: &str = "# Range and bearing of the standard for ships' radars, seen from the ship.\n[source.covariance]\nfrom = \"report\"\n";
 /// Bytes at the begin of files of gzip.
 const GZIP: &[u8] = b"\x1f\x8b\x08";
 /// Longest unpacked file, octets.
 const UNPACKED_MAX: u64 = 4 << 30;
-
-/// A file or feed, judged.
-#[derive(Debug)]
-pub(super) struct Opened {
-    /// Begin of the names of its sources.
-    pub(super) label: String,
-    pub(super) input: OpenedInput,
-    pub(super) sources: Vec<SourceText>,
-    /// What was decided, each with its reason.
-    pub(super) decisions: Vec<String>,
-    /// First position in the data, latitude and longitude, degrees.
-    pub(super) first_deg: Option<[f64; 2]>,
-    /// First time with a date in the data, UTC, nanoseconds since 1970.
-    pub(super) first_utc_ns: Option<i64>,
-    /// Whether positions are in metres of a frame without a place.
-    pub(super) is_in_metres: bool,
-}
-
-/// Where the data come from.
-#[derive(Debug)]
-pub(super) enum OpenedInput {
-    File(PathBuf),
-    /// Keys of a receiver.
-    Feed(String),
-}
-
-/// A source of the configuration.
-#[derive(Debug, Default)]
-pub(super) struct SourceText {
-    /// End of its name.
-    pub(super) suffix: String,
-    /// Keys of the source, lines.
-    pub(super) keys: String,
-    /// Keys of its input, lines.
-    pub(super) input_keys: String,
-    /// Tables below the source.
-    pub(super) tables: String,
-}
-
-impl Opened {
-    /// Whether the data are recorded.
-    pub(super) fn is_recorded(&self) -> bool {
-        matches!(self.input, OpenedInput::File(_))
-    }
-}
 
 /// Whether a path is a recording of all topics: a folder, or an MCAP file.
 pub(super) fn is_recording(path: &Path) -> bool {
@@ -273,11 +226,6 @@ fn period(format: FeedFormat) -> &'static str {
         FeedFormat::Cot => "period_s = 5.0\nsilent_periods = 0\n",
         FeedFormat::Sbs | FeedFormat::ModeS | FeedFormat::Readsb | FeedFormat::RemoteId => "silent_periods = 0\n",
     }
-}
-
-/// Table of a source's place, latitude and longitude, degrees.
-pub(super) fn place([latitude, longitude]: [f64; 2]) -> String {
-    format!("[source.place]\nlatitude_deg = {latitude:?}\nlongitude_deg = {longitude:?}\n")
 }
 
 /// Judges a table of tracks: in metres (FM-5), or of named columns.

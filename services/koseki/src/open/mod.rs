@@ -11,6 +11,7 @@ mod asterix;
 mod feeds;
 mod judge;
 mod names;
+mod opened;
 mod text;
 
 use std::fs;
@@ -27,7 +28,7 @@ use crate::config::Config;
 use crate::recordings::{self, Depth};
 use crate::{launch, replay};
 
-use judge::Opened;
+use opened::Opened;
 use text::ConfigText;
 
 /// Name of the configuration in the folder of the run.

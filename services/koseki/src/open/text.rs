@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::judge::{Opened, OpenedInput};
+use super::opened::{Opened, OpenedInput};
 
 /// Values of a configuration.
 #[derive(Debug)]
