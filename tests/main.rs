@@ -44,6 +44,7 @@ mod captures;
 mod continuity;
 mod deployment;
 mod ended_sources;
+mod feed_connections;
 mod joint_tracker;
 mod kills;
 mod levels;

@@ -252,12 +252,13 @@ impl FeedReader {
         }
     }
 
-    /// The feed has ended, or its connection: what has begun was cut.
+    /// The feed has ended, or its connection: what has begun was cut, and is counted as refused.
     pub fn end(&mut self) {
         match &mut self.reader {
             Reader::ModeS(reader) => reader.end(None, &mut |_| {}),
             Reader::Cot(reader) => reader.end(),
-            Reader::Sbs(_) | Reader::Ais(_) | Reader::RadarTargets(_) | Reader::Readsb(_) | Reader::RemoteId(_) => {}
+            Reader::Ais(reader) => reader.end(),
+            Reader::Sbs(_) | Reader::RadarTargets(_) | Reader::Readsb(_) | Reader::RemoteId(_) => {}
         }
     }
 
@@ -298,7 +299,7 @@ impl FeedReader {
                 FeedCounts {
                     records: counted.messages,
                     timed: counted.timed,
-                    refused: counted.rejected.iter().sum(),
+                    refused: counted.rejected.iter().sum::<u64>() + counted.unfinished,
                     without_position: counted.without_position,
                     without_room: counted.refused_stations,
                     repeated: counted.repeats,

@@ -89,19 +89,23 @@ impl WayIn {
     }
 
     /// Passes the next pieces to `visit`, each with the time of receipt, and whether no further piece continues it.
-    /// Waits at most [`PATIENCE`]. The capture gets what came from an address.
+    /// Returns whether a connection has been lost: what had begun on it is not continued on the next. Waits at most
+    /// [`PATIENCE`]. The capture gets what came from an address.
     fn poll(
         &mut self,
         (now, steady): (Now, SteadyClock),
         capture: &mut Option<Capture>,
         mut visit: impl FnMut(&[u8], ReceiptTime, bool),
-    ) -> anyhow::Result<()> {
+    ) -> anyhow::Result<bool> {
         let read = |utc_ns: Option<i64>| {
             let read = Now::read();
             ReceiptTime::of(utc_ns.unwrap_or(read.utc_ns), read, steady)
         };
         match self {
             Self::Tcp(client, server) => {
+                let lost =
+                    |client: &TcpLines| client.counters().lost_connections + client.counters().silent_connections;
+                let before = lost(client);
                 client.poll(now.mono_ns, PATIENCE, |piece| {
                     let received = read(None);
                     if let Some(capture) = capture {
@@ -109,6 +113,7 @@ impl WayIn {
                     }
                     visit(piece, received, false);
                 });
+                return Ok(lost(client) > before);
             }
             Self::Udp(socket, format) => {
                 socket.receive(PATIENCE, |datagram| {
@@ -117,13 +122,14 @@ impl WayIn {
                         capture.take(datagram.sender, received.utc_ns, datagram.bytes);
                     }
                     if format.is_lines() {
+                        // A line is whole, but a message may have parts in the lines of several datagrams.
                         let lines = datagram
                             .bytes
                             .split(|octet| *octet == b'\n')
                             .map(<[u8]>::trim_ascii_end);
                         lines
                             .filter(|line| !line.is_empty())
-                            .for_each(|line| visit(line, received, true));
+                            .for_each(|line| visit(line, received, false));
                     } else {
                         visit(datagram.bytes, received, true);
                     }
@@ -131,7 +137,7 @@ impl WayIn {
             }
             Self::Http(document, _) => document.poll(PATIENCE, |octets| visit(octets, read(None), true)),
         }
-        Ok(())
+        Ok(false)
     }
 
     /// Counts of the network, and what is wrong with it, in words.
@@ -160,6 +166,14 @@ impl WayIn {
                     whole.note = format!("{url}: {}", document.trouble());
                 }
             }
+        }
+    }
+
+    /// Lines that a lost connection has cut so far.
+    fn cut(&self) -> u64 {
+        match self {
+            Self::Tcp(client, _) => client.counters().cut,
+            Self::Udp(..) | Self::Http(..) => 0,
         }
     }
 
@@ -280,7 +294,8 @@ impl Agent for FeedAgent {
         let (reader, channels, refusals) = (&mut self.reader, &mut self.channels, &mut self.refusals);
         let steady = self.steady;
         let mut failed = Ok(());
-        self.way_in
+        let is_lost = self
+            .way_in
             .poll((now, steady), &mut self.capture, |piece, received, is_whole| {
                 reader.take(piece, Some(received.utc_ns), &mut |fed| match fed {
                     Fed::Target(Transmission { origin, .. }, observed) => {
@@ -314,6 +329,9 @@ impl Agent for FeedAgent {
                 }
             })?;
         failed?;
+        if is_lost {
+            self.reader.end();
+        }
         self.refusals.too_long(self.way_in.too_long(), || {
             let read = Now::read();
             ReceiptTime::of(read.utc_ns, read, steady)
@@ -330,7 +348,7 @@ impl Agent for FeedAgent {
     fn health(&self, entries: &mut Vec<HealthEntry>) {
         // The feed is read once: its counts are those of the first source.
         let mut decoded = counted(&self.reader);
-        decoded[Counter::BlocksRejected] += self.way_in.too_long();
+        decoded[Counter::BlocksRejected] += self.way_in.too_long() + self.way_in.cut();
         let mut sources = Vec::new();
         for (place, (_, channel)) in self.channels.iter().enumerate() {
             let is_first = place == 0;

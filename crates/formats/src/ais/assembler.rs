@@ -83,6 +83,11 @@ impl Assembler {
         }
     }
 
+    /// Gives up the messages that wait for parts; returns how many there were.
+    pub(super) fn end(&mut self) -> u64 {
+        self.waiting.drain(..).len() as u64
+    }
+
     /// Takes a line of a connection at `now_ns`; gives the message that it completes. Messages that are given up are
     /// added to `unfinished`.
     pub(super) fn take(

@@ -133,6 +133,11 @@ impl AisReader {
             })
     }
 
+    /// The lines have ended, or their connections: messages that wait for parts are given up.
+    pub fn end(&mut self) {
+        self.counters.unfinished += self.assembler.end();
+    }
+
     fn take_line(
         &mut self,
         connection: u32,
