@@ -67,6 +67,7 @@ mod orders;
 mod planned_stop;
 mod queues;
 mod recording;
+mod recordings_end;
 mod replay;
 mod report_truth;
 mod supervision;

@@ -7,7 +7,7 @@ use runtime::Now;
 use runtime::clock::mono_ns;
 
 use super::{FusionAgent, REPORTS_PER_TURN};
-use crate::inputs::InputReport;
+use crate::inputs::{InputReport, SourceInput};
 use crate::source_time::SourceTime;
 
 /// Number of sources whose next slices are taken before a round. Taking a slice costs some hundred
@@ -45,7 +45,18 @@ impl<S: Transport> FusionAgent<S> {
         self.output.begin_report(0);
         self.driver.advance(self.passed_ns(now), &mut self.output);
         self.output.send(self.progress_ns, false)?;
+        if self.are_recordings_over() && !self.end_sent && self.output.has_room()? {
+            self.driver.advance(i64::MAX, &mut self.output);
+            self.output.send(i64::MAX, true)?;
+            self.end_sent = true;
+        }
         Ok(worked > 0)
+    }
+
+    /// Whether every source is a recording and has announced its end, and all its reports are processed.
+    fn are_recordings_over(&self) -> bool {
+        let is_over = |input: &SourceInput<S>| input.has_ended && !input.has_reports();
+        self.reached.is_some() && !self.inputs.is_empty() && self.inputs.iter().all(is_over)
     }
 
     /// Order `arrival`: returns the time up to which time has passed; `now` contains the engine's time.
