@@ -270,6 +270,34 @@ fn frames_over_a_connection_become_a_track_live() {
 }
 
 #[test]
+fn targets_of_a_radar_over_a_connection_become_a_track_live() {
+    let home = Home::new();
+    let (address, ended) = serving(|mut connection| {
+        loop {
+            let now = now_s() as u64;
+            let clock = format!("{:02}{:02}{:02}", now / 3600 % 24, now / 60 % 60, now % 60);
+            let lines = [
+                format!("$GPGGA,{clock},5400.0000,N,01030.0000,E,1,08,1.0,20.0,M,,M,,"),
+                "$HEHDT,0.0,T".to_owned(),
+                "$RATTM,5,3.00,90.0,R,,,,,,N,,T,,,A".to_owned(),
+            ];
+            let lines = lines.map(|body| sentence(&body)).concat();
+            if connection.write_all(lines.as_bytes()).is_err() {
+                return;
+            }
+            thread::sleep(Duration::from_millis(500));
+        }
+    });
+    confirmed_live(&home, &format!("tcp://{address}"), "radar");
+    let config = home.read("out-radar/open.toml");
+    assert!(
+        config.contains("format = \"radar-targets\"") && config.contains("from = \"report\""),
+        "{config}"
+    );
+    ended.store(true, Ordering::Relaxed);
+}
+
+#[test]
 fn a_document_over_http_becomes_a_track_live() {
     let home = Home::new();
     let begun_s = now_s();
