@@ -2,7 +2,7 @@
 //!
 //! A report's stated accuracy is limited to the configured accuracy: no source knows its positions better than its
 //! antennas, clocks and survey permit, and smaller statements come from sources without a sound estimate. Reports
-//! without a statement get the configured accuracy.
+//! without a statement get the configured accuracy, of their own key where that limit is much smaller.
 
 use frames::{SensorFrame, polar_covariance};
 use messages::{Counter, Covariance, UNKNOWN_CLIMB_SIGMA_MPS, UNKNOWN_HEIGHT_SIGMA_M, UNKNOWN_VELOCITY_SIGMA_MPS};
@@ -67,9 +67,9 @@ pub(crate) fn own_position(
         return Ok(None);
     }
     let floor = model.covariance.position_sigma_m;
-    let circular = |sigma: f64| Some([sigma.max(floor).powi(2), 0.0, sigma.max(floor).powi(2)]);
+    let circular = |sigma: f64| Some(isotropic(sigma.max(floor)));
     Ok(match observation.quality {
-        Quality::Unstated => None,
+        Quality::Unstated => model.covariance.unstated_position_sigma_m.map(isotropic),
         Quality::Covariance(stated) => {
             let own = no_less(stated, floor);
             Some(match used {
@@ -111,8 +111,12 @@ pub(crate) fn covariance(
     let sensor = sensor_position(model, placed);
     let position = wider(own.unwrap_or(sensor), model, placed);
     let rate = model.covariance.velocity_sigma_mps;
+    let unstated = match model.covariance.from {
+        CovarianceFrom::Report => model.covariance.unstated_velocity_sigma_mps.unwrap_or(rate),
+        CovarianceFrom::Configuration => rate,
+    };
     let horizontal = match velocity {
-        Velocity::Delivered(_, own) => own.unwrap_or([rate * rate, 0.0, rate * rate]),
+        Velocity::Delivered(_, own) => own.unwrap_or(isotropic(unstated)),
         Velocity::Derived(slope) => no_less(of_slope(sensor, slope), DERIVED_VELOCITY_FACTOR * rate),
         Velocity::Unknown => UNKNOWN_VELOCITY,
     };
@@ -178,6 +182,11 @@ fn along_and_across(offset: [f64; 2], along_m2: f64, across_m2: f64) -> Horizont
         (along_m2 - across_m2) * east * north,
         along_m2 * north * north + across_m2 * east * east,
     ]
+}
+
+/// The same standard deviation in all directions.
+fn isotropic(sigma: f64) -> Horizontal {
+    [sigma * sigma, 0.0, sigma * sigma]
 }
 
 /// With variances of at least the square of `sigma`.

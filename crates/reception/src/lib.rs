@@ -101,6 +101,11 @@ settings::settings! {
         /// Standard deviation of each horizontal velocity component; the minimum if reports state a standard
         /// deviation.
         velocity_sigma_mps: f64 = 3.0, in [1e-3, 1e4];
+        /// Standard deviation of each horizontal position component of a report without a statement, where others have
+        /// one and `position_sigma_m` is their minimum; `from = "report"` only.
+        unstated_position_sigma_m: Option<f64> = None, in [1e-3, 1e5], usually "position_sigma_m";
+        /// The same of velocity components.
+        unstated_velocity_sigma_mps: Option<f64> = None, in [1e-3, 1e4], usually "velocity_sigma_mps";
         /// Standard deviation of height.
         height_sigma_m: f64 = 30.0, in [1e-3, 1e5];
         /// Range error of a polar sensor; replaces `position_sigma_m`, together with `azimuth_sigma_deg`.

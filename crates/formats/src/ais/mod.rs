@@ -34,6 +34,7 @@
 //! Sources: recommendation ITU-R M.1371-5; IEC 61162-1 and 61162-450 (sentences, tag blocks); E. S. Raymond,
 //! "AIVDM/AIVDO protocol decoding", for what transponders do in fact.
 
+mod accuracy;
 mod assembler;
 mod codes;
 mod counters;
@@ -42,6 +43,7 @@ mod line;
 mod repeats;
 mod report;
 mod static_data;
+mod writer;
 
 use aivdm::AisMessage;
 use aivdm::error::{AisError as MessageFault, MessageError};
@@ -56,6 +58,7 @@ use static_data::{StaticData, Stations};
 
 pub use counters::{AisCounters, AisError, AisRejection};
 pub use fixed::FixedStation;
+pub use writer::{AisClass, AisPosition, AisStaticData};
 
 /// Bits of messages of type 5 that some transponders cut. The destination ends there; nothing that is used is missing.
 const SHORT_STATIC_BITS: std::ops::Range<usize> = 420..424;

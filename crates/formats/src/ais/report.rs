@@ -7,39 +7,19 @@
 //! than 30 s before the receipt is none of a ship that reports by itself; then, and where the second is not stated, the
 //! time of receipt serves. Type 27 states no second.
 //!
-//! # Accuracy
-//!
-//! A flag states whether the position is better or worse than 10 m. The recommendation takes 10 m from the expected
-//! error that receivers with integrity monitoring give, or from the use of differential corrections. 10 m is therefore
-//! the radius within which a flagged position lies with 95 % probability, and 30 m of one without the flag: receivers
-//! without corrections keep within 13 m (resolution MSC.112(73)), but the flag is down, too, where a ship does not
-//! know. Positions by hand, by dead reckoning, or of a system out of order have an unknown accuracy.
-//!
-//! Coordinates are whole ten-thousandths of a minute, 0.2 m. Those of type 27 are whole tenths of a minute: the error
-//! is evenly distributed within 93 m in both directions on the equator, so that 95 % lie within 111 m. Its variance, a
-//! third of the square of 93 m, goes into the covariance; for a ship at rest, the error stays the same in all reports.
-//!
-//! Speeds are whole tenths of a knot (0.05 m/s), courses of a degree; whole knots and degrees in type 27, whole knots
-//! in type 9. No accuracy is stated, and none is added.
+//! Errors of positions and velocities: [`accuracy`](super::accuracy).
 
 use aivdm::{AisMessage, Heading, Sog, Timestamp};
 use frames::Geodetic;
 use frames::time::{NS_PER_DAY, NS_PER_S};
 use messages::{Identity, TrackState, alert_bits};
-use observations::{
-    Alerts, Axes, Emergency, NavigationStatus, Observation, Quality, RADIUS95_SIGMAS, Statement, TargetCategory,
-};
+use observations::{Alerts, Axes, Emergency, NavigationStatus, Observation, Quality, Statement, TargetCategory};
 
+use super::accuracy::{self, VelocitySteps};
 use super::codes;
 use super::static_data::Station;
 
-const MPS_PER_KT: f64 = 1852.0 / 3600.0;
-/// Metres of a minute of latitude.
-const M_PER_MINUTE: f64 = 1852.0;
-/// Radius within which positions lie with 95 % probability, metres: of low and high accuracy.
-const RADIUS95_M: [f64; 2] = [30.0, 10.0];
-/// Step of the coordinates of type 27, minutes.
-const COARSE_STEP_MIN: f64 = 0.1;
+pub(super) const MPS_PER_KT: f64 = 1852.0 / 3600.0;
 /// Most that the clock of receipt may be behind that of the ship, nanoseconds.
 const CLOCK_ERROR_MAX_NS: i64 = 2 * NS_PER_S;
 /// Age of a position at its receipt up to which its second is believed, nanoseconds.
@@ -145,6 +125,7 @@ impl Report {
             geodetic: Some([place.latitude_deg().to_radians(), place.longitude_deg().to_radians()]),
             velocity: self.velocity(),
             axes: Axes::Target,
+            velocity_covariance: self.velocity_covariance(),
             pressure_altitude_m: self
                 .height_m
                 .and_then(|(height, is_barometric)| is_barometric.then_some(height)),
@@ -209,17 +190,24 @@ impl Report {
         Some([speed_mps * sine, speed_mps * cosine])
     }
 
+    /// Covariance of the velocity; `None` without a course.
+    fn velocity_covariance(&self) -> Option<[f64; 3]> {
+        let steps = VelocitySteps {
+            speed_kt: if self.is_coarse || self.is_aircraft {
+                1.0
+            } else {
+                accuracy::FINE.speed_kt
+            },
+            course_deg: if self.is_coarse { 1.0 } else { accuracy::FINE.course_deg },
+        };
+        Some(accuracy::of_velocity(self.speed_kt?, self.course_deg?, steps))
+    }
+
     fn quality(&self, latitude_deg: f64) -> Quality {
-        let radius_m = RADIUS95_M[usize::from(self.is_accurate)];
         match self.time {
             Timestamp::ManualInputMode | Timestamp::DeadReckoning | Timestamp::Inoperative => Quality::Unknown,
-            _ if self.is_coarse => {
-                let own_m2 = (radius_m / RADIUS95_SIGMAS).powi(2);
-                let step_m2 = (COARSE_STEP_MIN * M_PER_MINUTE).powi(2) / 12.0;
-                let shrunk = latitude_deg.to_radians().cos().powi(2);
-                Quality::Covariance([own_m2 + step_m2 * shrunk, 0.0, own_m2 + step_m2])
-            }
-            _ => Quality::Radius95(radius_m),
+            _ if self.is_coarse => accuracy::of_coarse(self.is_accurate, latitude_deg),
+            _ => accuracy::by_flag(self.is_accurate),
         }
     }
 }

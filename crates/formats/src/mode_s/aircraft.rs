@@ -3,6 +3,9 @@
 //! Every position is completed with values that are recent enough, by the ages of [`crate::sbs`]: both read the same
 //! transmissions. Accuracy and status have the age of a code. A late frame replaces nothing newer.
 //!
+//! The errors of position and velocity are those that the aircraft states by categories, and those of the coding, which
+//! are as large for aircraft of the best categories.
+//!
 //! One frame of noise in 16 million has the checksum of a reply of a given aircraft; a receiver that passes on
 //! thousands of frames of noise a second gives false replies every minute. So code and alerts of replies are used once
 //! a second reply within a minute states the same.
@@ -131,7 +134,7 @@ impl Aircraft {
             geodetic: Some(position_deg.map(f64::to_radians)),
             velocity,
             axes: Axes::Target,
-            velocity_covariance: accuracy.flatten().and_then(navigation::covariance_of_velocity_category),
+            velocity_covariance: accuracy.flatten().and_then(velocity_covariance),
             pressure_altitude_m: altitude_m.filter(|_| !is_surface),
             geometric_height_m: message.ellipsoid_height_m,
             ellipsoid_height_m: message.ellipsoid_height_m,
@@ -142,7 +145,7 @@ impl Aircraft {
                 .flatten()
                 .fold(Alerts::default(), |all, some| all | some),
             state: TrackState::Confirmed,
-            quality: self.quality(message, time_ns),
+            quality: navigation::with_step(self.quality(message, time_ns), navigation::squitter_step_m(is_surface)),
             ..Observation::default()
         }
     }
@@ -185,6 +188,12 @@ impl Aircraft {
 /// Number of a message's aircraft at its source.
 fn track_number(message: &ModeSMessage) -> u32 {
     message.address | if message.is_anonymous { ANONYMOUS } else { 0 }
+}
+
+/// Covariance of a velocity by its category (NACv or NUCr), with what the coding in knots adds.
+fn velocity_covariance(category: u8) -> Option<[f64; 3]> {
+    let stated = navigation::covariance_of_velocity_category(category)?;
+    Some(navigation::covariance_with_step(stated, navigation::SQUITTER_STEP_MPS))
 }
 
 /// East and north of the velocity over ground. An aircraft that stands has no direction.

@@ -1,8 +1,17 @@
 //! Navigation accuracy as aircraft state it: small numbers that stand for radii.
 //!
 //! Aircraft of the first generation send an uncertainty category for position (NUCp); later ones an accuracy category
-//! (NACp), the radius that holds 95 % of the errors, beside an integrity category (NIC), the radius that an error
-//! leaves unnoticed hardly ever. All of them send a category for velocity (NUCr, later NACv).
+//! (NACp), the radius that holds 95 % of the errors, beside an integrity category (NIC) and level (SIL): a radius that
+//! an undetected error exceeds with a probability of 10⁻³ to 10⁻⁷ an hour. All of them send a category for velocity
+//! (NUCr, later NACv).
+//!
+//! A standard deviation follows from the accuracy category alone: the radius by 2.45, the ratio of a circular normal
+//! distribution. The integrity bounds faults of satellites and receivers; errors without a fault are several times
+//! smaller than any share of its radius, and no distribution leads from one to the other. The integrity decides where
+//! the accuracy is missing: with a bound, the position is as good as the configuration assumes of the source; without
+//! a bound, its accuracy is unknown.
+//!
+//! Source: RTCA DO-260B (EUROCAE ED-102A), 2.2.3.2.7.
 
 use asterix::field::NAUTICAL_MILE_M;
 use observations::{Quality, RADIUS95_SIGMAS};
@@ -58,69 +67,57 @@ pub(crate) fn radius_of_nacp(category: u8) -> Quality {
 }
 
 /// Integrity of a position: category of the containment radius (NIC), and level of the probability that the error
-/// exceeds the radius (SIL).
+/// exceeds the radius (SIL), if stated.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Integrity {
     pub(crate) category: u8,
     pub(crate) level: Option<u8>,
 }
 
-/// Factor on the radius of an accuracy category where nothing is known of the integrity. The standards give none: a
-/// position that nobody monitors is believed half as well.
-const UNMONITORED: f64 = 2.0;
+impl Integrity {
+    /// Whether any radius bounds the error.
+    fn is_bounded(self) -> bool {
+        self.category != 0 && self.level != Some(0)
+    }
+}
 
 /// Quality of a position by version, integrity and accuracy category (NACp). An aircraft that sends no version is of
-/// version 0.
+/// version 0, and `integrity.category` its NUCp.
 pub(crate) fn position_quality(version: Option<u64>, integrity: Integrity, accuracy: Option<u8>) -> Quality {
     if version.unwrap_or(0) == 0 {
         return radius_of_nucp(integrity.category);
     }
-    let by_accuracy = accuracy.map_or(Quality::Unknown, radius_of_nacp);
-    match by_accuracy {
-        Quality::Radius95(radius_m) if integrity.category == 0 || integrity.level == Some(0) => {
-            Quality::Radius95(UNMONITORED * radius_m)
-        }
-        Quality::Radius95(_) => by_accuracy,
-        _ => integrity.radius95(),
+    quality_of_accuracy(integrity, accuracy)
+}
+
+/// Quality of a position of version 1 or later by integrity and accuracy category (NACp).
+pub(crate) fn quality_of_accuracy(integrity: Integrity, accuracy: Option<u8>) -> Quality {
+    match accuracy.map_or(Quality::Unknown, radius_of_nacp) {
+        Quality::Unknown if integrity.is_bounded() => Quality::Unstated,
+        by_accuracy => by_accuracy,
     }
 }
 
-impl Integrity {
-    /// Radius of 95 % containment: by a Rayleigh distribution of the errors, of which so many exceed the containment
-    /// radius as the level says. RTCA DO-260B gives 10⁻³, 10⁻⁵ and 10⁻⁷ for the levels 1, 2 and 3.
-    fn radius95(self) -> Quality {
-        let exceeding: f64 = match self.level {
-            Some(0) => return Quality::Unknown,
-            Some(1) => 1e-3,
-            Some(2) => 1e-5,
-            Some(_) => 1e-7,
-            // Without a level, the radius is an upper bound.
-            None => return radius_of_nic(self.category),
-        };
-        match radius_of_nic(self.category) {
-            Quality::Radius95(contained_m) => {
-                Quality::Radius95(contained_m * RADIUS95_SIGMAS / (-2.0 * exceeding.ln()).sqrt())
-            }
-            other => other,
-        }
+/// Quality of a position that was sent in steps of `step_m` metres: rounding adds an even distribution of this width on
+/// each axis.
+pub(crate) fn with_step(quality: Quality, step_m: f64) -> Quality {
+    match quality {
+        Quality::Radius95(radius_m) => Quality::Radius95(radius_m.hypot(RADIUS95_SIGMAS * step_m / 12f64.sqrt())),
+        other => other,
     }
 }
 
-/// Returns the containment radius of a navigation integrity category (NIC), by RTCA DO-260B; if the radius depends on
-/// supplements, the largest radius.
-pub(super) fn radius_of_nic(category: u8) -> Quality {
-    match category {
-        11 => Quality::Radius95(7.5),
-        10 => Quality::Radius95(25.0),
-        9 => Quality::Radius95(75.0),
-        8 => Quality::Radius95(0.1 * NAUTICAL_MILE_M),
-        7 => Quality::Radius95(0.2 * NAUTICAL_MILE_M),
-        6 => Quality::Radius95(0.6 * NAUTICAL_MILE_M),
-        5 => Quality::Radius95(NAUTICAL_MILE_M),
-        4 => Quality::Radius95(2.0 * NAUTICAL_MILE_M),
-        3 => Quality::Radius95(4.0 * NAUTICAL_MILE_M),
-        2 => Quality::Radius95(8.0 * NAUTICAL_MILE_M),
-        1 => Quality::Radius95(20.0 * NAUTICAL_MILE_M),
-        _ => Quality::Unknown,
-    }
+/// Covariance of a velocity whose components were sent in steps of `step_mps`, metres per second.
+pub(crate) fn covariance_with_step([xx, xy, yy]: [f64; 3], step_mps: f64) -> [f64; 3] {
+    let rounding = step_mps * step_mps / 12.0;
+    [xx + rounding, xy, yy + rounding]
 }
+
+/// Step of positions in extended squitters, metres, by whether the aircraft is on the ground: a zone of 6° (1.5° on the
+/// ground) of latitude has 2¹⁷ steps. Zones of longitude are about as wide.
+pub(crate) fn squitter_step_m(is_surface: bool) -> f64 {
+    if is_surface { 1.27 } else { 5.09 }
+}
+
+/// Step of velocities in extended squitters of subsonic aircraft, metres per second: a knot.
+pub(crate) const SQUITTER_STEP_MPS: f64 = 1852.0 / 3600.0;

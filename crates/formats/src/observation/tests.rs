@@ -301,16 +301,21 @@ fn each_generation_of_ads_b_says_differently_how_good_it_is() {
     };
     assert_eq!(radius(one, 0), 92.6, "NUCp");
     assert_eq!(radius(two, 0), 92.6, "NUCp, whatever follows");
-    assert_eq!(radius(one, 2), 370.4, "NIC, for want of NACp");
     assert_eq!(radius(two, 1), 30.0, "NACp");
     assert_eq!(radius(two, 2), 30.0);
-    // NACp 0: the radius of NIC 7 by SIL 3, 2 and 1, of which 10⁻⁷, 10⁻⁵ and 10⁻³ of the errors lie outside.
-    for (level, metres) in [(0x60, 159.7), (0x40, 188.9), (0x20, 243.9)] {
-        assert_eq!(radius(&[0x4F, level], 2), metres, "{level:02X}");
+    assert_eq!(radius(&[0x4F, 0x12], 2), 30.0, "NACp, whatever SIL");
+    assert_eq!(radius(&[0x41, 0x72], 2), 30.0, "or NIC");
+    // Without NACp, NIC and SIL decide whether the accuracy is the configured one, or unknown.
+    for (octets, expected) in [
+        (one, Quality::Unstated),
+        (&[0x4F, 0x60], Quality::Unstated),
+        (&[0x4F, 0x20], Quality::Unstated),
+        (&[0x4F, 0x00], Quality::Unknown),
+        (&[0x41, 0x60], Quality::Unknown),
+        (&[0x40], Quality::Unknown),
+    ] {
+        assert_eq!(ads_b(&[0x00], octets, 2).quality, expected, "{octets:02X?}");
     }
-    assert_eq!(ads_b(&[0x00], &[0x4F, 0x00], 2).quality, Quality::Unknown, "SIL 0");
-    assert_eq!(radius(&[0x4F, 0x12], 2), 60.0, "NACp 9 without integrity by SIL");
-    assert_eq!(radius(&[0x41, 0x72], 2), 60.0, "or by NIC");
     assert_eq!(radius(&[0x4F, 0x12], 0), 92.6, "version 0 has neither");
     let [xx, xy, yy] = ads_b(&[0x00], one, 2).velocity_covariance.unwrap();
     assert!((xx.sqrt() - 3.0 / 2.4477).abs() < 1e-4 && xy == 0.0 && yy == xx);
@@ -330,12 +335,13 @@ fn every_step_of_a_category_is_less_accurate() {
     for category in 1..9 {
         assert!(radius(radius_of_nucp, category) > radius(radius_of_nucp, category + 1));
     }
-    for of in [radius_of_nacp, radius_of_nic] {
-        for category in 1..11 {
-            assert!(radius(of, category) > radius(of, category + 1));
-        }
-        assert_eq!((of(0), of(12)), (Quality::Unknown, Quality::Unknown));
+    for category in 1..11 {
+        assert!(radius(radius_of_nacp, category) > radius(radius_of_nacp, category + 1));
     }
+    assert_eq!(
+        (radius_of_nacp(0), radius_of_nacp(12)),
+        (Quality::Unknown, Quality::Unknown)
+    );
 }
 
 #[test]

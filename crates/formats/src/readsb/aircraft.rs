@@ -10,7 +10,10 @@ use serde::Deserialize;
 use super::origin::Origin;
 use super::reason::{Read, ReadsbReason};
 use crate::observation::items::{alerts_of_emergency, components};
-use crate::observation::navigation::{covariance_of_velocity_category, radius_of_nacp};
+use crate::observation::navigation::{
+    Integrity, SQUITTER_STEP_MPS, covariance_of_velocity_category, covariance_with_step, quality_of_accuracy,
+    squitter_step_m, with_step,
+};
 use crate::sbs::{ALTITUDE_FT, M_PER_FT, MPS_PER_KT, SPEED_KT, VERTICAL_RATE_FTPMIN, callsign};
 use crate::target_message::Refusal;
 
@@ -46,6 +49,8 @@ pub(super) struct AircraftState {
     pub(super) emergency: Option<String>,
     pub(super) alert: Option<u8>,
     pub(super) spi: Option<u8>,
+    pub(super) nic: Option<u8>,
+    pub(super) sil: Option<u8>,
     pub(super) nac_p: Option<u8>,
     pub(super) nac_v: Option<u8>,
     pub(super) category: Option<String>,
@@ -114,8 +119,10 @@ impl AircraftState {
             &VERTICAL_RATE_FTPMIN,
         )?;
         let rate_mps = rate.or(geometric_rate).map(|rate| rate * M_PER_FT / 60.0);
+        // Categories are the transponder's own: they state nothing about results of multilateration.
         let is_stated = self.origin() != Origin::Multilateration;
-        let by_category = |category: Option<u8>| category.filter(|_| is_stated);
+        let velocity_category = self.nac_v.filter(|_| is_stated);
+        let velocity_covariance = velocity_category.and_then(covariance_of_velocity_category);
         Ok(Observation {
             time_of_day_ns: Some(time_ns.rem_euclid(NS_PER_DAY)),
             track_number: Some(number),
@@ -123,7 +130,7 @@ impl AircraftState {
             geodetic: position,
             velocity: velocity.filter(|_| has_motion),
             axes: Axes::Target,
-            velocity_covariance: by_category(self.nac_v).and_then(covariance_of_velocity_category),
+            velocity_covariance: velocity_covariance.map(|stated| covariance_with_step(stated, SQUITTER_STEP_MPS)),
             pressure_altitude_m: altitude_m.filter(|_| has_motion),
             geometric_height_m: geometric_m,
             ellipsoid_height_m: geometric_m,
@@ -131,7 +138,10 @@ impl AircraftState {
             on_ground,
             alerts: self.alerts(),
             state: TrackState::Confirmed,
-            quality: by_category(self.nac_p).map_or(Quality::Unstated, radius_of_nacp),
+            quality: match is_stated {
+                true => with_step(self.quality(), squitter_step_m(on_ground)),
+                false => Quality::Unstated,
+            },
             ..Observation::default()
         })
     }
@@ -193,6 +203,21 @@ impl AircraftState {
             identity = identity.with_mode_3a(code as u16);
         }
         Ok(identity)
+    }
+
+    /// Quality by the categories; programs that state none of them leave the accuracy to the configuration.
+    fn quality(&self) -> Quality {
+        match (self.nac_p, self.nic) {
+            (None, None) => Quality::Unstated,
+            (accuracy, integrity) => quality_of_accuracy(
+                Integrity {
+                    // A category that is not stated bounds nothing less.
+                    category: integrity.unwrap_or(1),
+                    level: self.sil,
+                },
+                accuracy,
+            ),
+        }
     }
 
     fn emergency(&self) -> Emergency {

@@ -1,6 +1,6 @@
 //! Documents of all kinds.
 
-use observations::{Emergency, Quality, TargetCategory};
+use observations::{Emergency, Observation, Quality, TargetCategory};
 use test_support::recordings;
 
 use super::*;
@@ -75,7 +75,10 @@ fn a_state_has_all_values() {
     let [east, north] = observation.velocity.unwrap();
     assert!((east - 231.5).abs() < 1e-9 && north.abs() < 1e-9);
     assert!(observation.velocity_covariance.is_some() && !observation.on_ground);
-    assert_eq!(observation.quality, Quality::Radius95(30.0));
+    near(
+        radius95(&observation),
+        30.0_f64.hypot(2.447_746_8 * 5.09 / 12f64.sqrt()),
+    );
     assert_eq!(observation.alerts.raised, messages::alert_bits::SPECIAL_IDENTIFICATION);
     let statement = message.statement.unwrap();
     assert_eq!(
@@ -165,6 +168,29 @@ fn altitude_and_velocity_are_not_used_with_an_old_position() {
         assert_eq!(observation.velocity.is_some(), is_used, "{age}");
         assert_eq!(observation.pressure_altitude_m.is_some(), is_used, "{age}");
         assert_eq!(observation.identity.callsign(), Some("DLH9AB"));
+    }
+}
+
+fn radius95(observation: &Observation) -> Option<f64> {
+    match observation.quality {
+        Quality::Radius95(radius_m) => Some(radius_m),
+        _ => None,
+    }
+}
+
+#[test]
+fn integrity_decides_where_the_accuracy_is_missing() {
+    for (categories, expected) in [
+        ("", Quality::Unstated),
+        (r#","nic":8,"sil":3,"nac_p":0"#, Quality::Unstated),
+        (r#","nic":8,"sil":3"#, Quality::Unstated),
+        (r#","nic":0,"sil":3"#, Quality::Unknown),
+        (r#","nic":8,"sil":0,"nac_p":0"#, Quality::Unknown),
+        (r#","nac_p":0,"sil":0"#, Quality::Unknown),
+    ] {
+        let state = format!(r#""hex":"3c1a2b","type":"adsb_icao","lat":1.0,"lon":2.0{categories}"#);
+        let found = take(&mut reader(), &list("1767261600", &state));
+        assert_eq!(found[0].1.observation.unwrap().quality, expected, "{categories}");
     }
 }
 
@@ -280,7 +306,7 @@ fn a_trace_has_a_state_in_each_row() {
         (None, Quality::Unstated)
     );
     near(geometric.ellipsoid_height_m, 609.6);
-    assert_eq!(climbing.quality, Quality::Radius95(10.0));
+    near(radius95(&climbing), 10.0_f64.hypot(2.447_746_8 * 5.09 / 12f64.sqrt()));
     assert_eq!(climbing.identity.callsign(), Some("DLH1"));
     assert_eq!(
         (late.identity.callsign(), late.quality),

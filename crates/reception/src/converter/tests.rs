@@ -14,9 +14,13 @@ use test_support::S;
 const DAY: i64 = 16_931 * 86_400 * S;
 
 fn converter() -> Converter {
+    converter_with(|_| ())
+}
+
+fn converter_with(change: impl FnOnce(&mut CovarianceModel)) -> Converter {
     let place = Geodetic::from_degrees(41.297063, 2.078447, 0.0).unwrap();
     let system = SystemFrame::at(place);
-    let model = ConversionModel {
+    let mut model = ConversionModel {
         is_on_board: false,
         number: 1,
         sac_sic: Some((0, 107)),
@@ -40,6 +44,8 @@ fn converter() -> Converter {
             from: CovarianceFrom::Report,
             position_sigma_m: 5.0,
             velocity_sigma_mps: 2.0,
+            unstated_position_sigma_m: None,
+            unstated_velocity_sigma_mps: None,
             height_sigma_m: 30.0,
             range_sigma_m: None,
             azimuth_sigma_deg: None,
@@ -48,6 +54,7 @@ fn converter() -> Converter {
             poor_quality: PoorQuality::Use,
         },
     };
+    change(&mut model.covariance);
     Converter::new(model, DAY)
 }
 
@@ -321,6 +328,33 @@ fn own_quality_is_believed_down_to_the_floor() {
     assert_eq!(variance(Quality::Dilution(3.0)), 225.0);
     assert!((variance(Quality::Radius95(92.6)).sqrt() - 37.83).abs() < 0.01);
     assert_eq!(variance(Quality::Unknown).sqrt(), UNKNOWN_POSITION_SIGMA_M);
+}
+
+#[test]
+fn reports_without_a_statement_have_an_accuracy_of_their_own() {
+    let sigmas = |change: fn(&mut CovarianceModel), quality, velocity_covariance| {
+        let observation = Observation {
+            quality,
+            velocity_covariance,
+            ..observation(1.0)
+        };
+        let covariance = converter_with(change).convert(&observation, 0).unwrap().covariance;
+        [covariance.get(0, 0).sqrt(), covariance.get(3, 3).sqrt()]
+    };
+    let own = |model: &mut CovarianceModel| {
+        model.unstated_position_sigma_m = Some(40.0);
+        model.unstated_velocity_sigma_mps = Some(7.0);
+    };
+    let stated = (Quality::Covariance([100.0, 0.0, 100.0]), Some([9.0, 0.0, 9.0]));
+    assert_eq!(sigmas(|_| (), Quality::Unstated, None), [5.0, 2.0], "the minimum");
+    assert_eq!(sigmas(own, Quality::Unstated, None), [40.0, 7.0]);
+    assert_eq!(sigmas(own, stated.0, stated.1), [10.0, 3.0]);
+    let configured = |model: &mut CovarianceModel| {
+        model.unstated_position_sigma_m = Some(40.0);
+        model.unstated_velocity_sigma_mps = Some(7.0);
+        model.from = CovarianceFrom::Configuration;
+    };
+    assert_eq!(sigmas(configured, Quality::Unstated, None), [5.0, 2.0]);
 }
 
 #[test]

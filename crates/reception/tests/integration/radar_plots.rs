@@ -51,6 +51,8 @@ fn model() -> ConversionModel {
             from: CovarianceFrom::Configuration,
             position_sigma_m: 100.0,
             velocity_sigma_mps: 2.0,
+            unstated_position_sigma_m: None,
+            unstated_velocity_sigma_mps: None,
             height_sigma_m: 50.0,
             range_sigma_m: Some(30.0),
             azimuth_sigma_deg: Some(settings::Degrees::of(0.03)),

@@ -205,13 +205,9 @@ fn feed(path: &Path, bytes: &[u8], format: FeedFormat, place_deg: Option<[f64; 2
 
 /// The source of a feed.
 pub(super) fn feed_source(format: FeedFormat, place_deg: Option<[f64; 2]>) -> SourceText {
-    let accuracy = match format {
-        FeedFormat::RadarTargets => RADAR_ACCURACY,
-        _ => "",
-    };
     SourceText {
         keys: period(format).to_owned(),
-        tables: place_deg.map_or_else(|| ANYWHERE.to_owned(), place) + accuracy,
+        tables: place_deg.map_or_else(|| ANYWHERE.to_owned(), place) + covariance(format),
         ..SourceText::default()
     }
 }
@@ -225,6 +221,25 @@ fn period(format: FeedFormat) -> &'static str {
         FeedFormat::RadarTargets => "period_s = 2.5\nsilent_periods = 0\n",
         FeedFormat::Cot => "period_s = 5.0\nsilent_periods = 0\n",
         FeedFormat::Sbs | FeedFormat::ModeS | FeedFormat::Readsb | FeedFormat::RemoteId => "silent_periods = 0\n",
+    }
+}
+
+/// Accuracy of a feed whose targets state their own: as stated, down to what clocks and steps of the format permit.
+fn covariance(format: FeedFormat) -> &'static str {
+    match format {
+        FeedFormat::ModeS | FeedFormat::Readsb | FeedFormat::RemoteId => {
+            "[source.covariance]\nfrom = \"report\"\nposition_sigma_m = 1.0\nunstated_position_sigma_m = \
+             30.0\nvelocity_sigma_mps = 0.5\nunstated_velocity_sigma_mps = 5.0\n"
+        }
+        FeedFormat::Ais => {
+            "[source.covariance]\nfrom = \"report\"\nposition_sigma_m = 1.0\nvelocity_sigma_mps = \
+             0.05\nunstated_velocity_sigma_mps = 1.0\n"
+        }
+        FeedFormat::Cot => {
+            "[source.covariance]\nfrom = \"report\"\nposition_sigma_m = 1.0\nunstated_position_sigma_m = 30.0\n"
+        }
+        FeedFormat::RadarTargets => RADAR_ACCURACY,
+        FeedFormat::Sbs => "",
     }
 }
 

@@ -1,5 +1,6 @@
 //! Frames of Mode S: values of frames from the literature, streams of any division and damage, positions that recover.
 
+mod errors;
 mod frames;
 mod framing;
 mod positions;

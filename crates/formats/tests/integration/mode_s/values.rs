@@ -8,6 +8,8 @@ use super::*;
 
 const A: u32 = 0x3c_6589;
 const HERE: [f64; 2] = [52.25, 4.75];
+/// Standard deviation by rounding to knots, metres per second.
+const KNOT_SIGMA_MPS: f64 = 1852.0 / 3600.0 / 3.464_101_6;
 
 /// A reader with an aircraft whose next odd frame has a position.
 fn paired(head: u8, address: u32) -> ModeSReader {
@@ -48,7 +50,7 @@ fn velocity(accuracy: u64) -> String {
 }
 
 /// An operational status in the air.
-fn status(version: u64, accuracy: u64, level: u64) -> String {
+pub(super) fn status(version: u64, accuracy: u64, level: u64) -> String {
     let fields = [
         (31, 5),
         (0, 35),
@@ -74,7 +76,8 @@ fn a_position_takes_along_what_was_received_before() {
         Some((51_444_444.0, true))
     );
     let [east, cross, north] = found.velocity_covariance.unwrap();
-    assert!((east.sqrt() - 10.0 / 2.447_746_8).abs() < 1e-9 && cross == 0.0 && north == east);
+    assert!((east.sqrt() - (10.0_f64 / 2.447_746_8).hypot(KNOT_SIGMA_MPS)).abs() < 1e-9);
+    assert!(cross == 0.0 && north == east);
     assert!((found.vertical_rate_mps.unwrap() - 640.0 * 0.3048 / 60.0).abs() < 1e-9);
     assert_eq!(
         (found.identity.address(), found.identity.callsign()),
@@ -93,7 +96,10 @@ fn accuracy_is_that_of_the_version() {
         (Some(status(2, 11, 3)), Quality::Radius95(3.0)),
         (Some(status(2, 9, 3)), Quality::Radius95(30.0)),
         (Some(status(1, 6, 2)), Quality::Radius95(555.6)),
-        // Nothing is known of accuracy and integrity.
+        // A position without any bound may be as accurate as the category states.
+        (Some(status(2, 9, 0)), Quality::Radius95(30.0)),
+        // An accuracy that is not known is the configured one where the error is bounded.
+        (Some(status(2, 0, 3)), Quality::Unstated),
         (Some(status(2, 0, 0)), Quality::Unknown),
     ] {
         let mut reader = paired(0x8d, A);
@@ -101,7 +107,9 @@ fn accuracy_is_that_of_the_version() {
             take(&mut reader, status, 0.5);
         }
         match (position(&mut reader, 1.0).quality, expected) {
-            (Quality::Radius95(found), Quality::Radius95(expected)) => assert!((found - expected).abs() < 1e-9),
+            (Quality::Radius95(found), Quality::Radius95(expected)) => {
+                assert!((found - expected.hypot(2.447_746_8 * 5.09 / 12f64.sqrt())).abs() < 1e-9);
+            }
             (found, expected) => assert_eq!(found, expected),
         }
     }
@@ -123,9 +131,12 @@ fn velocities_on_the_ground_have_the_accuracy_and_the_north_of_the_status() {
             (expected, expected)
         );
         if let Some([variance, ..]) = found.velocity_covariance {
-            assert!((variance.sqrt() - 3.0 / 2.447_746_8).abs() < 1e-9);
+            assert!((variance.sqrt() - (3.0_f64 / 2.447_746_8).hypot(KNOT_SIGMA_MPS)).abs() < 1e-9);
         }
-        assert_eq!(found.quality, Quality::Radius95(30.0));
+        let Quality::Radius95(radius_m) = found.quality else {
+            panic!("{:?}", found.quality)
+        };
+        assert!((radius_m - 30.0_f64.hypot(2.447_746_8 * 1.27 / 12f64.sqrt())).abs() < 1e-9);
     }
 }
 

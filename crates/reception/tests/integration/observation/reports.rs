@@ -42,6 +42,8 @@ fn model(polar: bool, form: PositionForm) -> ConversionModel {
             from: CovarianceFrom::Report,
             position_sigma_m: 10.0,
             velocity_sigma_mps: 1.0,
+            unstated_position_sigma_m: None,
+            unstated_velocity_sigma_mps: None,
             height_sigma_m: 30.0,
             range_sigma_m: polar.then_some(50.0),
             azimuth_sigma_deg: polar.then_some(settings::Degrees::of_rad(0.001)),
