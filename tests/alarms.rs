@@ -242,11 +242,11 @@ pub(crate) fn assert_no_alarm(home: &Home) {
 /// The demonstration and two examples, side by side: they mostly wait. `live_on_board` runs the third for longer.
 #[test]
 fn the_demonstration_and_the_examples_raise_no_alarm() {
-    let examples = ["config/maritime.toml", "config/wide-area.toml"].map(repository);
-    let [maritime, wide_area] = examples.each_ref().map(|path| path.to_str().unwrap());
+    let examples = ["config/coast.toml", "config/wide-area.toml"].map(repository);
+    let [coast, wide_area] = examples.each_ref().map(|path| path.to_str().unwrap());
     let runs = [
         ["demo", "--for", "15"].to_vec(),
-        ["up", maritime, "--for", "8"].to_vec(),
+        ["up", coast, "--for", "8"].to_vec(),
         ["up", wide_area, "--for", "8"].to_vec(),
     ];
     std::thread::scope(|scope| {

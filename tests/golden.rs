@@ -472,10 +472,10 @@ fn formations_are_tracked_as_they_were() {
 #[test]
 fn emitters_are_located_as_they_were() {
     let folder = Folder::new();
-    folder.write("maritime.toml", include_str!("../config/maritime.toml"));
+    folder.write("coast.toml", include_str!("../config/coast.toml"));
     let fewer = "--set scenario.targets=4 --set source[1].simulated_direction_finder.period_s=4.0";
     folder.succeed(&format!(
-        "simulate --scenario maritime.toml {fewer} --seed 3 --for 300 --out sea"
+        "simulate --scenario coast.toml {fewer} --seed 3 --for 300 --out sea"
     ));
     for (name, options) in [
         ("auto", ""),

@@ -335,7 +335,7 @@ fn replay_campaign() {
     };
     let mut deployments = vec![
         ("demo", up("demo.toml", &[])),
-        ("maritime", up("maritime.toml", &[])),
+        ("coast", up("coast.toml", &[])),
         ("wide-area", up("wide-area.toml", &[])),
     ];
     if let Some(data) = recordings("lebl2016") {

@@ -71,7 +71,7 @@ fn reports_of_simulated_configurations_are_true() {
             &["radar-west", "radar-east", "multilateration", "ads-b", "radar-south"],
             [0, 5, 0],
         ),
-        ("maritime.toml", &["coast-radar", "patrol"], [0, 2, 0]),
+        ("coast.toml", &["coast-radar", "patrol", "ais"], [0, 3, 0]),
         ("on-board.toml", &["sea"], [0, 1, 0]),
         ("wide-area.toml", &["radar-bow", "radar-stern"], [0, 2, 0]),
     ];

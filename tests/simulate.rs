@@ -86,12 +86,12 @@ fn ships_of_the_shipped_file_have_their_speeds() {
     const KNOT_MPS: f64 = 1852.0 / 3600.0;
     const STRAIGHT_S: usize = 60;
     let folder = Folder::new();
-    folder.write("maritime.toml", include_str!("../config/maritime.toml"));
+    folder.write("coast.toml", include_str!("../config/coast.toml"));
     for seed in [3, 5] {
         folder.succeed(&format!(
-            "simulate --scenario maritime.toml --seed {seed} --for 240 --out sea"
+            "simulate --scenario coast.toml --seed {seed} --for 240 --out sea"
         ));
-        folder.succeed("fuse --tracks sea/sensor_tracks_1.csv --config maritime.toml --refresh 1 --out fused.csv");
+        folder.succeed("fuse --tracks sea/sensor_tracks_1.csv --config coast.toml --refresh 1 --out fused.csv");
         let [truth, fused] = ["sea/truth.csv", "fused.csv"].map(|file| {
             let text = folder.read(file);
             let columns = ["time_s", "x", "y", "vx", "vy"].map(|name| numbers(&text, name));

@@ -603,7 +603,7 @@ def test_tracking_equals_the_command_line(case, tmp_path):
 
 
 def test_locating_equals_the_command_line(tmp_path):
-    config = TOP / "config/maritime.toml"
+    config = TOP / "config/coast.toml"
     _run(["simulate", "--scenario", config, "--for", "120", "--out", tmp_path])
     file, out = sorted(tmp_path.glob("bearings_*.csv"))[0], tmp_path / "fixes.csv"
     _run(["locate", "--bearings", file, "--filter", "fixed", "--out", out])

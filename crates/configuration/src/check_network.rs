@@ -148,6 +148,25 @@ impl Network {
         }
     }
 
+    /// A simulated source of AIS, with a receiver of its own.
+    pub(super) fn simulated_ais(&mut self, index: usize, name: &str) -> Live {
+        self.receivers.push(Receiver {
+            name: name.to_owned(),
+            transport: ReceiverTransport::Feed(Feed {
+                format: FeedFormat::Ais,
+                link: FeedLink::Loopback {
+                    port: FIRST_SIMULATED_PORT + index as u16,
+                },
+                ahead_of_utc_min: 0,
+            }),
+        });
+        Live {
+            receiver: name.to_owned(),
+            asterix: Asterix::default(),
+            origin: FeedOrigin::Any,
+        }
+    }
+
     /// The receiver of a simulated wide-area sensor.
     pub(super) fn simulated_wide_area_sensor(&mut self, index: usize, name: &str) {
         self.loopback(name, FIRST_SIMULATED_WIDE_AREA_PORT + index as u16);
@@ -367,14 +386,14 @@ pub(super) fn technology(input: &Input, instrument: Option<&Instrument>, network
         };
     }
     match input {
-        Input::Live(live) => network
+        Input::Live(live) | Input::Simulated(live) => network
             .feed(&live.receiver)
             .map_or_else(|| of_categories(&live.asterix), |format| of_feed(format, live.origin)),
         Input::Recorded(recorded) => recorded.format.feed().map_or_else(
             || of_categories(&recorded.asterix),
             |format| of_feed(format, recorded.origin),
         ),
-        Input::Simulated(_) | Input::External | Input::Tracker(_) => Technology::Other,
+        Input::External | Input::Tracker(_) => Technology::Other,
     }
 }
 

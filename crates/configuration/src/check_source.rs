@@ -38,14 +38,19 @@ pub(super) fn check_source(
         &raw.live,
         &raw.simulated,
         &raw.simulated_direction_finder,
+        &raw.simulated_ais,
     ) {
         (Some(recorded), ..) => (Input::Recorded(check_recorded(index, recorded)?), raw.name.clone()),
         (_, Some(live), ..) => (Input::Live(network.live(index, live)?), live.receiver.clone()),
-        (_, _, Some(simulated), _) => {
+        (_, _, Some(simulated), ..) => {
             origin = system.to_geodetic(simulated.position_m.unwrap_or_default());
             (Input::Simulated(network.simulated(index, &raw.name)), raw.name.clone())
         }
-        (_, _, _, Some(_)) => (Input::Simulated(network.simulated(index, &raw.name)), raw.name.clone()),
+        (_, _, _, Some(_), _) => (Input::Simulated(network.simulated(index, &raw.name)), raw.name.clone()),
+        (_, _, _, _, Some(_)) => (
+            Input::Simulated(network.simulated_ais(index, &raw.name)),
+            raw.name.clone(),
+        ),
         _ => (Input::External, raw.name.clone()),
     };
     let sender = raw.recorded.as_ref().map(|recorded| &recorded.sender);
@@ -60,7 +65,7 @@ pub(super) fn check_source(
     let model = ConversionModel {
         number: index as u16,
         sac_sic: match (&input, sender) {
-            (Input::Simulated(_), _) => Some(simulated_sac_sic(index as u16)),
+            (Input::Simulated(_), _) if raw.simulated_ais.is_none() => Some(simulated_sac_sic(index as u16)),
             (_, sender) => sender.and_then(|sender| sender.identity.sac_sic()),
         },
         method: sender.map(|sender| sender.method).unwrap_or_default(),
@@ -95,7 +100,7 @@ pub(super) fn check_source(
             .as_ref()
             .map(|place| [place.latitude_deg, place.longitude_deg]),
         has_statements: match &input {
-            Input::Live(live) => network.feed(&live.receiver).is_some(),
+            Input::Live(live) | Input::Simulated(live) => network.feed(&live.receiver).is_some(),
             Input::Recorded(recorded) => recorded.format.feed().is_some(),
             _ => false,
         },
@@ -221,6 +226,9 @@ fn check_locator(
 pub(super) fn instrument(raw: &SourceTable) -> Option<Instrument> {
     if let Some(sensor) = &raw.simulated {
         return Some(Instrument::Sensor(Box::new(sensor.clone())));
+    }
+    if let Some(receivers) = &raw.simulated_ais {
+        return Some(Instrument::Ais(Box::new(receivers.clone())));
     }
     raw.simulated_direction_finder
         .as_ref()

@@ -180,7 +180,8 @@ settings::settings! {
         ahead_of_utc_min: i32 = 0, in [-840, 840];
     }
 
-    /// A source: exactly one of `recorded`, `live`, `simulated`, `simulated_direction_finder` and `external`.
+    /// A source: exactly one of `recorded`, `live`, `simulated`, `simulated_direction_finder`, `simulated_ais` and
+    /// `external`.
     pub struct SourceTable with weighing: fusion_settings::Weighing {
         check SourceTable::check;
         /// Name, which is also part of its topic's name.
@@ -207,6 +208,8 @@ settings::settings! {
         simulated: Option<scenario::SensorSettings> = None;
         /// Simulated direction finder; the adapter locates the transmitters from its bearings.
         simulated_direction_finder: Option<scenario::DirectionFinderSettings> = None;
+        /// Simulated receivers of AIS, which hear the ships of the scenario.
+        simulated_ais: Option<scenario::AisSettings> = None;
         /// A process that is no part of the deployment publishes the source's topic.
         external: Option<SourceExternalTable> = None;
         /// Tracker for the source's detections.
@@ -532,6 +535,7 @@ impl SourceTable {
             ("live", self.live.is_some()),
             ("simulated", self.simulated.is_some()),
             ("simulated_direction_finder", self.simulated_direction_finder.is_some()),
+            ("simulated_ais", self.simulated_ais.is_some()),
             ("external", self.external.is_some()),
         ];
         exactly_one("source", &self.name, &inputs)?;

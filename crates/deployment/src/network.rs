@@ -48,6 +48,11 @@ pub enum FeedLink {
     Tcp(SocketAddr),
     /// Datagrams.
     Udp(DatagramInput),
+    /// Datagrams to this port of the deployment's own loopback address: what the simulator sends.
+    Loopback {
+        /// The port.
+        port: u16,
+    },
     /// A document that is fetched again and again.
     Http {
         /// Address of the document, beginning with `http://`.

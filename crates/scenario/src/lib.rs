@@ -6,6 +6,7 @@
 //! - A [`SimulatedSensor`] observes the truth like a radar, a multilateration system or an ADS-B receiver. The
 //!   sensor tracks the detections with a separate filter and delivers sensor tracks.
 //! - A [`SimulatedDirectionFinder`] flies along a path and measures bearings of transmitters.
+//! - A [`SimulatedAis`] receives what ships report about themselves.
 //! - A [`SimulatedWideAreaSensor`] counts targets from afar.
 //! - A [`Voyage`] is that of a rolling ship with a radar on board.
 //!
@@ -21,6 +22,7 @@
 
 #![forbid(unsafe_code)]
 
+mod ais;
 mod direction_finder;
 mod false_target;
 mod formation;
@@ -46,6 +48,7 @@ mod truth;
 mod wide_area;
 mod world;
 
+pub use ais::{AisMessage, AisReport, AisSettings, AisShip, SimulatedAis};
 pub use direction_finder::{DirectionFinderSettings, PlatformPose, SimulatedDirectionFinder};
 pub use formation_settings::FormationSettings;
 pub use on_board::{OnBoardSettings, SeaTarget, SimulatedShip, Voyage};

@@ -42,6 +42,10 @@ pub(crate) enum Purpose {
     Reply,
     /// Errors of a ship's navigation.
     Navigation,
+    /// Equipment of a ship with AIS, and the errors of its positions.
+    Ship,
+    /// Reception of a message of AIS.
+    Slot,
 }
 
 /// Returns the stream for `purpose` at `source`, of the thing numbered (`first`, `second`).

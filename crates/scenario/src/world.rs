@@ -3,8 +3,8 @@
 use frames::SystemFrame;
 
 use crate::{
-    ArrayGeometry, DirectionFinderSettings, OnBoardSettings, ScenarioSettings, SensorSettings, SimulatedSensor,
-    TargetState, Truth, WideAreaSettings,
+    AisSettings, ArrayGeometry, DirectionFinderSettings, OnBoardSettings, ScenarioSettings, SensorSettings,
+    SimulatedSensor, TargetState, Truth, WideAreaSettings,
 };
 
 /// Instrument of a simulated source.
@@ -19,6 +19,8 @@ pub enum Instrument {
         /// Array whose snapshots it delivers; `None` if it delivers bearings.
         array: Option<Box<ArrayGeometry>>,
     },
+    /// Receivers of AIS.
+    Ais(Box<AisSettings>),
 }
 
 /// The simulated world of a deployment, and what observes it, each with its number in the deployment.

@@ -100,7 +100,7 @@ impl UndisturbedRun {
                     let finder = SimulatedDirectionFinder::new(settings, SEED, source.number, begin.utc_ns)?;
                     Sender::Bearings(Box::new(finder))
                 }
-                Instrument::DirectionFinder { array: Some(_), .. } => continue,
+                Instrument::DirectionFinder { array: Some(_), .. } | Instrument::Ais(_) => continue,
             };
             observers.push(Observer {
                 instrument,

@@ -3,7 +3,7 @@
 //! A server may start later, end and return; a lost connection is made again. The time of receipt of a piece is the
 //! time of the read, since TCP has no time stamps; datagrams have the kernel's.
 
-use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr};
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::time::Duration;
 
 use deployment::{Feed, FeedFormat, FeedLink, FeedOrigin, Input, Source};
@@ -56,7 +56,7 @@ enum WayIn {
 }
 
 impl WayIn {
-    fn open(feed: &Feed) -> anyhow::Result<Self> {
+    fn open(process: &Process, feed: &Feed) -> anyhow::Result<Self> {
         Ok(match &feed.link {
             FeedLink::Tcp(server) => {
                 let usual = LinesSettings::new(*server);
@@ -69,6 +69,10 @@ impl WayIn {
             FeedLink::Udp(input) => {
                 let interface = input.interface.as_deref();
                 let settings = ReceiverSettings::stated(input.listen, interface, &input.senders, input.buffer_bytes)?;
+                Self::Udp(Box::new(UdpReceiver::open(&settings)?), feed.format)
+            }
+            FeedLink::Loopback { port } => {
+                let settings = ReceiverSettings::new(IpAddr::V4(process.loopback), *port);
                 Self::Udp(Box::new(UdpReceiver::open(&settings)?), feed.format)
             }
             FeedLink::Http { url, period_ns } => {
@@ -258,7 +262,7 @@ pub(crate) fn counted(reader: &FeedReader) -> Counters {
 
 impl FeedAgent {
     pub(crate) fn new(process: &Process, feed: &Feed, sources: &[Processed<'_>]) -> anyhow::Result<Self> {
-        let way_in = WayIn::open(feed)?;
+        let way_in = WayIn::open(process, feed)?;
         let stated = sources
             .iter()
             .map(|processed| StatedReceiver::of(processed.source, processed.reading()));

@@ -100,7 +100,7 @@ NAME
                  --platform`; --set roll_deg, turn_degps, attitude_sigma_deg,
                  error_time_s, lever_arm_m, … (docs/platform.md)
 FILE  a deployment with [scenario] and simulated sources, as config/demo.toml or
-      config/maritime.toml
+      config/coast.toml
 
 DIR/truth.csv            a row per whole second and visible target
 DIR/sensor_tracks_K.csv  reports of sensor K, for `koseki fuse`
@@ -115,6 +115,8 @@ DIR/bearings_K.csv       in place of both, bearings of direction finder K, for
                          `koseki locate`; emitter_id is the target's
 DIR/snapshots_K.csv      in place of these, if the finder has an array: for
                          `koseki bearings --array` and `koseki send`
+DIR/ais_K.nmea           lines of the receivers of AIS of source K, from
+                         2020-01-01 on: `koseki open`, or a recording of AIS
 DIR/wide_area_NAME.csv   counts of the wide-area sensor of this name, for
                          `koseki track --wide-area`
 Times begin at 0. The same scenario and seed give the same bytes.";

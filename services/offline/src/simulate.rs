@@ -3,9 +3,11 @@
 //! The world and its sensors come from the demonstration (`scenario`), without a clock: the command requests one
 //! delivery after another from each sensor. A run of an hour takes seconds, and the same seed gives the same bytes.
 //! Direction finders write a table of bearings (FM-7), in which a transmitter has the target's number, or the snapshots
-//! of the antenna arrays (EL-1). Wide-area sensors write a table of counts (FM-6).
+//! of the antenna arrays (EL-1). Receivers of AIS write lines of NMEA 0183. Wide-area sensors write a table of counts (FM-6).
 
+mod ais;
 mod on_board;
+mod truth;
 
 use std::io::Write as _;
 use std::path::Path;
@@ -21,14 +23,16 @@ use messages::SensorTrack;
 use observations::sensor_id;
 use observations::{Detection, DetectionKind, DetectionPlatform, TransponderReply};
 use scenario::{
-    ArrayGeometry, Instrument, RadarPlot, SensorSettings, SimulatedDirectionFinder, SimulatedSensor,
-    SimulatedWideAreaSensor, TargetState, Truth,
+    ArrayGeometry, Instrument, RadarPlot, SensorSettings, SimulatedAis, SimulatedDirectionFinder, SimulatedSensor,
+    SimulatedWideAreaSensor, Truth,
 };
 use simulator::SensorFeed;
 
 use crate::args::Simulate;
 use crate::files::{InputError, Usage, unwritable};
 use crate::host::{Host, TableOutput};
+
+use truth::{Observers, write_truth};
 
 /// Scenarios by name: the underlying deployment, and the changes to the deployment.
 const NAMED: [(&str, &str, &[&str]); 5] = [
@@ -111,6 +115,12 @@ pub(crate) fn run(simulate: &Simulate, host: &dyn Host) -> anyhow::Result<()> {
                 observers.finders.push(finder.clone());
                 let bearings = write_bearings(host, out, source.number, &mut finder, &truth, end_s)?;
                 said += &format!("sensor {id} {name}: {bearings} bearings\n");
+            }
+            Instrument::Ais(settings) => {
+                let receivers = SimulatedAis::new(settings, simulate.seed, source.number, 0)?;
+                observers.receivers.push(receivers.clone());
+                let messages = ais::write_ais(host, out, source.number, (receivers, config.frame), &truth, end_s)?;
+                said += &format!("sensor {id} {name}: {messages} messages of AIS\n");
             }
         }
     }
@@ -322,20 +332,6 @@ fn write_counts(
     Ok(count)
 }
 
-/// Instruments that can locate a target. Wide-area counts are excluded: such counts locate no single target.
-#[derive(Default)]
-struct Observers {
-    sensors: Vec<SimulatedSensor>,
-    finders: Vec<SimulatedDirectionFinder>,
-}
-
-impl Observers {
-    fn observe(&self, target: &TargetState) -> bool {
-        self.sensors.iter().any(|sensor| sensor.observes(target))
-            || self.finders.iter().any(|finder| finder.transmits(target))
-    }
-}
-
 /// Converts a plot: a radar without height gives range and bearing; a sensor that measures height gives a position.
 fn detection(sensor_id: u32, number: u32, plot: &RadarPlot) -> Detection {
     let [east, north, up] = plot.position_m;
@@ -375,23 +371,4 @@ fn detection(sensor_id: u32, number: u32, plot: &RadarPlot) -> Detection {
         },
         truth: Some(plot.of),
     }
-}
-
-/// Writes the positions of all targets visible to some sensor; returns the number of rows.
-fn write_truth(host: &dyn Host, path: &Path, truth: &Truth, observers: &Observers, end_s: f64) -> anyhow::Result<u64> {
-    let unwritten = || format!("{} cannot be written", path.display());
-    let mut out = host.begin(path)?;
-    writeln!(out, "time_s,target_id,x,y,z,vx,vy,vz").with_context(unwritten)?;
-    let mut rows = 0;
-    for second in 0..=end_s as i64 {
-        host.progress(second.cast_unsigned(), end_s as u64)?;
-        for target in truth.at(second as f64).filter(|target| observers.observe(target)) {
-            let ([x, y, z], [vx, vy, vz]) = (target.position_m, target.velocity_mps);
-            let id = target.id;
-            writeln!(out, "{second},{id},{x:.3},{y:.3},{z:.3},{vx:.3},{vy:.3},{vz:.3}").with_context(unwritten)?;
-            rows += 1;
-        }
-    }
-    out.finish()?;
-    Ok(rows)
 }

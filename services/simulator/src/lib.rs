@@ -2,7 +2,7 @@
 //! like real sensors.
 //!
 //! Each sensor uses the category of its kind: a radar CAT048 with CAT034, multilateration CAT020 with CAT019, ADS-B
-//! CAT021 with CAT023 (`feed`). A direction finder sends tables of bearings, or the snapshots of its antenna array
+//! CAT021 with CAT023 (`feed`). Receivers of AIS send lines of NMEA 0183 (`ais`). A direction finder sends tables of bearings, or the snapshots of its antenna array
 //! (`direction_finder`). A wide-area sensor sends tables of counts with the configured delay (`wide_area`). Both send
 //! rows in datagrams (`rows`). A ship sends sentences of NMEA 0183, and its radar rows of detections (`ship`). All
 //! datagrams go to the adapter of their source at the deployment's own loopback address. A demonstration thus runs
@@ -15,6 +15,7 @@
 
 #![forbid(unsafe_code)]
 
+mod ais;
 mod direction_finder;
 mod feed;
 mod rows;
@@ -22,6 +23,7 @@ mod sensor;
 mod ship;
 mod wide_area;
 
+pub use ais::AisFeed;
 pub use feed::SensorFeed;
 
 use std::fmt;
@@ -29,13 +31,14 @@ use std::net::SocketAddr;
 use std::time::Duration;
 
 use anyhow::Context as _;
-use deployment::ReceiverTransport;
+use deployment::{Feed, FeedLink, ReceiverTransport};
 use messages::NS_PER_S;
 use net::{SenderSettings, UdpSender};
 use runtime::Process;
 use runtime::{Agent, HealthEntry, Now, Turn};
 use scenario::{Instrument, ScenarioSettings, Truth, World};
 
+use crate::ais::AisReceivers;
 use crate::direction_finder::{ArrayFinder, DirectionFinder};
 use crate::sensor::AsterixSensor;
 use crate::ship::Ship;
@@ -96,6 +99,9 @@ impl Simulator {
                 Instrument::DirectionFinder { settings, array: None } => {
                     Box::new(DirectionFinder::new(process, source, settings).with_context(unusable)?)
                 }
+                Instrument::Ais(settings) => {
+                    Box::new(AisReceivers::new(process, source, settings).with_context(unusable)?)
+                }
             });
         }
         for (number, settings) in &world.counting {
@@ -122,8 +128,13 @@ impl Simulator {
 /// Creates a socket to the receiver of a simulated source or sensor; the receiver has the name of the adapter.
 fn sender_to(process: &Process, adapter: &str) -> anyhow::Result<UdpSender> {
     let receiver = process.config.receiver(adapter).context("it has no receiver")?;
-    let ReceiverTransport::Loopback { port } = receiver.transport else {
-        anyhow::bail!("its receiver is not the deployment's own");
+    let port = match &receiver.transport {
+        ReceiverTransport::Loopback { port } => *port,
+        ReceiverTransport::Feed(Feed {
+            link: FeedLink::Loopback { port },
+            ..
+        }) => *port,
+        _ => anyhow::bail!("its receiver is not the deployment's own"),
     };
     let destination = SocketAddr::from((process.loopback, port));
     Ok(UdpSender::open(&SenderSettings::new(destination))?)

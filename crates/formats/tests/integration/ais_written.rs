@@ -43,7 +43,7 @@ fn statics(class: AisClass) -> AisStaticData<'static> {
 fn outputs(text: &str) -> Vec<AisOutput> {
     let (mut reader, mut found) = (reader(), Vec::new());
     for line in text.lines() {
-        let taken = reader.take(0, line.as_bytes(), RECEIVED_NS, |output| found.push(output));
+        let taken = reader.take(0, line.as_bytes(), RECEIVED_NS, |_, output| found.push(output));
         taken.unwrap_or_else(|error| panic!("{error}"));
     }
     found
