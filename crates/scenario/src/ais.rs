@@ -5,10 +5,10 @@
 //! of UTC; the report of that second is sent within it. The message is the same for every receiver in range, and each
 //! misses it with its own probability: slots collide.
 //!
-//! Errors of places are those of satellite positioning, whose causes change over minutes: the error of an axis is
-//! interpolated between normal numbers of every [`ERROR_NODE_S`], such that its deviation is the same at all times.
-//! Ships of high accuracy keep 10 m at 95 %, others 30 m. Errors of speed and course are those that ships' receivers
-//! may have (IEC 61108-1), and differ from report to report.
+//! Ships of high accuracy keep 10 m at 95 %, others 30 m. These errors of satellite positioning are new in each report,
+//! or change slowly (`error_time_s`): the error of an axis is then interpolated between normal numbers, such that its
+//! deviation is the same at all times. Errors of speed and course are those that ships' receivers may have (IEC
+//! 61108-1), and are new in each report.
 //!
 //! Limits: all ships are under way; times of arrival, rates of turn and the radio's state are not simulated.
 
@@ -32,8 +32,6 @@ const STATIONS_MAX: usize = 64;
 const DELAY_S: f64 = 0.5;
 /// Interval of static data, seconds.
 const STATIC_INTERVAL_S: f64 = 360.0;
-/// Time between the independent errors that places are interpolated from, seconds.
-const ERROR_NODE_S: f64 = 60.0;
 /// Radius that holds 95 % of the places, metres: of ships of low and high accuracy.
 const RADIUS95_M: [f64; 2] = [30.0, 10.0];
 /// Ratio of this radius to the standard deviation of an axis.
@@ -65,6 +63,8 @@ settings::settings! {
         class_b_share: f64 = 0.2, in [0, 1];
         /// Share of them that state the high accuracy.
         accurate_share: f64 = 0.5, in [0, 1];
+        /// Time in which the errors of positions change; 0: from report to report.
+        error_time_s: f64 = 0.0, in [0, 1e5];
     }
 }
 
@@ -286,13 +286,16 @@ impl SimulatedAis {
     /// Error of a ship's place in the present second, standard deviations east and north. Sine and cosine keep the sum
     /// of the squares of the weights at 1.
     fn place_error(&self, ship: u32) -> [f64; 2] {
-        let nodes = self.second as f64 / ERROR_NODE_S;
-        let (sine, cosine) = (FRAC_PI_2 * nodes.fract()).sin_cos();
-        let node = |number: f64| -> [f64; 2] {
+        let node = |number: i64| -> [f64; 2] {
             let mut random = stream(self.seed, Purpose::Ship, 2, u64::from(ship), number as u64);
             [0; 2].map(|_| StandardNormal.sample(&mut random))
         };
-        let (before, after) = (node(nodes.floor()), node(nodes.floor() + 1.0));
+        if self.settings.error_time_s < 1.0 {
+            return node(self.second);
+        }
+        let nodes = self.second as f64 / self.settings.error_time_s;
+        let (sine, cosine) = (FRAC_PI_2 * nodes.fract()).sin_cos();
+        let (before, after) = (node(nodes as i64), node(nodes as i64 + 1));
         [0, 1].map(|axis| cosine * before[axis] + sine * after[axis])
     }
 }

@@ -12,6 +12,11 @@
 //! is evenly distributed within 93 m in both directions on the equator, so that 95 % lie within 111 m. Its variance, a
 //! third of the square of 93 m, goes into the covariance; for a ship at rest, the error stays the same in all reports.
 //!
+//! Positions are those of the antenna, and mean the hull's centre. Until static data state where on the hull the
+//! antenna is, a ship of class A may be 300 m long: the distance is taken as 40 m along the heading, a fifth of 200 m,
+//! as of antennas on bridges aft; of a stated length, as a fifth of it. Boats of class B are as short as the errors.
+//! Without a heading, the direction from a known antenna to the centre is not known, and its distance is an error.
+//!
 //! # Velocity
 //!
 //! No accuracy is stated. Receivers of ships have to keep the speed within 0.2 kn, or 2 % of a higher speed, and the
@@ -38,6 +43,40 @@ const SPEED_ERROR_SHARE: f64 = 0.02;
 /// Limits of the error of course, degrees: up to the speed, knots, and above.
 const COURSE_ERROR_DEG: [f64; 2] = [3.0, 1.0];
 const FAST_KT: f64 = 17.0;
+
+/// Distance of the antenna from the centre, standard deviation: metres along a hull of class A that is not known, and
+/// share of a known length.
+const OFFSET_SIGMA_M: f64 = 40.0;
+const OFFSET_SIGMA_SHARE: f64 = 0.2;
+
+/// Standard deviation of the distance from the antenna to the centre of a hull that may have stated its length, metres.
+pub(super) fn offset_sigma_m(length_m: Option<f64>) -> f64 {
+    length_m.map_or(OFFSET_SIGMA_M, |length_m| OFFSET_SIGMA_SHARE * length_m)
+}
+
+/// The quality of a position whose distance from the hull's centre is not known: of this standard deviation along the
+/// heading, or in an unknown direction.
+pub(super) fn with_offset(quality: Quality, sigma_m: f64, heading_rad: Option<f64>) -> Quality {
+    let own_m2 = match quality {
+        Quality::Radius95(radius_m) => [
+            (radius_m / RADIUS95_SIGMAS).powi(2),
+            0.0,
+            (radius_m / RADIUS95_SIGMAS).powi(2),
+        ],
+        Quality::Covariance(covariance_m2) => covariance_m2,
+        _ => return quality,
+    };
+    let offset_m2 = sigma_m * sigma_m;
+    let [xx, xy, yy] = match heading_rad.map(f64::sin_cos) {
+        Some((sine, cosine)) => [sine * sine, sine * cosine, cosine * cosine],
+        None => [0.5, 0.0, 0.5],
+    };
+    Quality::Covariance([
+        own_m2[0] + offset_m2 * xx,
+        own_m2[1] + offset_m2 * xy,
+        own_m2[2] + offset_m2 * yy,
+    ])
+}
 
 /// Steps in which a message has its velocity: knots, degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]

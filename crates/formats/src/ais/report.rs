@@ -48,6 +48,8 @@ pub(super) struct Report {
     height_m: Option<(f64, bool)>,
     /// The report is one of a rescue aircraft.
     is_aircraft: bool,
+    /// The report is one of class A: the ship may be long.
+    is_class_a: bool,
 }
 
 impl Report {
@@ -67,6 +69,7 @@ impl Report {
                     navigation: $navigation,
                     height_m: None,
                     is_aircraft: false,
+                    is_class_a: false,
                 }
             };
         }
@@ -76,7 +79,10 @@ impl Report {
         Some(match message {
             AisMessage::PositionReportClassA(of) => {
                 let navigation = Some(of.navigation_status.to_raw());
-                report!(of, speed_kt(of.sog), heading_deg(of.heading), navigation)
+                Self {
+                    is_class_a: true,
+                    ..report!(of, speed_kt(of.sog), heading_deg(of.heading), navigation)
+                }
             }
             AisMessage::PositionReportClassB(of) => report!(of, speed_kt(of.sog), heading_deg(of.heading), None),
             AisMessage::PositionReportClassBExtended(of) => {
@@ -100,6 +106,7 @@ impl Report {
                 navigation: Some(of.navigation_status.to_raw()),
                 height_m: None,
                 is_aircraft: false,
+                is_class_a: true,
             },
             _ => return None,
         })
@@ -111,8 +118,9 @@ impl Report {
         let antenna = Geodetic::from_degrees(latitude, longitude, 0.0).ok()?;
         let is_under_way = self.speed_kt.is_some_and(|speed| speed > UNDER_WAY_KT);
         let heading_deg = self.heading_deg.or(self.course_deg.filter(|_| is_under_way));
-        let place = match (sender.hull, heading_deg) {
-            (Some(hull), Some(heading_deg)) => hull.centre(antenna, heading_deg.to_radians()),
+        let heading_rad = heading_deg.map(f64::to_radians);
+        let place = match (sender.hull, heading_rad) {
+            (Some(hull), Some(heading_rad)) => hull.centre(antenna, heading_rad),
             _ => antenna,
         };
         let is_distress = self.emergency(sender) == Emergency::Distress;
@@ -137,7 +145,10 @@ impl Report {
                 false => Alerts::default(),
             },
             state: TrackState::Confirmed,
-            quality: self.quality(latitude),
+            quality: match self.offset_sigma_m(sender, heading_rad) {
+                Some(sigma_m) => accuracy::with_offset(self.quality(latitude), sigma_m, heading_rad),
+                None => self.quality(latitude),
+            },
             ..Observation::default()
         })
     }
@@ -201,6 +212,17 @@ impl Report {
             course_deg: if self.is_coarse { 1.0 } else { accuracy::FINE.course_deg },
         };
         Some(accuracy::of_velocity(self.speed_kt?, self.course_deg?, steps))
+    }
+
+    /// Standard deviation of the distance from the position to the hull's centre, metres; `None` if the position is the
+    /// centre's, or of a boat, an aircraft or a device.
+    fn offset_sigma_m(&self, sender: &Station, heading_rad: Option<f64>) -> Option<f64> {
+        match sender.hull {
+            Some(hull) => hull.offset_sigma_m(heading_rad.is_some()),
+            None => {
+                (self.is_class_a && self.category() == TargetCategory::Unknown).then(|| accuracy::offset_sigma_m(None))
+            }
+        }
     }
 
     fn quality(&self, latitude_deg: f64) -> Quality {

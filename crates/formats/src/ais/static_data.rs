@@ -13,6 +13,7 @@ use messages::{Callsign, Identity};
 use observations::{Statement, TargetCategory};
 use rustc_hash::FxHashMap;
 
+use super::accuracy;
 use super::codes;
 
 /// Time for which static data are used, nanoseconds.
@@ -51,6 +52,16 @@ impl Hull {
             size_m: [f32::from(length), f32::from(width)],
             centre_m: has_place.then(|| [half(bow, stern), half(starboard, port)]),
         })
+    }
+
+    /// Standard deviation of the distance from the antenna to the centre, metres; `None` if [`Self::centre`] leaves none,
+    /// with a heading.
+    pub(super) fn offset_sigma_m(&self, has_heading: bool) -> Option<f64> {
+        match self.centre_m {
+            Some(_) if has_heading => None,
+            Some([ahead, starboard]) => Some(ahead.hypot(starboard)),
+            None => Some(accuracy::offset_sigma_m(Some(self.size_m[0].into()))),
+        }
     }
 
     /// The centre of the hull, whose antenna is at `antenna`; the bow points to `heading_rad`.

@@ -84,7 +84,15 @@ fn a_moored_ship_of_class_a() {
     );
     assert_eq!((ship.velocity, ship.axes), (Some([0.0, 0.0]), Axes::Target));
     assert_eq!(ship.time_of_day_ns, Some(43_215 * S), "its second is 15");
-    assert_eq!((ship.quality, ship.test), (Quality::Radius95(30.0), false));
+    let Quality::Covariance([east, _, north]) = ship.quality else {
+        panic!()
+    };
+    // 12.3 m of the receiver; the antenna is somewhere along the hull, which lies north and south.
+    assert!(
+        (east.sqrt() - 12.28).abs() < 0.01 && (north.sqrt() - 41.8).abs() < 0.1,
+        "{east} {north}"
+    );
+    assert!(!ship.test);
     let stated = statement(&found);
     assert_eq!(
         (stated.navigation, stated.track_number),
@@ -135,8 +143,8 @@ fn ships_of_class_b_near_and_far() {
     let Quality::Covariance([east, _, north]) = ship.quality else {
         panic!()
     };
-    // 53.5 m of the grid, and 12.3 m of the receiver.
-    assert!((north.sqrt() - 54.85).abs() < 0.01 && east < north, "{east} {north}");
+    // 53.5 m of the grid, 12.3 m of the receiver, and 40 m along a course of 167°.
+    assert!((north.sqrt() - 67.29).abs() < 0.01 && east < north, "{east} {north}");
     assert_eq!(statement(&found).navigation, NavigationStatus::NotUnderCommand);
 }
 

@@ -72,10 +72,15 @@ fn positions_are_found_again() {
         assert!((latitude + 34.750_01).abs() < 1e-6 && (longitude - 139.350_02).abs() < 1e-6);
         let [east, north] = ship.velocity.unwrap();
         assert!((north - 12.3 * KT).abs() < 1e-9 && east.abs() < 1e-9, "{east} {north}");
-        assert_eq!(
-            (ship.quality, ship.track_number),
-            (Quality::Radius95(10.0), Some(431_000_123))
-        );
+        assert_eq!(ship.track_number, Some(431_000_123));
+        // The antenna of a ship of class A is somewhere along a hull that points north.
+        match (class, ship.quality) {
+            (AisClass::A, Quality::Covariance([east, cross, north])) => {
+                assert!((east.sqrt() - 4.085).abs() < 1e-3 && (north.sqrt() - 40.21).abs() < 0.01 && cross == 0.0);
+            }
+            (AisClass::B, quality) => assert_eq!(quality, Quality::Radius95(10.0)),
+            other => panic!("{other:?}"),
+        }
         assert_eq!(ship.time_of_day_ns, Some(43_218 * S));
         let moored = |output: &AisOutput| {
             matches!(
@@ -160,8 +165,15 @@ fn nees(is_accurate: bool, seed: u64) -> [f64; 2] {
         let across_kt = across_sigma_kt * normal(&mut random);
         let place = frame.to_geodetic([measured_m[0], measured_m[1], 0.0]);
         let mut text = String::new();
+        let mmsi = 431_000_000 + count;
+        AisStaticData {
+            mmsi,
+            distances_m: [50, 50, 8, 8],
+            ..statics(AisClass::A)
+        }
+        .write('A', 0, &mut text);
         AisPosition {
-            mmsi: 431_000_000 + count,
+            mmsi,
             position_deg: [place.latitude_deg(), place.longitude_deg()],
             is_accurate,
             speed_kt: along_kt.hypot(across_kt),
