@@ -63,6 +63,7 @@ mod live_refusals;
 mod live_saved;
 mod live_simulated_array;
 mod live_snapshots;
+mod normalised_errors;
 mod orders;
 mod planned_stop;
 mod queues;

@@ -239,7 +239,7 @@ impl SimulatedAis {
         let name = NAMES[random.random_range(0..NAMES.len())];
         // Fishing, sailing, pleasure; passengers, cargo, tankers.
         let types = if is_class_b { [30, 36, 37] } else { [60, 70, 80] };
-        let length_m: f64 = random.random_range(if is_class_b { 8.0..20.0 } else { 80.0..300.0 });
+        let length_m: f64 = random.random_range(if is_class_b { 8.0..20.0 } else { 50.0..220.0 });
         let beam_m = length_m / if is_class_b { 3.0 } else { 7.0 };
         // Antennas are on bridges, which are aft.
         let bow_m = length_m * random.random_range(0.5..0.85);

@@ -303,10 +303,14 @@ impl Engine {
     /// Continues from position and velocity in the latest report of an only source.
     #[cold]
     fn follow(&mut self, sensor: SensorSlot) {
-        // At such a difference, source and filter both lag behind the motion: the next measurements must count more
-        // than either covariance admits.
-        let factor = if self.only_repeats(sensor) { 1.0 } else { CONTRADICTION };
         let entry = self.tracks.sensors.get(sensor);
+        // At such a difference, source and filter both lag behind the motion: the next measurements must count more
+        // than either covariance admits. A position that the target itself reports does not lag.
+        let is_self_reported = self.settings.sources[usize::from(entry.source)].is_self_reported;
+        let factor = match is_self_reported || self.only_repeats(sensor) {
+            true => 1.0,
+            false => CONTRADICTION,
+        };
         let target = self.tracks.systems.get_mut(entry.system);
         // Measurements are kept: after a late report of another source, the filter uses all measurements again.
         target.filter.follow(&entry.latest, factor);
