@@ -27,8 +27,8 @@
 
 use observations::{Quality, RADIUS95_SIGMAS};
 
-use super::report::MPS_PER_KT;
-
+/// Metres per second of a knot.
+pub(super) const MPS_PER_KT: f64 = 1852.0 / 3600.0;
 /// Metres of a minute of latitude.
 const M_PER_MINUTE: f64 = 1852.0;
 /// Radius within which positions lie with 95 % probability, metres: of low and high accuracy.

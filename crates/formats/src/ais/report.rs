@@ -15,11 +15,10 @@ use frames::time::{NS_PER_DAY, NS_PER_S};
 use messages::{Identity, TrackState, alert_bits};
 use observations::{Alerts, Axes, Emergency, NavigationStatus, Observation, Quality, Statement, TargetCategory};
 
-use super::accuracy::{self, VelocitySteps};
+use super::accuracy::{self, MPS_PER_KT, VelocitySteps};
 use super::codes;
 use super::static_data::Station;
 
-pub(super) const MPS_PER_KT: f64 = 1852.0 / 3600.0;
 /// Most that the clock of receipt may be behind that of the ship, nanoseconds.
 const CLOCK_ERROR_MAX_NS: i64 = 2 * NS_PER_S;
 /// Age of a position at its receipt up to which its second is believed, nanoseconds.

@@ -54,8 +54,8 @@ impl Hull {
         })
     }
 
-    /// Standard deviation of the distance from the antenna to the centre, metres; `None` if [`Self::centre`] leaves none,
-    /// with a heading.
+    /// Standard deviation of the distance from the antenna to the centre, metres; `None` if [`Self::centre`] leaves
+    /// none, with a heading.
     pub(super) fn offset_sigma_m(&self, has_heading: bool) -> Option<f64> {
         match self.centre_m {
             Some(_) if has_heading => None,
