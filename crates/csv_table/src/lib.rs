@@ -1,27 +1,34 @@
 //! Tables of text: a header line with the columns' names, then a row per line.
 //!
 //! Columns are found by name, in any order; unused columns are ignored, so that files may contain more columns than a
-//! reader needs. Values are separated by commas, with or without quotation marks around them; a quoted value ends in
-//! its line, so that a stray mark spoils this line alone. Blanks around values, blank lines, a byte order mark and the
-//! line ends of other systems are accepted.
+//! reader needs. A column that the header does not have under the reader's name is found under the names and in the
+//! units of other programs ([`NamedColumn`]). Names are looked up once for a header; rows are read by places.
+//!
+//! Values are separated by commas, with or without quotation marks around them; a quoted value ends in its line, so that
+//! a stray mark spoils this line alone. Blanks around values, blank lines, a byte order mark and the line ends of other
+//! systems are accepted.
 //!
 //! An error in a row of a large file must be easy to find. Every error therefore names the line (as counted by
 //! editors), the column, the value, and the permitted values.
 
 #![forbid(unsafe_code)]
 
+mod cells;
 mod digits;
+mod names;
 mod number;
 mod row;
+mod times;
 
-use std::fmt::Display;
 use std::io::{self, BufReader, Read};
-use std::str::FromStr;
 
 use thiserror::Error;
 
+pub use cells::{Cells, Column};
 pub use digits::{write_decimals, write_plain, write_time, write_whole};
+pub use names::{NamedColumn, SENSOR_COLUMNS, TARGET_COLUMNS, named_columns_help};
 use row::{Row, RowRead};
+pub use times::{TimeForm, zoned_ns};
 
 /// The columns of a covariance of position and velocity, in the order of its upper triangle.
 pub const COVARIANCE_COLUMNS: [&str; 21] = [
@@ -29,10 +36,6 @@ pub const COVARIANCE_COLUMNS: [&str; 21] = [
     "P34", "P35", "P44", "P45", "P55",
 ];
 
-/// Longest time since a midnight, seconds: 46 days, the most that seconds in 64 bits give exactly to the nanosecond.
-const TIME_MAX_S: f64 = 4e6;
-/// Times that can only be UTC, seconds since 1970: from 1973 to 2103.
-const UTC_S: std::ops::Range<f64> = 1e8..4.2e9;
 /// Characters of a value that an error shows.
 const SHOWN_MAX: usize = 40;
 
@@ -127,24 +130,12 @@ impl CsvError {
 pub struct Table<R> {
     input: BufReader<R>,
     header: Row,
+    /// By place, the entry of the column's name, and this name as the list spells it.
+    known: Vec<Option<(&'static NamedColumn, &'static str)>>,
     row: Row,
     /// Line, from 1, of the row read last.
     line: u64,
     failed: bool,
-}
-
-/// A column that the header names.
-#[derive(Clone, Copy, Debug)]
-pub struct Column {
-    name: &'static str,
-    place: usize,
-}
-
-/// The values of a row, as many as there are columns.
-#[derive(Clone, Copy, Debug)]
-pub struct Cells<'a> {
-    line: u64,
-    values: &'a Row,
 }
 
 impl<R: Read> Table<R> {
@@ -156,6 +147,7 @@ impl<R: Read> Table<R> {
         let mut table = Self {
             input: BufReader::new(input),
             header: Row::default(),
+            known: Vec::new(),
             row: Row::default(),
             line: 0,
             failed: false,
@@ -164,6 +156,7 @@ impl<R: Read> Table<R> {
         while table.read()? && table.row.is_empty() {}
         table.row.trim_byte_order_mark();
         table.header = std::mem::take(&mut table.row);
+        table.known = table.names().map(NamedColumn::find).collect();
         Ok(table)
     }
 
@@ -178,12 +171,6 @@ impl<R: Read> Table<R> {
     /// Names of the columns in the order of the header, without blanks around them.
     pub fn names(&self) -> impl Iterator<Item = &[u8]> {
         self.header.iter().map(<[u8]>::trim_ascii)
-    }
-
-    /// The column at a place of the header, from 0, that errors call `name`: for columns with several permitted names.
-    /// `None` beyond the last column.
-    pub fn column_at(&self, place: usize, name: &'static str) -> Option<Column> {
-        (place < self.header.len()).then_some(Column { name, place })
     }
 
     /// The error that the header lacks a column.
@@ -210,28 +197,102 @@ impl<R: Read> Table<R> {
     /// # Errors
     /// If the header lacks a column, or names a column more than once.
     pub fn all<const N: usize>(&self, names: [&'static str; N]) -> Result<[Column; N], CsvError> {
-        let mut columns = names.map(|name| Column { name, place: 0 });
-        for column in &mut columns {
-            *column = self.required(column.name)?;
+        let mut columns = [Column {
+            name: "",
+            place: 0,
+            scale: 1.0,
+        }; N];
+        for (column, name) in columns.iter_mut().zip(names) {
+            *column = self.required(name)?;
         }
         Ok(columns)
     }
 
-    /// A column that may be there.
+    /// A column that may be there: that of exactly this name, else that of its quantity ([`NamedColumn`]), in the unit
+    /// of `name`.
     ///
     /// # Errors
     /// If the header names it more than once.
     pub fn optional(&self, name: &'static str) -> Result<Option<Column>, CsvError> {
+        match self.spelled(name)? {
+            None => self.of_quantity(name),
+            found => Ok(found),
+        }
+    }
+
+    /// A column that may be there under exactly this name.
+    ///
+    /// # Errors
+    /// If the header names it more than once.
+    pub fn spelled(&self, name: &'static str) -> Result<Option<Column>, CsvError> {
         let mut places = self
             .header
             .iter()
             .enumerate()
             .filter(|(_, found)| found.trim_ascii() == name.as_bytes());
-        let found = places.next().map(|(place, _)| Column { name, place });
+        let scale = 1.0;
+        let found = places.next().map(|(place, _)| Column { name, place, scale });
         match places.next() {
             Some(_) => Err(self.header_error(name, "stands there more than once")),
             None => Ok(found),
         }
+    }
+
+    /// A column that may be there under any name of the quantity that `name` is of, in the unit of `name`.
+    ///
+    /// # Errors
+    /// If two columns state the quantity.
+    pub fn of_quantity(&self, name: &'static str) -> Result<Option<Column>, CsvError> {
+        let known = NamedColumn::find(name.as_bytes());
+        // Another name may differ from one of the list in marks only.
+        let Some((asked, _)) = known.filter(|(_, known)| *known == name) else {
+            return Ok(None);
+        };
+        let mut found: Option<Column> = None;
+        for (place, known) in self.known.iter().enumerate() {
+            let Some((entry, name)) = known.filter(|(entry, _)| entry.quantity == asked.quantity) else {
+                continue;
+            };
+            if let Some(first) = found {
+                let fault = "state one quantity; leave one of them out, or give it a name of your own";
+                return Err(self.clash(first, Column { name, place, ..first }, fault));
+            }
+            let scale = entry.scale / asked.scale;
+            found = Some(Column { name, place, scale });
+        }
+        Ok(found)
+    }
+
+    /// Whether the header has a column of the quantity that `name` is of.
+    pub fn states(&self, name: &'static str) -> bool {
+        !matches!(self.of_quantity(name), Ok(None))
+    }
+
+    /// The error that two columns contradict each other.
+    #[cold]
+    pub fn clash(&self, first: Column, second: Column, fault: &str) -> CsvError {
+        let name = |column: Column| {
+            let found = self.names().nth(column.place).unwrap_or_default();
+            String::from_utf8_lossy(found).into_owned()
+        };
+        CsvError::Clash {
+            first: name(first),
+            second: name(second),
+            fault: fault.to_owned(),
+        }
+    }
+
+    /// Names of the columns without `read`, as in the header: first those of no quantity in the list.
+    pub fn unread(&self, read: &[Option<Column>]) -> Vec<String> {
+        let is_read = |place: usize| read.iter().flatten().any(|column| column.place == place);
+        let mut places: Vec<usize> = (0..self.header.len()).filter(|place| !is_read(*place)).collect();
+        places.sort_by_key(|place| self.known[*place].is_some());
+        let name = |place| {
+            self.names()
+                .nth(place)
+                .map(|name| String::from_utf8_lossy(name).into_owned())
+        };
+        places.into_iter().filter_map(name).collect()
     }
 
     /// The next row, `None` at the end. After a row that could not be read the next one may be asked for.
@@ -299,197 +360,6 @@ impl<R: Read> Table<R> {
     }
 }
 
-impl Column {
-    /// The name that errors use.
-    pub fn name(&self) -> &'static str {
-        self.name
-    }
-}
-
-impl Cells<'_> {
-    /// Line of the row, from 1.
-    pub fn line(&self) -> u64 {
-        self.line
-    }
-
-    /// The value as text; `None` if it is empty or the column is not there.
-    ///
-    /// # Errors
-    /// If it is not UTF-8.
-    pub fn text(&self, column: impl Into<Option<Column>>) -> Result<Option<&str>, CsvError> {
-        let Some(column) = column.into() else { return Ok(None) };
-        let value = self.value(column);
-        if value.is_empty() {
-            return Ok(None);
-        }
-        match std::str::from_utf8(value) {
-            Ok(text) => Ok(Some(text)),
-            Err(_) => Err(self.error(column, "is not UTF-8 text")),
-        }
-    }
-
-    /// A finite number.
-    ///
-    /// # Errors
-    /// If the value is none.
-    #[inline]
-    pub fn number(&self, column: Column) -> Result<f64, CsvError> {
-        match number::simple(self.value(column)) {
-            Some(number) => Ok(number),
-            None => self
-                .unusual_number(column)?
-                .ok_or_else(|| self.error(column, "is empty; write a number")),
-        }
-    }
-
-    /// Finite numbers.
-    ///
-    /// # Errors
-    /// If one of the values is none.
-    pub fn numbers<const N: usize>(&self, columns: [Column; N]) -> Result<[f64; N], CsvError> {
-        let mut numbers = [0.0; N];
-        for (number, column) in numbers.iter_mut().zip(columns) {
-            *number = self.number(column)?;
-        }
-        Ok(numbers)
-    }
-
-    /// A finite number, or `None` if the value is empty or the column is not there.
-    ///
-    /// # Errors
-    /// If the value is something else.
-    pub fn number_or_empty(&self, column: impl Into<Option<Column>>) -> Result<Option<f64>, CsvError> {
-        let Some(column) = column.into() else { return Ok(None) };
-        match number::simple(self.value(column)) {
-            Some(number) => Ok(Some(number)),
-            None => self.unusual_number(column),
-        }
-    }
-
-    /// A number that is not only digits, or `None` if the value is empty.
-    #[cold]
-    #[inline(never)]
-    fn unusual_number(&self, column: Column) -> Result<Option<f64>, CsvError> {
-        let Some(text) = self.text(column)? else {
-            return Ok(None);
-        };
-        match text.parse::<f64>() {
-            Ok(number) if number.is_finite() => Ok(Some(number)),
-            Ok(_) => Err(self.error(column, "is not finite; leave out rows without a value")),
-            Err(_) => Err(self.error(column, "is no number; write one like -12.5")),
-        }
-    }
-
-    /// A whole number that `T` can hold.
-    ///
-    /// # Errors
-    /// If the value is none.
-    pub fn whole<T: FromStr + TryFrom<u64>>(&self, column: Column) -> Result<T, CsvError> {
-        let digits = number::whole(self.value(column));
-        if let Some(Ok(number)) = digits.map(T::try_from) {
-            return Ok(number);
-        }
-        let text = self.text(column)?.unwrap_or_default();
-        let fault = || format!("is no whole number of the kind {}", std::any::type_name::<T>());
-        text.parse().map_err(|_| self.error(column, fault()))
-    }
-
-    /// A time in seconds, at most 46 days to either side of 0.
-    ///
-    /// # Errors
-    /// If the value is none.
-    pub fn time_s(&self, column: Column) -> Result<f64, CsvError> {
-        let seconds = self.seconds(column)?;
-        if seconds.abs() > TIME_MAX_S {
-            let reason = format!("is more than {TIME_MAX_S} s away; count from midnight (UTC) of the first day");
-            return Err(self.error(column, reason));
-        }
-        Ok(seconds)
-    }
-
-    /// Nanoseconds since 1970 of a time in seconds, which counts from the midnight `first_day_ns` or from 1970.
-    ///
-    /// # Errors
-    /// If the value is none.
-    #[inline]
-    pub fn utc_ns(&self, column: Column, first_day_ns: i64) -> Result<i64, CsvError> {
-        let seconds = self.seconds(column)?;
-        if seconds.abs() <= TIME_MAX_S {
-            return Ok(first_day_ns.saturating_add(frames::time::ns(seconds)));
-        }
-        self.since_1970_ns(column, seconds)
-    }
-
-    /// A number that counts seconds; the refusal of a date or a time of day names what is read.
-    #[inline]
-    fn seconds(&self, column: Column) -> Result<f64, CsvError> {
-        self.number(column)
-            .map_err(|error| match self.value(column).contains(&b':') {
-                true => self.error(
-                    column,
-                    "is no number; count seconds from midnight (UTC) of the first day",
-                ),
-                false => error,
-            })
-    }
-
-    #[cold]
-    #[inline(never)]
-    fn since_1970_ns(&self, column: Column, seconds: f64) -> Result<i64, CsvError> {
-        /// Digits of a second to the nanosecond.
-        const DECIMALS: usize = 9;
-        if !UTC_S.contains(&seconds) {
-            let reason = format!(
-                "is no time: count seconds from midnight (UTC) of the first day, up to {TIME_MAX_S}, or from 1970"
-            );
-            return Err(self.error(column, reason));
-        }
-        // Doubles are some hundred nanoseconds apart here.
-        let (whole, decimals) = self
-            .value(column)
-            .split_at_checked(
-                self.value(column)
-                    .iter()
-                    .position(|octet| *octet == b'.')
-                    .unwrap_or(usize::MAX),
-            )
-            .unwrap_or((self.value(column), b""));
-        let decimals = decimals.get(1..).unwrap_or_default();
-        let mut digits = [b'0'; DECIMALS];
-        digits
-            .iter_mut()
-            .zip(decimals)
-            .for_each(|(place, digit)| *place = *digit);
-        let parts = number::whole(whole).zip(number::whole(&digits));
-        Ok(match parts {
-            Some((whole, ns)) => whole as i64 * frames::time::NS_PER_S + ns as i64,
-            None => frames::time::ns(seconds),
-        })
-    }
-
-    /// The value without blanks around it.
-    #[inline]
-    fn value(&self, column: Column) -> &[u8] {
-        let value = self.values.value(column.place);
-        // Most values have no blank around them.
-        match value {
-            [] => value,
-            [first, ..] if value[value.len() - 1].min(*first) > b' ' => value,
-            _ => value.trim_ascii(),
-        }
-    }
-
-    /// The error that the value of a column is, for this reason.
-    pub fn error(&self, column: Column, reason: impl Display) -> CsvError {
-        CsvError::Value {
-            line: self.line,
-            column: column.name,
-            value: shown(&String::from_utf8_lossy(self.value(column)), SHOWN_MAX),
-            reason: reason.to_string(),
-        }
-    }
-}
-
 fn shown(text: &str, characters_max: usize) -> String {
     match text.char_indices().nth(characters_max) {
         Some((end, _)) => format!("{}…", &text[..end]),
@@ -498,141 +368,4 @@ fn shown(text: &str, characters_max: usize) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use proptest::prelude::*;
-
-    use super::*;
-
-    /// Returns the numbers of column `b`, or the errors.
-    fn column_b(text: &[u8]) -> Vec<Result<f64, String>> {
-        let mut table = Table::new(text).unwrap();
-        let column = table.required("b").unwrap();
-        let mut found = Vec::new();
-        while let Some(row) = table.next_row() {
-            found.push(
-                row.and_then(|row| row.number(column))
-                    .map_err(|error| error.to_string()),
-            );
-        }
-        found
-    }
-
-    #[test]
-    fn columns_are_found_by_name_whatever_the_line_ends() {
-        for text in [
-            "a,b\n1,2\n3,4\n",
-            " a , b\r\n\r\n1,2\r\n \r\n3, 4",
-            "\u{feff}b,c,a\n2,,1\n\n4,,3",
-        ] {
-            assert_eq!(column_b(text.as_bytes()), [Ok(2.0), Ok(4.0)], "{text:?}");
-        }
-        assert!(column_b(b"a,b").is_empty());
-    }
-
-    #[test]
-    fn errors_name_line_column_value_and_remedy_and_reading_goes_on() {
-        let text = b"a,b\r\n1,2\r\n\r\n1,x\r\n1\r\n1,inf\r\n1,\r\n1,\xff\r\n1,\"2\"\r\n1,\"2\r\n1,3";
-        let expected = [
-            Ok(2.0),
-            Err("line 4, column b: \"x\" is no number; write one like -12.5"),
-            Err("line 5: 1 values, but the header names 2 columns"),
-            Err("line 6, column b: \"inf\" is not finite; leave out rows without a value"),
-            Err("line 7, column b: \"\" is empty; write a number"),
-            Err("line 8, column b: \"\u{fffd}\" is not UTF-8 text"),
-            Ok(2.0),
-            Err("line 10: a value begins with a quotation mark and none ends it; write both, or none"),
-            Ok(3.0),
-        ];
-        assert_eq!(column_b(text), expected.map(|one| one.map_err(str::to_owned)));
-    }
-
-    #[test]
-    fn a_header_that_lacks_or_repeats_a_column_is_refused() {
-        let fault_of = |octets: &[u8]| Table::new(octets).unwrap().required("b").unwrap_err().to_string();
-        let fault = |text: &str| fault_of(text.as_bytes());
-        assert_eq!(fault("a,c\n"), "header: column b is missing; the header is \"a,c\"");
-        assert_eq!(fault(""), "header: column b is missing; the header is \"\"");
-        assert!(fault("b,a,b\n").contains("more than once"));
-        assert!(fault("a;b\n1;2\n").contains("by commas, not semicolons"));
-        assert!(fault("a\tb\n").contains("by commas, not tabs"));
-        assert!(fault_of(b"\xff\xfea\0,\0b\0").contains("save it as UTF-8"));
-        assert!(fault("# a table\na,b\n").contains("not a comment"));
-    }
-
-    #[test]
-    fn times_are_exact_to_the_nanosecond() {
-        let time = |text: &str| {
-            let text = format!("b\n{text}\n");
-            let mut table = Table::new(text.as_bytes()).unwrap();
-            let column = table.required("b").unwrap();
-            table
-                .next_row()
-                .unwrap()
-                .unwrap()
-                .utc_ns(column, 0)
-                .map_err(|error| error.to_string())
-        };
-        assert_eq!(time("3999999.999999999"), Ok(3_999_999_999_999_999));
-        assert_eq!(time("-0.000000001"), Ok(-1));
-        assert_eq!(time("1620114891.123456789"), Ok(1_620_114_891_123_456_789));
-        assert!(time("4000001").unwrap_err().contains("from midnight"));
-    }
-
-    #[test]
-    fn times_count_from_a_midnight_or_from_1970() {
-        const DAY_NS: i64 = 86_400_000_000_000;
-        let time = |text: &str| {
-            let text = format!("b\n{text}\n");
-            let mut table = Table::new(text.as_bytes()).unwrap();
-            let column = table.required("b").unwrap();
-            let row = table.next_row().unwrap().unwrap();
-            row.utc_ns(column, DAY_NS).map_err(|error| error.to_string())
-        };
-        assert_eq!(time("1.5"), Ok(DAY_NS + 1_500_000_000));
-        assert_eq!(time("-3999999.999999999"), Ok(DAY_NS - 3_999_999_999_999_999));
-        for (text, ns) in [
-            ("1795880310", 1_795_880_310_000_000_000),
-            ("1795880310.123456789", 1_795_880_310_123_456_789),
-            (" \"1795880310.1234567891\" ", 1_795_880_310_123_456_789),
-            ("1.5e9", 1_500_000_000_000_000_000),
-        ] {
-            assert_eq!(time(text), Ok(ns), "{text}");
-        }
-        assert!(
-            time("2026-11-28T15:38:31Z")
-                .unwrap_err()
-                .contains("count seconds from midnight")
-        );
-        // Milliseconds, a date as digits, and a time of no clock.
-        for text in ["1795880310123", "20261128", "-5e8"] {
-            assert!(time(text).unwrap_err().contains("or from 1970"), "{text}");
-        }
-    }
-
-    #[test]
-    fn an_input_that_fails_ends_the_table() {
-        struct Failing(&'static [u8]);
-        impl Read for Failing {
-            fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-                match self.0.read(buffer)? {
-                    0 => Err(io::Error::other("unplugged")),
-                    count => Ok(count),
-                }
-            }
-        }
-        let mut table = Table::new(Failing(b"b\n1\n2\n")).unwrap();
-        assert!(table.next_row().unwrap().is_ok() && table.next_row().unwrap().is_ok());
-        assert!(table.next_row().unwrap().unwrap_err().to_string().contains("unplugged"));
-        assert!(table.next_row().is_none());
-    }
-
-    proptest! {
-        #[test]
-        fn any_octets_are_a_table_or_an_error(octets in prop::collection::vec(any::<u8>(), 0..200)) {
-            let mut text = b"a,b\n".to_vec();
-            text.extend(octets);
-            let rows = column_b(&text).len();
-            prop_assert!(rows <= text.iter().filter(|octet| **octet == b'\n').count());
-        }
-    }
-}
+mod tests;

@@ -1,7 +1,11 @@
 //! Bearings as CSV rows (FM-7).
 //!
-//! `time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz` and, if known, `heading_rad`, `frequency_hz` and
-//! `pulse_interval_s`. An empty `emitter_id` means that the direction finder does not distinguish emitters.
+//! `time_s,bearing_rad,sigma_rad,px,py,pz` and, if known, `emitter_id`, `heading_rad`, `frequency_hz` and
+//! `pulse_interval_s`, or other names and units of these quantities ([`csv_table::NamedColumn`]). Without an
+//! `emitter_id`, the direction finder does not distinguish emitters.
+//!
+//! In place of `px,py,pz`, the finder may stand at a latitude and a longitude; bearings are then from true north there,
+//! and are turned into the plane of the run ([`crate::plane`]).
 
 use std::f64::consts::TAU;
 use std::io::Read;
@@ -11,6 +15,7 @@ use observations::Bearing;
 
 use crate::cells::Time;
 use crate::columns::columns;
+use crate::plane::{InPlane, Plane, SensorPlaces};
 use crate::rows::{Columns, RowReader, RowWriter};
 use crate::time_base::TimeBase;
 
@@ -26,10 +31,10 @@ columns! {
     /// Places of the columns of bearings.
     BearingPlaces of Bearing: |row|
     time: Column = "time_s" => Time(row.time_of_measurement_ns),
-    emitter: Column = "emitter_id" => row.emitter_id,
+    emitter: Option<Column> = "emitter_id" => row.emitter_id,
     bearing: Column = "bearing_rad" => row.bearing_rad,
     sigma: Column = "sigma_rad" => row.sigma_rad,
-    platform: [Column; 3] = ["px", "py", "pz"] => row.platform_m,
+    platform: SensorPlaces = SensorPlaces::METRES => row.platform_m,
     heading: Option<Column> = "heading_rad" => row.heading_rad,
     frequency: Option<Column> = "frequency_hz" => row.frequency_hz,
     pulse_interval: Option<Column> = "pulse_interval_s" => row.pulse_interval_s,
@@ -39,6 +44,7 @@ columns! {
 #[derive(Debug)]
 pub struct BearingColumns {
     base: TimeBase,
+    plane: Plane,
     at: BearingPlaces,
 }
 
@@ -51,9 +57,16 @@ impl<R: Read> BearingReader<R> {
         let table = Table::new(input)?;
         let columns = BearingColumns {
             base: TimeBase::new(first_day_ns),
+            plane: Plane::Open,
             at: BearingPlaces::find(&table)?,
         };
         Ok(Self { table, columns })
+    }
+}
+
+impl InPlane for BearingColumns {
+    fn plane(&mut self) -> &mut Plane {
+        &mut self.plane
     }
 }
 
@@ -61,32 +74,32 @@ impl Columns for BearingColumns {
     type Value = Bearing;
 
     fn read(&mut self, row: Cells<'_>) -> Result<Bearing, CsvError> {
-        self.at.read(row, &mut self.base)
+        self.at.read(row, &mut self.base, &mut self.plane)
     }
 }
 
 impl BearingPlaces {
-    /// Reads the bearing of a row, at a time of this base.
-    pub(crate) fn read(&self, row: Cells<'_>, base: &mut TimeBase) -> Result<Bearing, CsvError> {
+    /// Reads the bearing of a row, at a time of this base and a place in this plane.
+    pub(crate) fn read(&self, row: Cells<'_>, base: &mut TimeBase, plane: &mut Plane) -> Result<Bearing, CsvError> {
         let time_of_measurement_ns = base.utc_ns(row, self.time)?;
-        let emitter_id = match row.text(self.emitter)? {
-            Some(_) => Some(row.whole(self.emitter)?),
-            None => None,
+        let emitter_id = match (self.emitter, row.stated(self.emitter)?) {
+            (Some(column), Some(_)) => Some(row.whole(column)?),
+            _ => None,
         };
-        let platform_m = row.numbers(self.platform)?;
+        let platform = self.platform.read(row, plane)?;
         let frequency_hz = positive(row, self.frequency, "must be greater than 0; a frequency is, in hertz")?;
         let interval = "must be greater than 0; the time between pulses is, in seconds";
         let pulse_interval_s = positive(row, self.pulse_interval, interval)?;
         let heading_rad = match self.heading {
-            Some(column) if row.text(column)?.is_some() => Some(angle(row, column)?),
+            Some(column) if row.stated(column)?.is_some() => Some(angle(row, column)?),
             _ => None,
         };
         Ok(Bearing {
             time_of_measurement_ns,
             emitter_id,
-            bearing_rad: angle(row, self.bearing)?,
+            bearing_rad: platform.direction([angle(row, self.bearing)?, 0.0])[0],
             sigma_rad: self.sigma(row)?,
-            platform_m,
+            platform_m: platform.position_m,
             heading_rad,
             frequency_hz,
             pulse_interval_s,
@@ -97,7 +110,8 @@ impl BearingPlaces {
         match row.number(self.sigma)? {
             ..=0.0 => Err(row.error(self.sigma, "must be greater than 0; a standard deviation is")),
             sigma if sigma > SIGMA_MAX_RAD => {
-                let reason = format!("is more than {SIGMA_MAX_RAD}, which is no direction; write radians, not degrees");
+                let remedy = unit(self.sigma);
+                let reason = format!("is more than {SIGMA_MAX_RAD} rad, which is no direction; {remedy}");
                 Err(row.error(self.sigma, reason))
             }
             sigma => Ok(sigma),
@@ -114,10 +128,18 @@ fn positive(row: Cells<'_>, column: Option<Column>, reason: &str) -> Result<Opti
     }
 }
 
-fn angle(row: Cells<'_>, column: Column) -> Result<f64, CsvError> {
+/// A direction, radians.
+pub(crate) fn angle(row: Cells<'_>, column: Column) -> Result<f64, CsvError> {
     match row.number(column)? {
-        angle if angle.abs() > TAU => Err(row.error(column, "is more than a full turn; write radians, not degrees")),
+        angle if angle.abs() > TAU => Err(row.error(column, format!("is more than a full turn; {}", unit(column)))),
         angle => Ok(angle),
+    }
+}
+
+fn unit(column: Column) -> &'static str {
+    match column.scale() == 1.0 {
+        true => "write radians, not degrees",
+        false => "write degrees",
     }
 }
 

@@ -8,7 +8,11 @@
 //! - `tdoa`: `time_s,emitter_id,receiver,receiver_2,tdoa_s,sigma_s,px,py,pz,px_2,py_2,pz_2`: arrival at `receiver`
 //!   minus arrival at `receiver_2`;
 //! - both, of a reference emitter: `reference_x,reference_y,reference_z`;
-//! - fixes: `time_s,emitter_id,x,y,z` and `Pxx,Pxy,Pyy` or `variance_m2`, the sum of both variances.
+//! - fixes: `time_s,emitter_id,x,y,z` and `Pxx,Pxy,Pyy` or `variance_m2`, the sum of both variances, or `sigma_m`, the
+//!   standard deviation along each axis.
+//!
+//! Places may be in degrees ([`crate::plane`]), but for those of second receivers and of reference emitters; columns may
+//! have other names and units ([`csv_table::NamedColumn`]).
 
 use std::io::{self, Read, Write};
 
@@ -18,6 +22,7 @@ use observations::{Arrival, ArrivalTime, EmitterMeasurement, ReadyFix, Receiver,
 use crate::bearings_csv::BearingPlaces;
 use crate::cells::{Cell, Time};
 use crate::columns::columns;
+use crate::plane::{InPlane, Plane, Positions, SensorPlaces};
 use crate::rows::{Columns, Reference, RowReader, RowWriter};
 use crate::time_base::TimeBase;
 
@@ -35,6 +40,7 @@ pub type FixWriter<W> = RowWriter<ReadyFix, W>;
 #[derive(Debug)]
 pub struct EmitterColumns {
     base: TimeBase,
+    plane: Plane,
     kind: Option<Column>,
     bearings: Option<BearingPlaces>,
     arrivals: Option<ArrivalPlaces>,
@@ -50,7 +56,7 @@ columns! {
     receiver: Column = "receiver" => first(row).name,
     single: Option<Column> = "t_s" => second(row).is_none().then(|| time_s(row)),
     sigma: Column = "sigma_s" => row.sigma_s,
-    position: [Column; 3] = ["px", "py", "pz"] => first(row).position_m,
+    position: SensorPlaces = SensorPlaces::METRES => first(row).position_m,
     receiver_2: Option<Column> = "receiver_2" => second(row).map(|second| second.name),
     position_2: Option<[Column; 3]> = ["px_2", "py_2", "pz_2"] => each(second(row).map(|second| second.position_m)),
     difference: Option<Column> = "tdoa_s" => second(row).is_some().then(|| time_s(row)),
@@ -105,9 +111,17 @@ fn each(values: Option<[f64; 3]>) -> [Option<f64>; 3] {
 struct FixColumns {
     time: Column,
     emitter: Column,
-    position: [Column; 3],
+    position: FixPlaces,
     covariance: Option<[Column; 3]>,
     variance: Option<Column>,
+    sigma: Option<Column>,
+}
+
+/// Columns of the place of a fix.
+#[derive(Debug)]
+enum FixPlaces {
+    Metres([Column; 3]),
+    Degrees(Positions, Option<Column>),
 }
 
 impl<R: Read> EmitterRowReader<R> {
@@ -120,10 +134,11 @@ impl<R: Read> EmitterRowReader<R> {
         let has = |name| table.optional(name).map(|column| column.is_some());
         let kind = table.optional("kind")?;
         let has_arrivals = kind.is_some() && (has("t_s")? || has("tdoa_s")?);
-        let has_fixes = kind.is_none() && !has("bearing_rad")? && has("x")?;
+        let has_fixes = kind.is_none() && !has("bearing_rad")? && (has("x")? || has("latitude")?);
         let has_bearings = has("bearing_rad")? || !has_arrivals && !has_fixes;
         let columns = EmitterColumns {
             base: TimeBase::new(first_day_ns),
+            plane: Plane::Open,
             kind,
             bearings: has_bearings.then(|| BearingPlaces::find(&table)).transpose()?,
             arrivals: has_arrivals.then(|| arrival_places(&table)).transpose()?,
@@ -144,12 +159,22 @@ impl<R: Read> EmitterRowReader<R> {
     }
 }
 
+impl InPlane for EmitterColumns {
+    fn plane(&mut self) -> &mut Plane {
+        &mut self.plane
+    }
+}
+
 impl Columns for EmitterColumns {
     type Value = EmitterMeasurement;
 
     fn read(&mut self, row: Cells<'_>) -> Result<EmitterMeasurement, CsvError> {
         if let Some(fixes) = &self.fixes {
-            return Ok(EmitterMeasurement::Fix(fixes.read(row, &mut self.base)?));
+            return Ok(EmitterMeasurement::Fix(fixes.read(
+                row,
+                &mut self.base,
+                &mut self.plane,
+            )?));
         }
         let Some(kind) = self.kind else {
             return self.bearing(row, None);
@@ -158,7 +183,7 @@ impl Columns for EmitterColumns {
             None | Some("bearing") => self.bearing(row, Some(kind)),
             Some(word @ ("toa" | "tdoa")) => {
                 let arrivals = self.arrivals.as_ref().ok_or_else(|| missing(row, kind, word))?;
-                let arrival = arrivals.read(row, word, &mut self.base)?;
+                let arrival = arrivals.read(row, word, (&mut self.base, &mut self.plane))?;
                 Ok(EmitterMeasurement::Arrival(arrival))
             }
             Some(_) => Err(row.error(kind, "is no kind of measurement; there are bearing, toa and tdoa")),
@@ -170,7 +195,10 @@ impl EmitterColumns {
     fn bearing(&mut self, row: Cells<'_>, kind: Option<Column>) -> Result<EmitterMeasurement, CsvError> {
         match (&self.bearings, kind) {
             (None, Some(kind)) => Err(row.error(kind, "stands for a bearing, which needs the column bearing_rad")),
-            (Some(bearings), _) => bearings.read(row, &mut self.base).map(EmitterMeasurement::Bearing),
+            (Some(bearings), _) => {
+                let bearing = bearings.read(row, &mut self.base, &mut self.plane)?;
+                Ok(EmitterMeasurement::Bearing(bearing))
+            }
             (None, None) => unreachable!("without a kind a table has fixes or bearings"),
         }
     }
@@ -193,10 +221,15 @@ fn arrival_places<R: Read>(table: &Table<R>) -> Result<ArrivalPlaces, CsvError> 
 }
 
 impl ArrivalPlaces {
-    fn read(&self, row: Cells<'_>, kind: &str, base: &mut TimeBase) -> Result<Arrival, CsvError> {
+    fn read(
+        &self,
+        row: Cells<'_>,
+        kind: &str,
+        (base, plane): (&mut TimeBase, &mut Plane),
+    ) -> Result<Arrival, CsvError> {
         let time = match kind {
-            "toa" => self.single(row)?,
-            _ => self.difference(row)?,
+            "toa" => self.single(row, plane)?,
+            _ => self.difference(row, plane)?,
         };
         let time = time.ok_or_else(|| missing(row, self.kind, kind))?;
         Ok(Arrival {
@@ -208,20 +241,20 @@ impl ArrivalPlaces {
         })
     }
 
-    fn single(&self, row: Cells<'_>) -> Result<Option<ArrivalTime>, CsvError> {
+    fn single(&self, row: Cells<'_>, plane: &mut Plane) -> Result<Option<ArrivalTime>, CsvError> {
         let Some(column) = self.single else { return Ok(None) };
-        let receiver = receiver(row, self.receiver, self.position)?;
+        let receiver = receiver(row, self.receiver, self.position.read(row, plane)?.position_m)?;
         let t_s = row.time_s(column)?;
         Ok(Some(ArrivalTime::At { receiver, t_s }))
     }
 
-    fn difference(&self, row: Cells<'_>) -> Result<Option<ArrivalTime>, CsvError> {
+    fn difference(&self, row: Cells<'_>, plane: &mut Plane) -> Result<Option<ArrivalTime>, CsvError> {
         let (Some(column), Some(name), Some(position)) = (self.difference, self.receiver_2, self.position_2) else {
             return Ok(None);
         };
         let receivers = [
-            receiver(row, self.receiver, self.position)?,
-            receiver(row, name, position)?,
+            receiver(row, self.receiver, self.position.read(row, plane)?.position_m)?,
+            receiver(row, name, row.numbers(position)?)?,
         ];
         if receivers[0].name == receivers[1].name {
             return Err(row.error(
@@ -246,36 +279,53 @@ impl ArrivalPlaces {
 
 impl FixColumns {
     fn find<R: Read>(table: &Table<R>) -> Result<Self, CsvError> {
-        let variance = table.optional("variance_m2")?;
-        let has_covariance = table.optional("Pxx")?.is_some() || variance.is_none();
+        let (variance, sigma) = (table.optional("variance_m2")?, table.optional("sigma_m")?);
+        let has_covariance = table.optional("Pxx")?.is_some() || variance.or(sigma).is_none();
+        let position = match Positions::find(table)? {
+            Some(degrees @ Positions::Degrees(_)) => FixPlaces::Degrees(degrees, table.optional("altitude_m")?),
+            _ => FixPlaces::Metres(table.all(["x", "y", "z"])?),
+        };
         Ok(Self {
             time: table.required("time_s")?,
             emitter: table.required("emitter_id")?,
-            position: table.all(["x", "y", "z"])?,
+            position,
             covariance: has_covariance.then(|| table.all(["Pxx", "Pxy", "Pyy"])).transpose()?,
             variance,
+            sigma,
         })
     }
 
-    fn read(&self, row: Cells<'_>, base: &mut TimeBase) -> Result<ReadyFix, CsvError> {
+    fn read(&self, row: Cells<'_>, base: &mut TimeBase, plane: &mut Plane) -> Result<ReadyFix, CsvError> {
         Ok(ReadyFix {
             time_of_measurement_ns: base.utc_ns(row, self.time)?,
             emitter_id: row.whole(self.emitter)?,
-            position_m: row.numbers(self.position)?,
+            position_m: match &self.position {
+                FixPlaces::Metres(columns) => {
+                    plane.take_metres(row, columns[0])?;
+                    row.numbers(*columns)?
+                }
+                FixPlaces::Degrees(degrees, height) => {
+                    let height_m = row.number_or_empty(*height)?;
+                    degrees.read(row, height_m, plane)?.position_m
+                }
+            },
             covariance_m2: self.covariance(row)?,
         })
     }
 
     fn covariance(&self, row: Cells<'_>) -> Result<[f64; 3], CsvError> {
-        if let Some(variance) = self.variance {
-            let is_needed = match self.covariance {
-                Some([first, ..]) => row.text(first)?.is_none(),
-                None => true,
+        let is_needed = match self.covariance {
+            Some([first, ..]) => row.text(first)?.is_none(),
+            None => true,
+        };
+        if let Some(column) = self.variance.or(self.sigma).filter(|_| is_needed) {
+            let stated = above_zero(row, column)?;
+            let axis_m2 = if self.variance.is_some() {
+                0.5 * stated
+            } else {
+                stated * stated
             };
-            if is_needed {
-                let half_m2 = 0.5 * above_zero(row, variance)?;
-                return Ok([half_m2, 0.0, half_m2]);
-            }
+            return Ok([axis_m2, 0.0, axis_m2]);
         }
         let Some([xx, xy, yy]) = self.covariance else {
             unreachable!("a table of fixes has one of both")
@@ -292,12 +342,12 @@ impl FixColumns {
     }
 }
 
-fn receiver(row: Cells<'_>, name: Column, position: [Column; 3]) -> Result<Receiver, CsvError> {
+fn receiver(row: Cells<'_>, name: Column, position_m: [f64; 3]) -> Result<Receiver, CsvError> {
     let text = row.text(name)?.unwrap_or_default();
     let no_name = || row.error(name, "is no name; write 1 to 16 visible ASCII characters");
     Ok(Receiver {
         name: ReceiverName::new(text).ok_or_else(no_name)?,
-        position_m: row.numbers(position)?,
+        position_m,
     })
 }
 

@@ -23,6 +23,7 @@
 //! - [`sensor_tracks_csv`], [`detections_csv`], [`bearings_csv`], [`emitter_rows_csv`], [`wide_area_csv`]:
 //!   observations and sensor tracks as rows of text;
 //! - [`named_columns`]: sensor tracks from tables in degrees, with the column names of others;
+//! - [`plane`]: places in degrees in any of these tables, as places in the plane of a run;
 //! - [`platform_states_csv`], [`cues_csv`], [`alarms_csv`], [`decisions_csv`], [`orders_csv`], [`statements_csv`]: what
 //!   is written only;
 //! - [`tracks_csv`]: system tracks, and tracks of a tracker, as output.
@@ -52,6 +53,7 @@ pub mod observation;
 mod on_board;
 pub mod orders_csv;
 mod parts;
+pub mod plane;
 pub mod platform_states_csv;
 pub mod readsb;
 pub mod recording;

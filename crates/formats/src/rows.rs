@@ -10,7 +10,6 @@ use std::marker::PhantomData;
 use std::str::FromStr;
 
 use csv_table::{Cells, CsvError, Table};
-use jiff::Timestamp;
 use observations::sensor_id;
 
 /// A value that is written as a row.
@@ -116,16 +115,8 @@ fn date(day: i64) -> (i64, i64, i64) {
 impl FromStr for Utc {
     type Err = jiff::Error;
 
-    /// Decimals of a second beyond the ninth are cut: RFC 3339 allows any number of them.
     fn from_str(text: &str) -> Result<Self, jiff::Error> {
-        /// Decimals of a nanosecond.
-        const DECIMALS: usize = 9;
-        let cut = text.split_once('.').and_then(|(whole, rest)| {
-            let decimals = rest.bytes().take_while(u8::is_ascii_digit).count();
-            (decimals > DECIMALS).then(|| format!("{whole}.{}{}", &rest[..DECIMALS], &rest[decimals..]))
-        });
-        let time_ns = cut.as_deref().unwrap_or(text).parse::<Timestamp>()?.as_nanosecond();
-        Ok(Self(i64::try_from(time_ns).unwrap_or(i64::MAX)))
+        csv_table::zoned_ns(text).map(Self)
     }
 }
 
@@ -239,6 +230,7 @@ impl<R: Read, C: Columns> Iterator for RowReader<R, C> {
 
 #[cfg(test)]
 mod tests {
+    use jiff::Timestamp;
     use proptest::prelude::*;
 
     use super::*;

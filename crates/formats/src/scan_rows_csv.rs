@@ -4,6 +4,8 @@
 //! detection and after the last one no gap shows it, although a tracker has to know that the sensor looked and found
 //! nothing. A row of the kind `none` states such a scan: its time, its sensor and its number. `detection_id` and the
 //! position of the sensor may be empty; measured values and standard deviations must be.
+//!
+//! Tables of others state detections by named columns ([`crate::named_columns`]), without such scans.
 
 use std::io::{self, Read, Write};
 
@@ -11,6 +13,8 @@ use csv_table::{Cells, Column, CsvError, Table};
 
 use crate::cells::{Cell as _, Time};
 use crate::detections_csv::{DetectionColumns, RepliedDetection};
+use crate::named_columns::detections::{NamedDetections, has_named_detections};
+use crate::plane::{InPlane, Plane};
 use crate::rows::{Columns, Reference, Row, RowReader};
 use observations::Detection;
 
@@ -65,9 +69,27 @@ impl Row for RepliedScanRow {
     }
 }
 
-/// Columns of detections, and those that a scan without detections needs.
+/// Columns of detections.
 #[derive(Debug)]
 pub struct ScanRowColumns {
+    layout: Layout,
+    /// The plane of a table in metres, which states no places in degrees.
+    plane: Plane,
+}
+
+/// How a table states detections.
+#[derive(Debug)]
+#[expect(clippy::large_enum_variant, reason = "there is one for a table")]
+enum Layout {
+    /// In columns of its own (FM-6).
+    Own(OwnColumns),
+    /// By named columns.
+    Named(NamedDetections),
+}
+
+/// Columns of detections, and those that a scan without detections needs.
+#[derive(Debug)]
+struct OwnColumns {
     detections: DetectionColumns,
     time: Column,
     sensor: Column,
@@ -84,21 +106,71 @@ impl<R: Read> ScanRowReader<R> {
     /// [`CsvError`] if a column is missing or the input fails.
     pub fn new(input: R, first_day_ns: i64) -> Result<Self, CsvError> {
         let table = Table::new(input)?;
+        let layout = match has_named_detections(&table) {
+            true => Layout::Named(NamedDetections::find(&table, first_day_ns)?),
+            false => Layout::Own(OwnColumns::find(&table, first_day_ns)?),
+        };
         let columns = ScanRowColumns {
-            detections: DetectionColumns::find(&table, first_day_ns)?,
+            layout,
+            plane: Plane::Open,
+        };
+        Ok(Self { table, columns })
+    }
+
+    /// As [`Self::new`], for a table that continues others of the same sensors: its scans must have numbers.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_scans(input: R, first_day_ns: i64) -> Result<Self, CsvError> {
+        let reader = Self::new(input, first_day_ns)?;
+        match &reader.columns.layout {
+            Layout::Named(named) if named.scan.is_none() => Err(reader.table.missing("scan")),
+            _ => Ok(reader),
+        }
+    }
+
+    /// Counts rows without a sensor to the sensor of this number, instead of 1.
+    pub fn set_sensor(&mut self, sensor_id: u32) {
+        if let Layout::Named(named) = &mut self.columns.layout {
+            named.sensor_id = sensor_id;
+        }
+    }
+}
+
+impl OwnColumns {
+    fn find<R: Read>(table: &Table<R>, first_day_ns: i64) -> Result<Self, CsvError> {
+        Ok(Self {
+            detections: DetectionColumns::find(table, first_day_ns)?,
             time: table.required("time_s")?,
             sensor: table.required("sensor_id")?,
             scan: table.required("scan")?,
             kind: table.required("kind")?,
             measured: table.all(["m0", "m1", "m2", "m3", "s0", "s1", "s2", "s3"])?,
-        };
-        Ok(Self { table, columns })
+        })
+    }
+}
+
+impl InPlane for ScanRowColumns {
+    fn plane(&mut self) -> &mut Plane {
+        match &mut self.layout {
+            Layout::Own(_) => &mut self.plane,
+            Layout::Named(named) => &mut named.plane,
+        }
     }
 }
 
 impl Columns for ScanRowColumns {
     type Value = ScanRow;
 
+    fn read(&mut self, row: Cells<'_>) -> Result<ScanRow, CsvError> {
+        match &mut self.layout {
+            Layout::Own(own) => own.read(row),
+            Layout::Named(named) => named.read(row).map(ScanRow::Detection),
+        }
+    }
+}
+
+impl OwnColumns {
     fn read(&mut self, row: Cells<'_>) -> Result<ScanRow, CsvError> {
         if row.text(self.kind)? != Some(NONE) {
             return self.detections.read(row).map(ScanRow::Detection);

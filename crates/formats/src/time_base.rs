@@ -1,6 +1,6 @@
 //! Where the times of a table count from: a midnight, or 1970.
 
-use csv_table::{Cells, Column, CsvError};
+use csv_table::{Cells, Column, CsvError, TimeForm};
 
 /// Returns whether a time, nanoseconds, is beyond all times since a midnight: such a time counts from 1970.
 pub fn is_since_1970(time_ns: i64) -> bool {
@@ -26,17 +26,28 @@ impl TimeBase {
         }
     }
 
-    /// The midnight from which times of day count, UTC, nanoseconds.
-    pub(crate) fn first_day_ns(&self) -> i64 {
-        self.first_day_ns
-    }
-
-    /// Returns the time in a column, UTC, nanoseconds.
+    /// Returns the time in a column, UTC, nanoseconds: in seconds if the name of the column ends with their unit, else in
+    /// any form.
     ///
     /// # Errors
     /// If the value is no time, or counts from elsewhere than that of the first row.
     pub(crate) fn utc_ns(&mut self, row: Cells<'_>, column: Column) -> Result<i64, CsvError> {
-        let time_ns = row.utc_ns(column, self.first_day_ns)?;
+        match row.utc_ns(column, self.first_day_ns) {
+            Err(_) if !column.name().ends_with("_s") => self.any_utc_ns(row, column),
+            time_ns => self.on_base(row, column, time_ns?),
+        }
+    }
+
+    /// Returns the time in a column, in any form, UTC, nanoseconds.
+    ///
+    /// # Errors
+    /// As [`Self::utc_ns`].
+    pub(crate) fn any_utc_ns(&mut self, row: Cells<'_>, column: Column) -> Result<i64, CsvError> {
+        let (stated_ns, form) = row.any_time(column)?;
+        let time_ns = match form {
+            TimeForm::OfDay => self.first_day_ns.saturating_add(stated_ns),
+            TimeForm::Since1970 | TimeForm::Zoned | TimeForm::Unzoned => stated_ns,
+        };
         self.on_base(row, column, time_ns)
     }
 
@@ -44,7 +55,7 @@ impl TimeBase {
     ///
     /// # Errors
     /// If it counts from elsewhere.
-    pub(crate) fn on_base(&mut self, row: Cells<'_>, column: Column, time_ns: i64) -> Result<i64, CsvError> {
+    fn on_base(&mut self, row: Cells<'_>, column: Column, time_ns: i64) -> Result<i64, CsvError> {
         let is_far = is_since_1970(time_ns.saturating_sub(self.first_day_ns));
         if *self.since_1970.get_or_insert(is_far) != is_far {
             let reason =

@@ -8,8 +8,8 @@ use std::time::Duration;
 use clap::{Args, Command, Parser, Subcommand};
 use command_line::refusal;
 use command_line::values::above_zero;
+use csv_table::{NamedColumn, SENSOR_COLUMNS, TARGET_COLUMNS, named_columns_help};
 use formats::cues_csv::CueRow;
-use formats::named_columns::named_columns_help;
 use formats::rows::Row as _;
 use frames::Geodetic;
 use locating::DroppedEmitter;
@@ -221,17 +221,20 @@ fn is_help_asked() -> bool {
     std::env::args_os().any(|word| asks.iter().any(|asked| word == *asked))
 }
 
+/// Names of columns in lines of help.
+fn names_of(columns: &[NamedColumn]) -> String {
+    let named = named_columns_help(columns, 69);
+    let lines: Vec<_> = named.lines().map(|line| format!("           {line}")).collect();
+    lines.join("\n")
+}
+
 /// Returns the help of `koseki fuse`, with the keys of a sensor and the named columns; empty unless help is asked for.
 fn fuse_examples() -> String {
     if !is_help_asked() {
         return String::new();
     }
     let text = FUSE_EXAMPLES.replace("{KEYS}", configuration::sensor_help().trim_end());
-    let named: Vec<_> = named_columns_help(69)
-        .lines()
-        .map(|line| format!("           {line}"))
-        .collect();
-    let text = text.replace("{NAMED}", &named.join("\n"));
+    let text = text.replace("{NAMED}", &names_of(TARGET_COLUMNS));
     text.replace("{DECISION}", &in_lines(&Decision::columns()))
 }
 
@@ -431,7 +434,12 @@ Examples:
          metres east, north and up; p is the position of the platform. A file
          may contain any number of emitters. If emitter_id is empty, frequency
          and direction identify the emitter, numbered from 1000001 on. Unusable
-         rows are omitted and counted.
+         rows are omitted and counted. In place of px,py,pz: latitude and
+         longitude; bearings are then from true north there, and --out has
+         latitude and longitude at the end. Columns may have any of the
+         following names, in any case and order, and the names of `koseki fuse
+         --help` for time and place; times as there:
+{NAMED}
          With a column kind, a file mixes kinds of rows; values that a kind does
          not use may be empty:
          bearing   as above; also if kind is empty
@@ -450,7 +458,8 @@ Examples:
          are not located. In a file with such a row, arrivals before the clocks
          are known are omitted; in others, clocks are exact.
 --fixes  time_s,emitter_id,x,y,z and Pxx,Pxy,Pyy (m²), or variance_m2, the sum
-         of both
+         of both, or sigma_m along each axis; in place of x,y,z: latitude,
+         longitude and altitude_m
          a row per fix, in the order of time
 --filter
          auto      by the data: fixed point, straight motion or manoeuvring, the
@@ -486,7 +495,8 @@ output against a truth.";
 /// Returns the help of `koseki locate`, with the keys of its configuration.
 fn locate_examples() -> String {
     let text = LOCATE_EXAMPLES.replace("{KEYS}", &configuration::locating_help());
-    text.replace("{FIX}", &in_lines(FIX_COLUMNS))
+    text.replace("{NAMED}", &names_of(SENSOR_COLUMNS))
+        .replace("{FIX}", &in_lines(FIX_COLUMNS))
         .replace("{DECISION}", &in_lines(DECISION_COLUMNS))
 }
 
@@ -508,6 +518,9 @@ pub struct Locate {
     /// Selection of fixes: auto, none, interval, minimum or staged [default: the value in --config, else auto]
     #[arg(long, value_name = "SELECTION")]
     pub(crate) select: Option<String>,
+    /// Origin of the plane for tables in degrees, and for latitude and longitude in --out [default: the first place]
+    #[arg(long, value_name = "LAT,LON[,HEIGHT]", value_parser = place, allow_hyphen_values = true)]
+    pub(crate) origin: Option<Geodetic>,
     /// Emitter that the platform dropped, with time and place (repeatable)
     #[arg(long, value_name = "ID:TIME_S:EAST,NORTH[:SIGMA_M]", value_parser = dropped)]
     pub(crate) dropped: Vec<DroppedEmitter>,

@@ -2,13 +2,11 @@
 
 use std::io::Read;
 
-use csv_table::{CsvError, Table};
+use csv_table::{CsvError, Table, TimeForm};
 use frames::Geodetic;
 
-use super::header::{Places, Positions, TargetNames, has_named_columns};
-use super::list::Quantity;
-use super::reader::place;
-use super::values::{TimeForm, time};
+use super::header::{Places, TargetNames, has_named_columns};
+use crate::plane::{Positions, place};
 
 /// Outline of a table of named columns.
 #[derive(Clone, Debug)]
@@ -63,8 +61,8 @@ impl TableOutline {
             time_form: None,
             time_column: at.time.name(),
             target_names: at.target_names(),
-            has_sigma: at.of(Quantity::Sigma).is_some(),
-            has_sources: at.of(Quantity::Source).is_some(),
+            has_sigma: at.sigma.is_some(),
+            has_sources: at.source.is_some(),
             ignored: at.ignored.clone(),
         };
         while outline.time_form.is_none() || outline.is_in_degrees && outline.first_place.is_none() {
@@ -74,10 +72,10 @@ impl TableOutline {
                 Err(error) if error.is_of_row() => continue,
                 Err(error) => return Err(error),
             };
-            let form = time(&row, at.time).ok().map(|(_, form)| form);
+            let form = row.any_time(at.time).ok().map(|(_, form)| form);
             outline.time_form = outline.time_form.or(form);
-            if let (Positions::Degrees(fields), Some(_)) = (at.positions, form) {
-                let found = place(&row, fields, 0.0).ok();
+            if let (Positions::Degrees(columns), Some(_)) = (at.positions, form) {
+                let found = place(row, columns, 0.0).ok();
                 outline.first_place = outline.first_place.or(found.map(|place| (place, row.line())));
             }
         }

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use test_support::recording;
 
 use super::*;
-use csv_table::Table;
+use csv_table::{TARGET_COLUMNS, Table, TimeForm};
 
 const SIGMA_M: f64 = 30.0;
 
@@ -349,11 +349,11 @@ proptest! {
     #[test]
     fn any_text_is_refused_or_read_and_each_row_once(
         is_plane: bool,
-        names in prop::collection::vec(0..NAMED_COLUMNS.len(), 0..8),
+        names in prop::collection::vec(0..TARGET_COLUMNS.len(), 0..8),
         rows in prop::collection::vec(prop::collection::vec(cell(), 11), 0..12),
     ) {
         let mut header = if is_plane { vec!["time", "x", "y"] } else { vec!["time", "lat", "lon"] };
-        header.extend(names.iter().map(|place| NAMED_COLUMNS[*place].name));
+        header.extend(names.iter().map(|place| TARGET_COLUMNS[*place].name));
         let quoted = |cells: &[String]| {
             let cells = cells.iter().take(header.len()).map(|cell| format!("\"{}\"", cell.replace('"', "\"\"")));
             cells.collect::<Vec<_>>().join(",")

@@ -11,7 +11,7 @@ use observations::EmitterMeasurement;
 
 use crate::files::InputError;
 use crate::host::Host;
-use crate::reading::{CountingInput, FileBases, SkippedRows};
+use crate::reading::{CountingInput, FileBases, FilePlane, SkippedRows};
 
 /// A measurement, and the file and line of its row.
 #[derive(Debug)]
@@ -28,6 +28,7 @@ pub(super) struct MeasurementInput<'a> {
     pub(super) octets_read: Rc<RefCell<u64>>,
     pub(super) refusals: SkippedRows,
     pub(super) bases: FileBases,
+    pub(super) plane: FilePlane,
     /// Whether there are rows of reference emitters.
     pub(super) has_references: bool,
 }
@@ -50,6 +51,7 @@ impl<'a> MeasurementInput<'a> {
         host: &dyn Host,
         measurements: &'a [PathBuf],
         fixes: Option<&'a Path>,
+        plane: FilePlane,
     ) -> Result<Self, InputError> {
         let mut input = Self {
             files: Vec::new(),
@@ -57,6 +59,7 @@ impl<'a> MeasurementInput<'a> {
             octets_read: Rc::default(),
             refusals: SkippedRows::default(),
             bases: FileBases::default(),
+            plane,
             has_references: false,
         };
         let measurements = measurements.iter().map(|path| (path.as_path(), false));
@@ -67,7 +70,9 @@ impl<'a> MeasurementInput<'a> {
             let reader = reader.map_err(|error| InputError::new(path, error))?;
             if reader.has_fixes() != has_fixes {
                 let why = match has_fixes {
-                    true => "has no fixes, which need the columns x, y, z; name it with --bearings",
+                    true => {
+                        "has no fixes, which need the columns x, y, z or latitude, longitude; name it with --bearings"
+                    }
                     false => "has fixes; name it with --fixes",
                 };
                 return Err(InputError::new(path, why));
@@ -83,7 +88,9 @@ impl<'a> MeasurementInput<'a> {
             });
         }
         for file in &mut input.files {
+            input.plane.lend(&mut file.reader);
             file.advance(&mut input.refusals)?;
+            input.plane.take(file.path, &mut file.reader);
             if let Some(row) = &file.next {
                 input.bases.add(file.path, is_since_1970(row.measured.time_ns()))?;
             }

@@ -13,6 +13,7 @@ use std::io::Write as _;
 use std::path::Path;
 
 use anyhow::Context as _;
+use frames::SystemFrame;
 use locating::selection::Select;
 use locating::settings::{ClockChoice, FilterChoice, Settings};
 use locating::{BearingRejection, DroppedEmitter, EmitterReport, Locator};
@@ -22,8 +23,8 @@ use platform::{Assumed, History, Mount, Refusal};
 use crate::args::Locate;
 use crate::files::{InputError, OutputFile, Usage, check_answer, check_outputs};
 use crate::host::{Host, TableOutput};
-use crate::locate_columns::FIX_COLUMNS;
-use crate::reading::{Progress, SkippedRows, platform_states};
+use crate::locate_columns::{FIX_COLUMNS, PLACE_COLUMNS};
+use crate::reading::{FilePlane, Progress, SkippedRows, platform_states};
 use decisions::Decisions;
 use input::{MeasuredRow, MeasurementInput};
 use picture::Paths;
@@ -48,19 +49,27 @@ pub(crate) fn run(locate: &Locate, host: &dyn Host) -> anyhow::Result<()> {
     check_answer(locate.json, &outputs)?;
     let (mut settings, mut dropped) = settings(locate, host)?;
     dropped.extend_from_slice(&locate.dropped);
-    let mut input = MeasurementInput::open(host, &locate.bearings, locate.fixes.as_deref())?;
+    let mut input = MeasurementInput::open(
+        host,
+        &locate.bearings,
+        locate.fixes.as_deref(),
+        FilePlane::at(locate.origin),
+    )?;
     if settings.arrivals.clocks == ClockChoice::Auto && input.has_references {
         settings.arrivals.clocks = ClockChoice::Estimated;
     }
     let mut locator = Locator::new(settings).map_err(|fault| Usage(fault.to_string()))?;
     locator.set_dropped(&dropped);
     let mut out = host.begin(&locate.out)?;
-    writeln!(out, "{FIX_COLUMNS}").with_context(|| unwritten(locate))?;
+    let frame = input.plane.frame();
+    let placed = if frame.is_some() { PLACE_COLUMNS } else { "" };
+    writeln!(out, "{FIX_COLUMNS}{placed}").with_context(|| unwritten(locate))?;
     let explained = locate.explain.as_deref();
     let mut location = Location {
         locate,
         locator,
         out,
+        frame,
         decisions: explained.map(|path| Decisions::begin(host, path)).transpose()?,
         paths: locate.picture.as_ref().map(|_| Paths::new(locate.emitter)),
         picture: locate.picture.as_deref().map(OutputFile::begin).transpose()?,
@@ -90,7 +99,7 @@ pub(crate) fn run(locate: &Locate, host: &dyn Host) -> anyhow::Result<()> {
     }
     location.complete(None, &mut input.refusals)?;
     drop(progress);
-    location.finish(host, &input.refusals)
+    location.finish(host, &input)
 }
 
 fn unwritten(locate: &Locate) -> String {
@@ -102,6 +111,8 @@ struct Location<'a> {
     locate: &'a Locate,
     locator: Locator,
     out: Box<dyn TableOutput>,
+    /// The frame of the plane, if its origin is known.
+    frame: Option<SystemFrame>,
     decisions: Option<Decisions>,
     paths: Option<Paths>,
     picture: Option<OutputFile>,
@@ -146,7 +157,7 @@ impl Location<'_> {
         match taken {
             Ok(report) => {
                 if let Some(report) = &report {
-                    rows::write(&mut self.out, report).with_context(|| unwritten(self.locate))?;
+                    rows::write(&mut self.out, report, self.frame.as_ref()).with_context(|| unwritten(self.locate))?;
                     self.summary.emitters.insert(report.number);
                 }
                 if let Some(paths) = &mut self.paths {
@@ -166,7 +177,7 @@ impl Location<'_> {
         Ok(())
     }
 
-    fn finish(self, host: &dyn Host, refusals: &SkippedRows) -> anyhow::Result<()> {
+    fn finish(self, host: &dyn Host, input: &MeasurementInput<'_>) -> anyhow::Result<()> {
         self.out.finish()?;
         if let Some(table) = self.decisions {
             table.finish()?;
@@ -174,7 +185,7 @@ impl Location<'_> {
         if let (Some(paths), Some(file)) = (self.paths, self.picture) {
             paths.draw(file)?;
         }
-        self.summary.show(host, self.locate, &self.locator, refusals)
+        self.summary.show(host, self.locate, &self.locator, input)
     }
 }
 

@@ -2,13 +2,15 @@
 
 use std::io::{self, Write};
 
+use frames::SystemFrame;
 use locating::EmitterReport;
 
-/// Writes a row: positions in millimetres, and velocities precise enough for the same accuracy over an hour.
+/// Writes a row: positions in millimetres, and velocities precise enough for the same accuracy over an hour; with a frame
+/// the output in degrees, too, in centimetres.
 ///
 /// # Errors
 /// If the writer fails.
-pub(super) fn write(out: &mut impl Write, report: &EmitterReport) -> io::Result<()> {
+pub(super) fn write(out: &mut impl Write, report: &EmitterReport, frame: Option<&SystemFrame>) -> io::Result<()> {
     let (raw, output) = (&report.raw, &report.output);
     let [x, y, z] = output.position_m;
     let [vx, vy, vz] = output.velocity_mps;
@@ -31,10 +33,15 @@ pub(super) fn write(out: &mut impl Write, report: &EmitterReport) -> io::Result<
         p[(0, 1)],
         p[(1, 1)]
     )?;
-    writeln!(
+    write!(
         out,
         ",{raw_vx:.6},{raw_vy:.6},{},{}",
         raw.motion.word(),
         u8::from(raw.is_agreed)
-    )
+    )?;
+    if let Some(frame) = frame {
+        let place = frame.to_geodetic(output.position_m);
+        write!(out, ",{:.7},{:.7}", place.latitude_deg(), place.longitude_deg())?;
+    }
+    writeln!(out)
 }

@@ -10,7 +10,8 @@ use serde_json::{Value, json};
 use crate::args::Locate;
 use crate::files::output_name;
 use crate::host::Host;
-use crate::reading::SkippedRows;
+
+use super::input::MeasurementInput;
 
 /// Counts during the run.
 #[derive(Debug, Default)]
@@ -47,13 +48,14 @@ impl LocateSummary {
         host: &dyn Host,
         locate: &Locate,
         locator: &Locator,
-        refusals: &SkippedRows,
+        input: &MeasurementInput<'_>,
     ) -> anyhow::Result<()> {
-        let json = locate.json.then(|| self.as_json(locate, locator, refusals));
-        host.show(json, || self.as_text(locate, locator, refusals))
+        let json = locate.json.then(|| self.as_json(locate, locator, input));
+        host.show(json, || self.as_text(locate, locator, input))
     }
 
-    fn as_json(&self, locate: &Locate, locator: &Locator, refusals: &SkippedRows) -> Value {
+    fn as_json(&self, locate: &Locate, locator: &Locator, input: &MeasurementInput<'_>) -> Value {
+        let refusals = &input.refusals;
         let (counts, settings) = (locator.counts(), locator.settings());
         json!({
             "out": locate.out.display().to_string(),
@@ -75,14 +77,15 @@ impl LocateSummary {
             "rows_refused": refusals.rows(),
             "refused": refusals.by_reason,
             "first_refused": refusals.first,
+            "assumed": input.plane.assumed.iter().collect::<Vec<_>>(),
             "locator_s": self.locator_ns as f64 / NS_PER_S,
             "us_per_bearing": self.us_per_bearing(locator),
         })
     }
 
-    fn as_text(&self, locate: &Locate, locator: &Locator, refusals: &SkippedRows) -> String {
+    fn as_text(&self, locate: &Locate, locator: &Locator, input: &MeasurementInput<'_>) -> String {
         let (counts, settings) = (locator.counts(), locator.settings());
-        let mut text = refusals.as_text();
+        let mut text = input.refusals.as_text() + &input.plane.as_text();
         let models: Vec<String> = (self.by_model().iter())
             .map(|(motion, emitters)| format!("{emitters} {motion}"))
             .collect();

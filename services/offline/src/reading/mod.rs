@@ -4,6 +4,7 @@
 mod arrivals;
 mod begun;
 mod drive;
+mod file_plane;
 mod kept;
 mod merged;
 mod named;
@@ -18,6 +19,7 @@ mod time_base;
 
 pub(crate) use arrivals::ArrivedReport;
 pub(crate) use drive::{DriveTotals, EngineReader, drive, drive_into};
+pub(crate) use file_plane::FilePlane;
 pub(crate) use platform_states::platform_states;
 pub(crate) use progress::{CountingInput, Progress};
 pub use refusals::SkippedRows;

@@ -10,10 +10,12 @@ use std::io::Read;
 use std::path::Path;
 use std::rc::Rc;
 
-use formats::named_columns::{NamedTrackReader, TableOutline, TargetNames, TimeForm};
+use csv_table::TimeForm;
+use formats::named_columns::{NamedTrackReader, TableOutline, TargetNames};
 use frames::SystemFrame;
 
 use super::begun::BegunFile;
+use super::file_plane::assumed_origin;
 use super::progress::CountingInput;
 use super::reader::FileReader;
 use super::sensors::{SensorNames, Sensors, named_source};
@@ -128,13 +130,7 @@ impl NamedTables {
             return Err(InputError::new(first, what).into());
         };
         self.frame = Some(SystemFrame::at(place));
-        self.assumptions.push(format!(
-            "origin of the plane: latitude {:.6}, longitude {:.6}, the first position of {} (line {line}), because \
-             none is given; --origin sets another",
-            place.latitude_deg(),
-            place.longitude_deg(),
-            path.display()
-        ));
+        self.assumptions.push(assumed_origin(place, path, line));
         Ok(())
     }
 

@@ -1,56 +1,14 @@
-//! Values of cells: numbers, times, flags and texts as programs write them.
-//!
-//! Nothing is stated by an empty cell, nor by the words with which programs mark an absent value.
+//! Times as programs write them: seconds, milliseconds, dates, hours of the day.
 
-use csv_table::{Cells, Column, CsvError};
+use jiff::Timestamp;
 use jiff::civil::{DateTime, Time};
 
-use super::header::Field;
-use crate::rows::Utc;
+use crate::cells::TIME_MAX_S;
+use crate::{Cells, Column, CsvError};
 
-/// Words for an absent value, in any case.
-const ABSENT: [&str; 5] = ["nan", "null", "none", "na", "n/a"];
 /// Numbers that count milliseconds since 1970: from 1973 to 2103.
 const MILLISECONDS: std::ops::Range<f64> = 1e11..4.2e12;
 const NS_PER_MS: i64 = 1_000_000;
-
-/// The text of a cell; `None` if it states nothing.
-pub(super) fn text<'r>(row: &'r Cells<'_>, column: impl Into<Option<Column>>) -> Result<Option<&'r str>, CsvError> {
-    let text = row.text(column)?;
-    Ok(text.filter(|text| !ABSENT.iter().any(|word| word.eq_ignore_ascii_case(text))))
-}
-
-/// The number of a cell in the unit of its quantity; `None` if it states nothing.
-pub(super) fn number(row: &Cells<'_>, field: Option<Field>) -> Result<Option<f64>, CsvError> {
-    let Some(field) = field else { return Ok(None) };
-    match text(row, field.column)? {
-        Some(_) => Ok(row.number_or_empty(field.column)?.map(|value| value * field.scale)),
-        None => Ok(None),
-    }
-}
-
-/// A whole number as text, without the decimals that programs add to columns with absent values: `1174.0` is `1174`.
-pub(super) fn digits<'r>(row: &'r Cells<'_>, field: Option<Field>) -> Result<Option<&'r str>, CsvError> {
-    let Some(field) = field else { return Ok(None) };
-    let found = text(row, field.column)?;
-    Ok(found.map(|text| text.strip_suffix(".0").unwrap_or(text)))
-}
-
-/// A flag; `None` if the cell states nothing.
-pub(super) fn flag(row: &Cells<'_>, field: Option<Field>) -> Result<Option<bool>, CsvError> {
-    let Some(field) = field else { return Ok(None) };
-    let Some(word) = text(row, field.column)? else {
-        return Ok(None);
-    };
-    let is_in = |words: [&str; 5]| words.iter().any(|known| known.eq_ignore_ascii_case(word));
-    if is_in(["true", "1", "yes", "t", "y"]) {
-        Ok(Some(true))
-    } else if is_in(["false", "0", "no", "f", "n"]) {
-        Ok(Some(false))
-    } else {
-        Err(row.error(field.column, "is neither true nor false"))
-    }
-}
 
 /// Form of a time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,38 +23,59 @@ pub enum TimeForm {
     Unzoned,
 }
 
-/// Time of a cell: nanoseconds since 1970, or since midnight for a time of day, and the form.
-pub(super) fn time(row: &Cells<'_>, column: Column) -> Result<(i64, TimeForm), CsvError> {
-    let Some(text) = text(row, column)? else {
-        return Err(row.error(column, "states no time; write a time, or leave the row out"));
-    };
-    if text.contains(':') {
-        return clock(text).ok_or_else(|| row.error(column, "is no time; write one like 2016-01-12T13:02:11.5Z"));
+/// Reads a date and time of day with a zone (RFC 3339) as nanoseconds since 1970. Decimals of a second beyond the ninth
+/// are cut: the format allows any number of them.
+///
+/// # Errors
+/// If the text is no such time.
+pub fn zoned_ns(text: &str) -> Result<i64, jiff::Error> {
+    /// Decimals of a nanosecond.
+    const DECIMALS: usize = 9;
+    let cut = text.split_once('.').and_then(|(whole, rest)| {
+        let decimals = rest.bytes().take_while(u8::is_ascii_digit).count();
+        (decimals > DECIMALS).then(|| format!("{whole}.{}{}", &rest[..DECIMALS], &rest[decimals..]))
+    });
+    let time_ns = cut.as_deref().unwrap_or(text).parse::<Timestamp>()?.as_nanosecond();
+    Ok(i64::try_from(time_ns).unwrap_or(i64::MAX))
+}
+
+impl Cells<'_> {
+    /// Time of a cell in any form: nanoseconds since 1970, or since midnight for a time of day, and the form.
+    ///
+    /// # Errors
+    /// If the value is no time.
+    pub fn any_time(&self, column: Column) -> Result<(i64, TimeForm), CsvError> {
+        let Some(text) = self.stated(column)? else {
+            return Err(self.error(column, "states no time; write a time, or leave the row out"));
+        };
+        if text.contains(':') {
+            return clock(text).ok_or_else(|| self.error(column, "is no time; write one like 2016-01-12T13:02:11.5Z"));
+        }
+        let as_number = self.number_or_empty(column).ok().flatten();
+        if as_number.is_some_and(|number| MILLISECONDS.contains(&number)) {
+            let whole = text.parse::<i64>().ok().and_then(|ms| ms.checked_mul(NS_PER_MS));
+            let rounded = || (as_number.unwrap_or_default() * NS_PER_MS as f64) as i64;
+            return Ok((whole.unwrap_or_else(rounded), TimeForm::Since1970));
+        }
+        if as_number.is_none() && text.contains(['-', '/']) {
+            return Err(self.error(
+                column,
+                "is no time; write date and time of day like 2016-01-12T13:02:11.5Z",
+            ));
+        }
+        let time_ns = self.utc_ns(column, 0)?;
+        let form = match time_ns > frames::time::ns(TIME_MAX_S) {
+            true => TimeForm::Since1970,
+            false => TimeForm::OfDay,
+        };
+        Ok((time_ns, form))
     }
-    let as_number = row.number_or_empty(column).ok().flatten();
-    if as_number.is_some_and(|number| MILLISECONDS.contains(&number)) {
-        let whole = text.parse::<i64>().ok().and_then(|ms| ms.checked_mul(NS_PER_MS));
-        let rounded = || (as_number.unwrap_or_default() * NS_PER_MS as f64) as i64;
-        return Ok((whole.unwrap_or_else(rounded), TimeForm::Since1970));
-    }
-    if as_number.is_none() && text.contains(['-', '/']) {
-        return Err(row.error(
-            column,
-            "is no time; write date and time of day like 2016-01-12T13:02:11.5Z",
-        ));
-    }
-    let time_ns = row.utc_ns(column, 0)?;
-    let form = match crate::time_base::is_since_1970(time_ns) {
-        true => TimeForm::Since1970,
-        false => TimeForm::OfDay,
-    };
-    Ok((time_ns, form))
 }
 
 /// Reads a time with colons. The calendar's reader skips a zone that is none of its own, so a time counts as one
 /// without a zone only if it has none of the characters of a zone.
 fn clock(text: &str) -> Option<(i64, TimeForm)> {
-    if let Ok(Utc(time_ns)) = text.parse::<Utc>() {
+    if let Ok(time_ns) = zoned_ns(text) {
         return Some((time_ns, TimeForm::Zoned));
     }
     let is_plain = |text: &str| {
@@ -116,16 +95,15 @@ fn clock(text: &str) -> Option<(i64, TimeForm)> {
 
 #[cfg(test)]
 mod tests {
-    use csv_table::Table;
-
     use super::*;
+    use crate::Table;
 
     fn time_of(text: &str) -> Option<(i64, TimeForm)> {
         let written = format!("time,other\n{text},1\n");
         let mut table = Table::new(written.as_bytes()).unwrap();
         let column = table.required("time").unwrap();
         let row = table.next_row().unwrap().unwrap();
-        time(&row, column).ok()
+        row.any_time(column).ok()
     }
 
     #[test]
