@@ -20,6 +20,8 @@ pub struct Column {
     pub(crate) place: usize,
     /// Value of one of its units in the unit of the reader.
     pub(crate) scale: f64,
+    /// Whether it was found by its quantity: such a column has the forms of other programs.
+    pub(crate) is_foreign: bool,
 }
 
 /// The values of a row, as many as there are columns.
@@ -33,6 +35,12 @@ impl Column {
     /// The name that errors use.
     pub fn name(&self) -> &'static str {
         self.name
+    }
+
+    /// Whether the column was found by its quantity ([`Table::of_quantity`](crate::Table::of_quantity)), and not by the
+    /// reader's own name for it.
+    pub fn is_foreign(&self) -> bool {
+        self.is_foreign
     }
 
     /// Value of one unit of the column in the unit of the name under which it was asked for.
@@ -63,14 +71,15 @@ impl Cells<'_> {
         }
     }
 
-    /// The value as text; `None` if it states nothing: if it is empty, or a word with which programs mark an absent
-    /// value.
+    /// The value as text; `None` if it states nothing: if it is empty or, in a foreign column, a word with which
+    /// programs mark an absent value.
     ///
     /// # Errors
     /// If it is not UTF-8.
     pub fn stated(&self, column: impl Into<Option<Column>>) -> Result<Option<&str>, CsvError> {
-        let text = self.text(column)?;
-        Ok(text.filter(|text| !ABSENT.iter().any(|word| word.eq_ignore_ascii_case(text))))
+        let Some(column) = column.into() else { return Ok(None) };
+        let is_absent = |text: &&str| column.is_foreign && ABSENT.iter().any(|word| word.eq_ignore_ascii_case(text));
+        Ok(self.text(column)?.filter(|text| !is_absent(text)))
     }
 
     /// A finite number.

@@ -4,8 +4,8 @@
 //! reader needs. A column that the header does not have under the reader's name is found under the names and in the
 //! units of other programs ([`NamedColumn`]). Names are looked up once for a header; rows are read by places.
 //!
-//! Values are separated by commas, with or without quotation marks around them; a quoted value ends in its line, so that
-//! a stray mark spoils this line alone. Blanks around values, blank lines, a byte order mark and the line ends of other
+//! Values are separated by commas, with or without quotation marks around them; a quoted value ends in its line, so
+//! that a stray mark spoils this line alone. Blanks around values, blank lines, a byte order mark and the line ends of other
 //! systems are accepted.
 //!
 //! An error in a row of a large file must be easy to find. Every error therefore names the line (as counted by
@@ -201,6 +201,7 @@ impl<R: Read> Table<R> {
             name: "",
             place: 0,
             scale: 1.0,
+            is_foreign: false,
         }; N];
         for (column, name) in columns.iter_mut().zip(names) {
             *column = self.required(name)?;
@@ -230,8 +231,12 @@ impl<R: Read> Table<R> {
             .iter()
             .enumerate()
             .filter(|(_, found)| found.trim_ascii() == name.as_bytes());
-        let scale = 1.0;
-        let found = places.next().map(|(place, _)| Column { name, place, scale });
+        let found = places.next().map(|(place, _)| Column {
+            name,
+            place,
+            scale: 1.0,
+            is_foreign: false,
+        });
         match places.next() {
             Some(_) => Err(self.header_error(name, "stands there more than once")),
             None => Ok(found),
@@ -258,7 +263,12 @@ impl<R: Read> Table<R> {
                 return Err(self.clash(first, Column { name, place, ..first }, fault));
             }
             let scale = entry.scale / asked.scale;
-            found = Some(Column { name, place, scale });
+            found = Some(Column {
+                name,
+                place,
+                scale,
+                is_foreign: true,
+            });
         }
         Ok(found)
     }

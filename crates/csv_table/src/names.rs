@@ -154,6 +154,22 @@ impl NamedColumn {
         let is_text = spelled.iter().all(|octet| octet.is_ascii_graphic() || *octet == b' ');
         is_text.then(|| BY_NAME.get(&plain(spelled)).copied()).flatten()
     }
+
+    /// Returns the one of `known` names that states the quantity of a name as a line spells it, and the value of one of
+    /// its units in the unit of the known name. An altitude by pressure stands for a height, as in tables.
+    pub fn among(spelled: &str, known: &[&'static str]) -> Option<(&'static str, f64)> {
+        /// Quantities that are taken for another where only this one is known.
+        const TAKEN_FOR: [(&str, &str); 2] = [("baroaltitude", "altitude_m"), ("track_id", "track")];
+        let (entry, _) = Self::find(spelled.as_bytes())?;
+        let other = TAKEN_FOR.iter().find(|(quantity, _)| *quantity == entry.quantity);
+        let quantities = [Some(entry.quantity), other.map(|(_, other)| *other)];
+        quantities.into_iter().flatten().find_map(|quantity| {
+            known.iter().find_map(|name| {
+                let (of_known, _) = Self::find(name.as_bytes()).filter(|(known, _)| known.quantity == quantity)?;
+                Some((*name, entry.scale / of_known.scale))
+            })
+        })
+    }
 }
 
 /// A name without case, blanks and marks.
@@ -248,6 +264,35 @@ mod tests {
         ] {
             assert_eq!(NamedColumn::find(unknown.as_bytes()), None, "{unknown}");
         }
+    }
+
+    #[test]
+    fn a_name_stands_for_a_known_one_of_its_quantity() {
+        let known = [
+            "height_m",
+            "speed_mps",
+            "bearing_deg",
+            "track",
+            "time",
+            "time_s",
+            "sensor_east_m",
+        ];
+        for (spelled, name, scale) in [
+            ("FL", "height_m", 30.48),
+            ("altitude_m", "height_m", 1.0),
+            ("sog", "speed_mps", 0.514_444),
+            ("azimuth_deg", "bearing_deg", 1.0),
+            ("bearing_rad", "bearing_deg", 57.295_78),
+            ("id", "track", 1.0),
+            ("timestamp", "time", 1.0),
+            ("px", "sensor_east_m", 1.0),
+        ] {
+            let (found, factor) = NamedColumn::among(spelled, &known).unwrap();
+            assert_eq!(found, name, "{spelled}");
+            assert!((factor - scale).abs() < 1e-5, "{spelled}: {factor}");
+        }
+        assert_eq!(NamedColumn::among("mmsi", &known), None);
+        assert_eq!(NamedColumn::among("altitude", &known), None);
     }
 
     #[test]

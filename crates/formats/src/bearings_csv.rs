@@ -55,6 +55,8 @@ impl<R: Read> BearingReader<R> {
     /// [`CsvError`] if a column is missing or the input fails.
     pub fn new(input: R, first_day_ns: i64) -> Result<Self, CsvError> {
         let table = Table::new(input)?;
+        // A table that lacks it is none of emissions, most likely.
+        table.required("emitter_id")?;
         let columns = BearingColumns {
             base: TimeBase::new(first_day_ns),
             plane: Plane::Open,

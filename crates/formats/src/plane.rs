@@ -79,6 +79,13 @@ pub trait InPlane {
 }
 
 impl<R: Read, C: InPlane> RowReader<R, C> {
+    /// Places what is in degrees in this plane.
+    #[must_use]
+    pub fn placed_in(mut self, plane: Plane) -> Self {
+        *self.plane() = plane;
+        self
+    }
+
     /// The plane of the places in degrees: open, unless another is put in.
     pub fn plane(&mut self) -> &mut Plane {
         self.columns.plane()
@@ -285,3 +292,7 @@ pub(crate) fn place(row: Cells<'_>, columns: [Column; 2], height_m: f64) -> Resu
         row.error(column, reason)
     })
 }
+
+#[cfg(test)]
+#[path = "plane_tests.rs"]
+mod tests;

@@ -165,9 +165,9 @@ impl<F: FnMut(u32) -> Option<u16>> Columns for SensorTrackColumns<F> {
         for (value, column) in state.iter_mut().zip(self.at.kinematics) {
             *value = row.number_or_empty(column)?;
         }
-        for (value, column) in state.iter_mut().zip(self.at.kinematics).take(PLACES) {
-            if let (Some(column), None) = (column, &value) {
-                *value = Some(row.number(column)?);
+        for (column, value) in self.at.kinematics.iter().zip(&state).take(PLACES) {
+            if let (Some(column), None) = (column, value) {
+                return Err(row.error(*column, "is empty; write a number"));
             }
         }
         let trace_m2 = self.trace(row)?;

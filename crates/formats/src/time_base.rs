@@ -26,14 +26,13 @@ impl TimeBase {
         }
     }
 
-    /// Returns the time in a column, UTC, nanoseconds: in seconds if the name of the column ends with their unit, else in
-    /// any form.
+    /// Returns the time in a column, UTC, nanoseconds: in seconds, in a foreign column in any form.
     ///
     /// # Errors
     /// If the value is no time, or counts from elsewhere than that of the first row.
     pub(crate) fn utc_ns(&mut self, row: Cells<'_>, column: Column) -> Result<i64, CsvError> {
         match row.utc_ns(column, self.first_day_ns) {
-            Err(_) if !column.name().ends_with("_s") => self.any_utc_ns(row, column),
+            Err(_) if column.is_foreign() => self.any_utc_ns(row, column),
             time_ns => self.on_base(row, column, time_ns?),
         }
     }

@@ -63,6 +63,17 @@ columns! {
     "name" => row.0.track.identity.name().map(words),
 }
 
+/// A tracker's track with its place in the world.
+#[derive(Clone, Copy, Debug)]
+pub struct PlacedTrackerTrack(pub TrackerTrack, pub Geodetic);
+
+columns! {
+    PlacedTrackerTrack: |row|
+    with RepliedTrackerTrack = RepliedTrackerTrack(row.0);
+    "latitude" => Plain(row.1.latitude_deg(), 7),
+    "longitude" => Plain(row.1.longitude_deg(), 7),
+}
+
 /// Flight level of a sensor track, and its age in seconds.
 fn level(track: &SensorTrack) -> Option<(Plain, Plain)> {
     let level = Plain(f64::from(track.level) / 4.0, 2);
