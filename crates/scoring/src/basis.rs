@@ -71,11 +71,12 @@ impl FileBasis {
 
     /// Returns the time of a row.
     pub(crate) fn time_s(&mut self, row: Cells<'_>, column: Column) -> Result<f64, CsvError> {
-        let stated_s = row.number(column)?;
+        let stated_s = stated_s(row, column)?;
         let is_utc = UTC_S.contains(&stated_s);
         match (*self.has_utc.get_or_insert(is_utc), is_utc) {
             (true, true) => {}
             (true, false) => return Err(row.error(column, "is not in seconds since 1970, as the rows before are")),
+            (false, _) if column.is_foreign() => return Ok(stated_s),
             (false, _) => return row.time_s(column),
         }
         let near_s = self.near_s;
@@ -126,6 +127,15 @@ impl FileBasis {
     }
 }
 
+/// Seconds of a row, since a midnight or since 1970.
+fn stated_s(row: Cells<'_>, column: Column) -> Result<f64, CsvError> {
+    if !column.is_foreign() {
+        return row.number(column);
+    }
+    let (time_ns, _) = row.any_time(column)?;
+    Ok(frames::time::seconds(time_ns))
+}
+
 /// Columns of a place in degrees.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DegreeColumns {
@@ -133,14 +143,21 @@ pub(crate) struct DegreeColumns {
     pub(crate) longitude: Column,
     /// Height above the ellipsoid, metres.
     pub(crate) height: Option<Column>,
-    /// The same in flight levels, beside a place in metres.
+    /// The same by pressure, in flight levels.
     pub(crate) flight_level: Option<Column>,
 }
 
 impl DegreeColumns {
     /// Returns the place of a row, and whether its height is known.
     pub(crate) fn place(&self, row: Cells<'_>) -> Result<(Geodetic, bool), CsvError> {
-        let height_m = row.number_or_empty(self.height)?;
+        let level = || {
+            Ok(row
+                .number_or_empty(self.flight_level)?
+                .map(|level| level * FLIGHT_LEVEL_M))
+        };
+        let height_m = row
+            .number_or_empty(self.height)?
+            .map_or_else(level, |height_m| Ok(Some(height_m)))?;
         let [latitude_deg, longitude_deg] = row.numbers([self.latitude, self.longitude])?;
         let place = Geodetic::from_degrees(latitude_deg, longitude_deg, height_m.unwrap_or(0.0));
         let place = place.map_err(|error| row.error(self.latitude, format!("stands in no place: {error}")))?;

@@ -30,6 +30,7 @@ mod numbers;
 mod picture;
 mod reference;
 mod resolution;
+mod row_columns;
 mod scorecard;
 mod states;
 mod statistics;

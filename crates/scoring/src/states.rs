@@ -14,13 +14,10 @@ use messages::{COVARIANCE_LEN, Covariance, IdentityText};
 use rustc_hash::FxHashMap;
 
 use crate::basis::{DegreeColumns, FileBasis};
+use crate::row_columns::{IdColumn, PLANE, VelocityColumns, columns, known};
 
-/// Columns of positions and velocities, by dimension.
+/// Columns of positions, by dimension.
 const POSITION: [&str; 3] = ["x", "y", "z"];
-const VELOCITY: [&str; 3] = ["vx", "vy", "vz"];
-
-/// Number of horizontal axes.
-const PLANE: usize = 2;
 
 /// Number of an instant, in the order of time: whole seconds or places in a list.
 pub(crate) type Instant = i64;
@@ -69,10 +66,10 @@ pub(crate) struct StateRows<R, const D: usize> {
     counted: StateFilter,
     basis: FileBasis,
     time: Column,
-    id: Column,
+    id: IdColumn,
     place: PlaceColumns<D>,
     /// Optional beside places in degrees.
-    velocity: Option<[Column; D]>,
+    velocity: Option<VelocityColumns<D>>,
     state: Option<Column>,
     covariance: Option<[Column; COVARIANCE_LEN]>,
     address: Option<Column>,
@@ -101,23 +98,16 @@ impl<R: Read, const D: usize> StateRows<R, D> {
         counted: StateFilter,
     ) -> Result<Self, CsvError> {
         let table = Table::new(input)?;
-        let mut id = None;
-        for name in ids {
-            id = id.or(table.optional(name)?);
-        }
-        let id = match id {
-            Some(id) => id,
-            None => table.required(usual)?,
-        };
+        let id = IdColumn::find(&table, ids, usual)?;
         let place = PlaceColumns::find(&table)?;
         Ok(Self {
             counted,
             basis: FileBasis::default(),
             time: table.required("time_s")?,
             id,
-            velocity: match place {
-                PlaceColumns::Metres(..) => Some(columns(&table, VELOCITY)?),
-                PlaceColumns::Degrees(_) => columns(&table, VELOCITY).ok(),
+            velocity: match VelocityColumns::find(&table) {
+                Err(error) if matches!(place, PlaceColumns::Metres(..)) => return Err(error),
+                found => found.ok(),
             },
             place,
             state: match counted {
@@ -156,17 +146,18 @@ impl<R: Read, const D: usize> StateRows<R, D> {
             if !counts {
                 continue;
             }
-            let id = row.whole(self.id)?;
+            let id = self.id.read(row)?;
             let time_s = self.basis.time_s(row, self.time)?;
             let is_known = |column: Option<Column>| Ok(row.text(column)? != Some("0"));
             let has_height = is_known(self.height_valid)?;
             let has_velocity = is_known(self.velocity_valid)?;
             let velocity = self.velocity.filter(|_| has_velocity);
+            let velocity = velocity.map_or(Ok(None), |columns| columns.read(row, has_height))?;
             let mut state = KinematicState {
                 id,
                 time_s,
                 position_m: [0.0; D],
-                velocity_mps: velocity.map_or(Ok([0.0; D]), |velocity| known(row, velocity, has_height))?,
+                velocity_mps: velocity.unwrap_or([0.0; D]),
                 covariance: self.covariance.and_then(|columns| stated(row, columns)),
                 address: row.text(self.address)?.and_then(hexadecimal),
                 has_height,
@@ -221,12 +212,6 @@ impl<const D: usize> PlaceColumns<D> {
     }
 }
 
-fn columns<R: Read, const D: usize>(table: &Table<R>, names: [&'static str; 3]) -> Result<[Column; D], CsvError> {
-    let mut wanted = [""; D];
-    wanted.copy_from_slice(&names[..D]);
-    table.all(wanted)
-}
-
 /// Returns the columns of the covariance if all are present; they are optional.
 fn covariance<R: Read>(table: &Table<R>) -> Result<Option<[Column; COVARIANCE_LEN]>, CsvError> {
     for name in COVARIANCE_COLUMNS {
@@ -249,17 +234,6 @@ fn stated(row: Cells<'_>, columns: [Column; COVARIANCE_LEN]) -> Option<Covarianc
 /// Returns the address in the text; `None` for other texts, since files without identities may use the name otherwise.
 fn hexadecimal(text: &str) -> Option<u32> {
     IdentityText::ADDRESS.read(text)
-}
-
-/// Returns the components of a vector; the vertical one is 0 if heights are not known.
-fn known<const D: usize>(row: Cells<'_>, columns: [Column; D], has_height: bool) -> Result<[f64; D], CsvError> {
-    let mut numbers = [0.0; D];
-    for (axis, (number, column)) in numbers.iter_mut().zip(columns).enumerate() {
-        if axis < PLANE || has_height {
-            *number = row.number(column)?;
-        }
-    }
-    Ok(numbers)
 }
 
 /// Decides whether a state replaces a stored state.

@@ -48,8 +48,11 @@ tracks:  time_s,system_track_id (or sensor_track_id),x,y,z,vx,vy,vz
          rows with state tentative or terminated are ignored
          time_s of either file may count from a midnight or from 1970 (UTC). In
          place of x,y,z: latitude,longitude in degrees and height_m above the
-         ellipsoid; vx,vy,vz are optional there. The frame of x,y,z has its
-         origin at --origin, or the tracks state both (recorded tables do)
+         ellipsoid; vx,vy,vz are optional there, or speed and course. The frame
+         of x,y,z has its origin at --origin, or the tracks state both (recorded
+         tables do). Columns may have the names and units, and times the forms,
+         of `koseki fuse --help`; without a number, address or mmsi identifies
+         the target
 areas:   GeoJSON: polygons with a name and, for lines of certain areas, a kind:
          manoeuvring, runway, taxiway, apron, stand, approach, outer-approach,
          terminal or en-route
