@@ -26,6 +26,7 @@ mod locate;
 mod locate_arrivals;
 mod mistakes;
 mod named_columns;
+mod named_rows;
 mod on_board;
 mod open;
 mod score;

@@ -330,6 +330,16 @@ FILE     time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,
          deviations must be in --config. A recording of a deployment with a
          [[tracker]] (MCAP) gives the tracks of this tracker again, with its
          recorded settings.
+FILE     or a table without kind and m0 to m3, with columns of the following
+         names, in any case and order, and the names of `koseki fuse --help`:
+         time, latitude and longitude (or x and y), altitude_m or flight_level,
+         sigma_m and identities of a target; or time, bearing_deg, range_m and
+         elevation_deg of what was measured, and latitude and longitude (or px,
+         py, pz) of the sensor. Without source, each file is a sensor. Rows of
+         one time are a scan: name a column scan where an antenna turns. An
+         empty value, nan, null or None is unknown. --out has latitude and
+         longitude at the end.
+{NAMED}
 --platform     time_s[,px,py,pz,vx,vy,vz,heading_rad,pitch_rad,roll_rad,
          position_sigma_m,velocity_sigma_mps,
          heading_sigma_rad,pitch_sigma_rad,roll_sigma_rad]
@@ -371,7 +381,8 @@ The same files and options give the same bytes.";
 /// Returns the help of `koseki track`, with the keys of its configuration.
 fn track_examples() -> String {
     let text = TRACK_EXAMPLES.replace("{KEYS}", configuration::tracking_help().trim_end());
-    text.replace("{CUE}", &in_lines(&CueRow::columns()))
+    text.replace("{NAMED}", &names_of(SENSOR_COLUMNS))
+        .replace("{CUE}", &in_lines(&CueRow::columns()))
 }
 
 /// `koseki track`.
@@ -380,6 +391,10 @@ pub struct TrackArgs {
     /// Detections: CSV files, recordings of the Autoferry data set, or a deployment's recordings of all topics (MCAP)
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     pub(crate) detections: Vec<PathBuf>,
+    /// Origin of the plane for tables in degrees, and for latitude and longitude in --out [default: that of a
+    /// deployment in --config, else the first place]
+    #[arg(long, value_name = "LAT,LON[,HEIGHT]", value_parser = place, allow_hyphen_values = true)]
+    pub(crate) origin: Option<Geodetic>,
     /// States of the platform that carries the sensors: a CSV file
     #[arg(long, value_name = "FILE")]
     pub(crate) platform: Option<PathBuf>,

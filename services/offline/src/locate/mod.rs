@@ -53,7 +53,7 @@ pub(crate) fn run(locate: &Locate, host: &dyn Host) -> anyhow::Result<()> {
         host,
         &locate.bearings,
         locate.fixes.as_deref(),
-        FilePlane::at(locate.origin),
+        FilePlane::new(locate.origin, None),
     )?;
     if settings.arrivals.clocks == ClockChoice::Auto && input.has_references {
         settings.arrivals.clocks = ClockChoice::Estimated;
@@ -61,7 +61,7 @@ pub(crate) fn run(locate: &Locate, host: &dyn Host) -> anyhow::Result<()> {
     let mut locator = Locator::new(settings).map_err(|fault| Usage(fault.to_string()))?;
     locator.set_dropped(&dropped);
     let mut out = host.begin(&locate.out)?;
-    let frame = input.plane.frame();
+    let frame = input.plane.of_outputs();
     let placed = if frame.is_some() { PLACE_COLUMNS } else { "" };
     writeln!(out, "{FIX_COLUMNS}{placed}").with_context(|| unwritten(locate))?;
     let explained = locate.explain.as_deref();

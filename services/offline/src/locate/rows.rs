@@ -5,8 +5,8 @@ use std::io::{self, Write};
 use frames::SystemFrame;
 use locating::EmitterReport;
 
-/// Writes a row: positions in millimetres, and velocities precise enough for the same accuracy over an hour; with a frame
-/// the output in degrees, too, in centimetres.
+/// Writes a row: positions in millimetres, and velocities precise enough for the same accuracy over an hour; with a
+/// frame the output in degrees, too, in centimetres.
 ///
 /// # Errors
 /// If the writer fails.

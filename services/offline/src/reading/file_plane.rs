@@ -13,14 +13,18 @@ pub(crate) struct FilePlane {
     plane: Plane,
     /// What was assumed, a sentence.
     pub(crate) assumed: Option<String>,
+    /// Whether outputs have places in degrees, because an origin was asked for, or was needed.
+    is_placed: bool,
 }
 
 impl FilePlane {
-    /// The plane of an origin, or an open one.
-    pub(crate) fn at(origin: Option<Geodetic>) -> Self {
+    /// The plane of a given origin, else that of a configuration, else an open one.
+    pub(crate) fn new(origin: Option<Geodetic>, configured: Option<SystemFrame>) -> Self {
+        let frame = origin.map(SystemFrame::at).or(configured);
         Self {
-            plane: origin.map_or(Plane::Open, |origin| Plane::Given(SystemFrame::at(origin))),
+            plane: frame.map_or(Plane::Open, Plane::Given),
             assumed: None,
+            is_placed: origin.is_some(),
         }
     }
 
@@ -31,16 +35,16 @@ impl FilePlane {
 
     /// Takes the plane back from the reader of a file, after its first row or its last one.
     pub(crate) fn take<R: Read, C: InPlane>(&mut self, path: &Path, reader: &mut RowReader<R, C>) {
-        let had_frame = self.frame().is_some();
         self.plane = *reader.plane();
-        if let (false, Plane::FirstPlace(_, place, line)) = (had_frame, self.plane) {
+        if let (None, Plane::FirstPlace(_, place, line)) = (&self.assumed, self.plane) {
             self.assumed = Some(assumed_origin(place, path, line));
+            self.is_placed = true;
         }
     }
 
-    /// The frame of the plane, as far as its origin is known.
-    pub(crate) fn frame(&self) -> Option<SystemFrame> {
-        self.plane.frame()
+    /// The frame in which outputs have places in degrees, too.
+    pub(crate) fn of_outputs(&self) -> Option<SystemFrame> {
+        self.plane.frame().filter(|_| self.is_placed)
     }
 
     /// What was assumed, a line; empty without assumptions.

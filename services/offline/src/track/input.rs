@@ -15,7 +15,7 @@ use tracking::scans::ScanOfDetections;
 
 use crate::files::InputError;
 use crate::host::{self, Host};
-use crate::reading::{FileBases, MIDNIGHT_REMEDY, MIDNIGHT_STEP_NS, SkippedRows};
+use crate::reading::{FileBases, FilePlane, MIDNIGHT_REMEDY, MIDNIGHT_STEP_NS, SkippedRows};
 
 const BUFFER_OCTETS: usize = 1 << 18;
 
@@ -58,6 +58,7 @@ pub(super) struct DetectionInput {
     pub(super) silent: Vec<(u32, u32, i64)>,
     pub(super) refusals: SkippedRows,
     pub(super) bases: FileBases,
+    pub(super) plane: FilePlane,
     pub(super) octets: u64,
 }
 
@@ -70,25 +71,28 @@ impl DetectionInput {
             silent: Vec::new(),
             refusals: SkippedRows::default(),
             bases: FileBases::default(),
+            plane: FilePlane::default(),
             octets,
         }
     }
 
-    /// Reads all files. Unusable rows are skipped and counted.
+    /// Reads all files. Unusable rows are skipped and counted. A table that names no sensor is the sensor with the number
+    /// of its file.
     ///
     /// # Errors
     /// If a file cannot be read or lacks a column, or no file has a usable row.
-    pub(super) fn read(host: &dyn Host, files: &[PathBuf]) -> Result<Self, InputError> {
+    pub(super) fn read(host: &dyn Host, files: &[PathBuf], plane: FilePlane) -> Result<Self, InputError> {
         let mut input = Self {
             first_file: files[0].clone(),
             detections: Vec::new(),
             silent: Vec::new(),
             refusals: SkippedRows::default(),
             bases: FileBases::default(),
+            plane,
             octets: 0,
         };
-        for path in files {
-            input.read_file(host, path)?;
+        for (sensor_id, path) in (1..).zip(files) {
+            input.read_file(host, path, sensor_id)?;
         }
         if input.detections.is_empty() {
             let first = input.refusals.first.first();
@@ -102,7 +106,7 @@ impl DetectionInput {
         Ok(input)
     }
 
-    fn read_file(&mut self, host: &dyn Host, path: &Path) -> Result<(), InputError> {
+    fn read_file(&mut self, host: &dyn Host, path: &Path, sensor_id: u32) -> Result<(), InputError> {
         let mut file = host.open(path)?;
         self.octets += file.length;
         let failed = |error| InputError::unreadable(path, &error);
@@ -118,6 +122,8 @@ impl DetectionInput {
         };
         let reader = ScanRowReader::new(BufReader::with_capacity(BUFFER_OCTETS, file), 0);
         let mut reader = reader.map_err(|error| InputError::new(path, error))?;
+        reader.set_sensor(sensor_id);
+        self.plane.lend(&mut reader);
         let mut places = Vec::new();
         while let Some(row) = reader.next() {
             let Some(row) = self.refusals.usable(path, row)? else {
@@ -143,6 +149,7 @@ impl DetectionInput {
                 ScanRow::Empty(scan) => self.silent.push((scan.sensor_id, scan.scan, scan.time_ns)),
             }
         }
+        self.plane.take(path, &mut reader);
         match midnight(places) {
             Some(what) => Err(InputError::new(path, what)),
             None => Ok(()),
@@ -195,8 +202,8 @@ impl DetectionInput {
             if first.sigmas.is_none() && own.all(|each| each.sigmas.is_none()) {
                 let id = sensor.sensor_id;
                 let what = format!(
-                    "no detection of sensor {id} states standard deviations (columns s0 to s3); give them in --config: \
-                     [[sensor]] with id = {id} and sigmas = […]"
+                    "no detection of sensor {id} states standard deviations (columns s0 to s3, or sigma_m); give them in \
+                     --config: [[sensor]] with id = {id} and sigmas = […]"
                 );
                 return Err(InputError::new(&self.first_file, what));
             }

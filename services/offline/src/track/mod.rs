@@ -30,7 +30,7 @@ use tracking::wide_area::arrivals::Arrivals;
 use crate::args::TrackArgs;
 use crate::files::{InputError, Usage, check_answer, check_outputs};
 use crate::host::Host;
-use crate::reading::Progress;
+use crate::reading::{FilePlane, Progress};
 use explain::Explained;
 use input::DetectionInput;
 use on_board::OnBoard;
@@ -55,7 +55,7 @@ pub(crate) fn run(track: &TrackArgs, host: &dyn Host) -> anyhow::Result<()> {
         Some(path) => TrackConfiguration::read(host, path)?,
         None => TrackConfiguration::Offline(Box::default()),
     };
-    let mut input = DetectionInput::read(host, &track.detections)?;
+    let mut input = DetectionInput::read(host, &track.detections, FilePlane::new(track.origin, config.frame()))?;
     let carried = match &track.platform {
         Some(path) => Some(OnBoard::carry(host, path, &config, &mut input)?),
         None => OnBoard::carry_own(&track.detections[0], &config, &mut input)?,
@@ -64,7 +64,7 @@ pub(crate) fn run(track: &TrackArgs, host: &dyn Host) -> anyhow::Result<()> {
         SupportInput::reports(host, path, &mut input.bases)
     })?;
     let (heard, emissions) = read(track.emissions.as_deref(), |path| {
-        SupportInput::emissions(host, path, &mut input.bases)
+        SupportInput::emissions(host, path, (&mut input.bases, &mut input.plane))
     })?;
     let scans = scans_of(&mut input.detections, &input.silent);
     let settings = config.settings(&input.seen(&scans))?;
@@ -76,7 +76,11 @@ pub(crate) fn run(track: &TrackArgs, host: &dyn Host) -> anyhow::Result<()> {
         period_ns: track.period.map(|period| period.as_nanos() as i64),
         cues: track.cues.is_some(),
     };
-    let mut written = TrackerSink::begin(host, (&track.out, input.has_replies()), track.cues.as_deref())?;
+    let mut written = TrackerSink::begin(
+        host,
+        (&track.out, input.has_replies(), input.plane.of_outputs()),
+        track.cues.as_deref(),
+    )?;
     (written.reports, written.emissions) = (support, heard);
     let mut tracker = ScanTracker::new(settings, outputs, Arrivals::of(reports), emissions)?;
     let explained = track

@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use anyhow::Context as _;
 use formats::cues_csv::CueRow;
 use formats::rows::{Row, RowWriter};
-use formats::tracks_csv::{RepliedTrackerTrack, TrackerTrack};
+use formats::tracks_csv::{PlacedTrackerTrack, RepliedTrackerTrack, TrackerTrack};
+use frames::SystemFrame;
 use messages::{StageTimes, TrackState};
 use observations::Sampled as _;
 use sources::{SensorScan, TrackSink};
@@ -60,18 +61,21 @@ impl<T: Row> OutcomeTable<T> {
     }
 }
 
-/// Table of tracks: with the columns of replies if any detection has replies, so that other tables stay unchanged.
+/// Table of tracks: with the columns of replies if any detection has replies, and of places in degrees if the origin of
+/// the plane is known, so that other tables stay unchanged.
 #[derive(Debug)]
 enum TrackTable {
     Plain(OutcomeTable<TrackerTrack>),
     Replied(OutcomeTable<RepliedTrackerTrack>),
+    Placed(OutcomeTable<PlacedTrackerTrack>, SystemFrame),
 }
 
 impl TrackTable {
-    fn begin(host: &dyn Host, path: &Path, has_replies: bool) -> anyhow::Result<Self> {
-        Ok(match has_replies {
-            true => Self::Replied(OutcomeTable::begin(host, path)?),
-            false => Self::Plain(OutcomeTable::begin(host, path)?),
+    fn begin(host: &dyn Host, path: &Path, (has_replies, frame): (bool, Option<SystemFrame>)) -> anyhow::Result<Self> {
+        Ok(match (frame, has_replies) {
+            (Some(frame), _) => Self::Placed(OutcomeTable::begin(host, path)?, frame),
+            (None, true) => Self::Replied(OutcomeTable::begin(host, path)?),
+            (None, false) => Self::Plain(OutcomeTable::begin(host, path)?),
         })
     }
 
@@ -79,6 +83,10 @@ impl TrackTable {
         match self {
             Self::Plain(table) => table.write(&track),
             Self::Replied(table) => table.write(&RepliedTrackerTrack(track)),
+            Self::Placed(table, frame) => {
+                let place = frame.to_geodetic(track.track.position_m);
+                table.write(&PlacedTrackerTrack(track, place))
+            }
         }
     }
 
@@ -86,6 +94,7 @@ impl TrackTable {
         match self {
             Self::Plain(table) => table.rows,
             Self::Replied(table) => table.rows,
+            Self::Placed(table, _) => table.rows,
         }
     }
 
@@ -93,6 +102,7 @@ impl TrackTable {
         match self {
             Self::Plain(table) => table.writer.into_inner().finish(),
             Self::Replied(table) => table.writer.into_inner().finish(),
+            Self::Placed(table, _) => table.writer.into_inner().finish(),
         }
     }
 }
@@ -104,11 +114,11 @@ impl TrackerSink {
     /// If a table cannot be written.
     pub(super) fn begin(
         host: &dyn Host,
-        (tracks, has_replies): (&Path, bool),
+        (tracks, has_replies, frame): (&Path, bool, Option<SystemFrame>),
         cues: Option<&Path>,
     ) -> anyhow::Result<Self> {
         Ok(Self {
-            tracks: TrackTable::begin(host, tracks, has_replies)?,
+            tracks: TrackTable::begin(host, tracks, (has_replies, frame))?,
             cues: cues.map(|path| OutcomeTable::begin(host, path)).transpose()?,
             tracked: Tracked::default(),
             reports: None,

@@ -79,7 +79,7 @@ pub(super) fn run(track: &TrackArgs, host: &dyn Host) -> anyhow::Result<()> {
     };
     let mut input = DetectionInput::of_recording(&track.detections[0], recorded.octets);
     input.detections = recorded.detections().collect();
-    let mut written = TrackerSink::begin(host, (&track.out, input.has_replies()), track.cues.as_deref())?;
+    let mut written = TrackerSink::begin(host, (&track.out, input.has_replies(), None), track.cues.as_deref())?;
     (written.first_day_ns, written.marks_extrapolated) = (first_day_ns, true);
     let reports = Arrivals::of(recorded.reports);
     let mut tracker = ScanTracker::new(settings.settings.clone(), outputs, reports, Vec::new())?;

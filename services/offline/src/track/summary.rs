@@ -120,6 +120,7 @@ impl TrackSummary<'_> {
             "rows_refused": self.input.refusals.rows(),
             "refused": self.input.refusals.by_reason,
             "first_refused": self.input.refusals.first,
+            "assumed": self.input.plane.assumed.iter().collect::<Vec<_>>(),
             "refused_scans": tracked.refused_scans,
             "refused_by_tracker": refused,
             "sensors": sensors.collect::<Vec<_>>(),
@@ -168,6 +169,7 @@ impl TrackSummary<'_> {
             )?;
         }
         text.push_str(&self.input.refusals.as_text());
+        text.push_str(&self.input.plane.as_text());
         if let Some(carried) = &self.carried {
             carried.write_text(text)?;
         }

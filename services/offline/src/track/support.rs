@@ -14,7 +14,7 @@ use tracking::wide_area::Emission;
 
 use crate::files::InputError;
 use crate::host::Host;
-use crate::reading::{FileBases, SkippedRows};
+use crate::reading::{FileBases, FilePlane, SkippedRows};
 
 /// Input file and the outcome of the rows.
 #[derive(Debug)]
@@ -64,11 +64,12 @@ impl SupportInput {
     pub(super) fn emissions(
         host: &dyn Host,
         path: &Path,
-        bases: &mut FileBases,
+        (bases, plane): (&mut FileBases, &mut FilePlane),
     ) -> Result<(Self, Vec<Emission>), InputError> {
         let (mut support, mut emissions) = (Self::of(path), Vec::new());
         let rows = BearingReader::new(BufReader::new(host.open(path)?), 0);
         let mut rows = rows.map_err(|error| InputError::new(path, error))?;
+        plane.lend(&mut rows);
         while let Some(row) = rows.next() {
             let Some(bearing) = support.refusals.usable(path, row)? else {
                 continue;
@@ -82,6 +83,7 @@ impl SupportInput {
                 }
             }
         }
+        plane.take(path, &mut rows);
         Ok((support, emissions))
     }
 
