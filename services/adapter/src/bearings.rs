@@ -8,6 +8,7 @@ use anyhow::Context as _;
 use asterix::{Decoder, StatedTables, blocks};
 use deployment::{Asterix, Input};
 use formats::emitter_rows_csv::EmitterRowReader;
+use formats::plane::Plane;
 use messages::Counter;
 use runtime::Process;
 use runtime::{HealthEntry, Now};
@@ -26,6 +27,8 @@ const CATEGORY_205: u8 = 205;
 #[derive(Debug)]
 pub(crate) struct Bearings {
     channel: SourceChannel,
+    /// The plane of the deployment.
+    plane: Plane,
     tables: TableCounts,
     reports: Option<FinderReports>,
     decoder: Decoder,
@@ -42,6 +45,7 @@ impl Bearings {
         };
         Ok(Self {
             channel: SourceChannel::open(process, source)?,
+            plane: Plane::Given(process.config.frame),
             tables: TableCounts::default(),
             reports: FinderReports::of(source.source, source.reading()),
             decoder: StatedTables::new(&stated.editions, stated.is_strict).decoder(),
@@ -91,7 +95,9 @@ impl DatagramReader for Bearings {
         if bytes.first() == Some(&CATEGORY_205) {
             return self.take_blocks(bytes, received);
         }
-        for measured in self.tables.rows(bytes, received, EmitterRowReader::new) {
+        let plane = self.plane;
+        let open = |bytes, first_day_ns| Ok(EmitterRowReader::new(bytes, first_day_ns)?.placed_in(plane));
+        for measured in self.tables.rows(bytes, received, open) {
             let measured = measured.at_ns(utc_ns(received.utc_ns, measured.time_ns()));
             self.channel.emitter(&measured, received.mono_ns)?;
         }

@@ -1,11 +1,12 @@
 //! Rows of detections in datagrams (FM-6), and the sensors of tracker processes behind the socket.
 //!
 //! Each datagram is a separate table. Rows name the sensor, so several sensors may send to a single socket; a row of a
-//! sensor that no configuration names is counted. An unreadable row names no sensor: such a row belongs to the only
+//! sensor that no configuration names is counted; a row that names none is of the only sensor. An unreadable row names no sensor: such a row belongs to the only
 //! sensor, or to the socket. A row of the kind `none` states a scan without detections.
 
 use anyhow::Context as _;
 use deployment::SampleDelivery;
+use formats::plane::Plane;
 use formats::scan_rows_csv::{ScanRow, ScanRowReader};
 use messages::{Counter, Counters};
 use observations::SensorEvent;
@@ -22,6 +23,8 @@ use crate::tables::{TableCounts, utc_ns};
 pub(crate) struct PlotRows {
     /// Each with the sensor's number in rows; `None` takes all rows.
     channels: Vec<(Option<u32>, SourceChannel)>,
+    /// The plane of the deployment.
+    plane: Plane,
     tables: TableCounts,
     /// Rows of unknown sensors.
     strangers: u64,
@@ -37,6 +40,7 @@ impl PlotRows {
         channels.first().context("no sensor is behind this receiver")?;
         Ok(Self {
             channels,
+            plane: Plane::Given(process.config.frame),
             tables: TableCounts::default(),
             strangers: 0,
         })
@@ -71,7 +75,13 @@ impl DatagramReader for PlotRows {
             channel.received(received)?;
         }
         let mut stranger = None;
-        for row in self.tables.rows(bytes, received, ScanRowReader::new) {
+        let (plane, only) = (self.plane, self.channels[0].0.filter(|_| self.channels.len() == 1));
+        let open = |bytes, first_day_ns| {
+            let mut reader = ScanRowReader::with_scans(bytes, first_day_ns)?.placed_in(plane);
+            reader.set_sensor(only.unwrap_or(1));
+            Ok(reader)
+        };
+        for row in self.tables.rows(bytes, received, open) {
             let (sensor_id, event) = event_of(row, |time_ns| utc_ns(received.utc_ns, time_ns));
             let of_sensor = |(id, _): &&mut (Option<u32>, SourceChannel)| id.is_none_or(|id| id == sensor_id);
             match self.channels.iter_mut().find(of_sensor) {

@@ -9,7 +9,9 @@ use std::path::Path;
 use anyhow::Context as _;
 use deployment::{Input, PlotFormat, Recorded, SampleDelivery, Source};
 use formats::autoferry;
+use formats::plane::Plane;
 use formats::scan_rows_csv::ScanRowReader;
+use frames::SystemFrame;
 use messages::{Counter, Counters, ProcessKind, SensorDetection, SensorTrack, Stream, StreamId};
 use observations::{Sampled, SensorEvent};
 use runtime::Process;
@@ -97,7 +99,7 @@ impl RecordedTracker {
                 anyhow::bail!("sensor {} has no recording", sensor.name);
             };
             let path = data.join(&recorded.file);
-            let events = self.events_of((sensor, reading), recorded, &path, first_day_ns);
+            let events = self.events_of((sensor, reading), recorded, &path, (first_day_ns, process.config.frame));
             let events =
                 events.with_context(|| format!("reading {}, the recording of {}", path.display(), sensor.name))?;
             let mut come_ns = i64::MIN;
@@ -141,7 +143,7 @@ impl RecordedTracker {
         (sensor, reading): (&Source, &SourceReading),
         recorded: &Recorded,
         path: &Path,
-        first_day_ns: i64,
+        (first_day_ns, frame): (i64, SystemFrame),
     ) -> anyhow::Result<Vec<SensorEvent>> {
         let SampleDelivery::Plots { format, sensor_id } = sensor.delivers else {
             anyhow::bail!("it delivers no detections");
@@ -151,7 +153,9 @@ impl RecordedTracker {
         let mut events = Vec::new();
         match format {
             PlotFormat::Rows => {
-                for row in ScanRowReader::new(bytes.as_slice(), first_day_ns)? {
+                let mut rows = ScanRowReader::new(bytes.as_slice(), first_day_ns)?.placed_in(Plane::Given(frame));
+                rows.set_sensor(sensor_id.unwrap_or(1));
+                for row in rows {
                     self.read[Counter::Records] += 1;
                     match row {
                         Ok(row) => {
