@@ -18,8 +18,7 @@ pub(super) const FEED_EXAMPLES: &str = r#"Examples:
   koseki feed --unix /run/feed.sock --mode 660 --group 1001
 
 Each line is a JSON object for one external source, which --source or the field
-`source` names. Angles are degrees with names in _deg, or radians with names in
-_rad. Fields:
+`source` names. Fields:
   any source     time (2026-05-01T10:00:00.5Z), time_s or time_ns (UTC since
                  1970) [default: time of receipt]; latitude, longitude (WGS-84,
                  degrees) and height_m (above the ellipsoid), or position_m
@@ -39,6 +38,11 @@ _rad. Fields:
                  course_deg (from true north) and climb_mps;
                  velocity_sigma_mps; state (tentative, confirmed, terminated)
                  [default: confirmed]
+
+The names of columns in `koseki fuse --help` and `koseki track --help` stand for
+the fields of the same quantity, in their own units: lat, SOG_knots, icao24,
+flight_level, bearing_rad; a timestamp is text, or seconds or milliseconds since
+1970.
 
 Lines of koseki tap are accepted as they are: of sensor tracks and detections
 with every field, of system tracks as reports of another centre. --source then

@@ -1,5 +1,6 @@
 //! Fields of a line: a JSON object. Fields are taken by name, and any field left over has no meaning.
 
+use csv_table::NamedColumn;
 use koseki_client::observation::{fault, time_ns_of};
 use messages::IdentityText;
 use messages::admission::Fault;
@@ -54,6 +55,39 @@ impl Fields {
     /// Takes a field; an unknown value (`null`) is no value.
     fn take(&mut self, name: &str) -> Option<Value> {
         self.0.remove(name).filter(|value| !value.is_null())
+    }
+
+    /// Gives fields that are none of `known` the known name of their quantity, and its unit.
+    pub(super) fn rename(&mut self, known: &[&'static str]) -> Result<(), Fault> {
+        /// Numbers that count milliseconds since 1970: from 1973 on.
+        const MILLISECONDS_MIN: f64 = 1e11;
+        let foreign: Vec<String> = self
+            .0
+            .keys()
+            .filter(|name| !known.contains(&name.as_str()))
+            .cloned()
+            .collect();
+        for name in foreign {
+            let Some((mut of_quantity, scale)) = NamedColumn::among(&name, known) else {
+                continue;
+            };
+            let Some(mut value) = self.take(&name) else { continue };
+            let number = value.as_f64();
+            if let ("time", Some(time)) = (of_quantity, number) {
+                of_quantity = "time_s";
+                if time >= MILLISECONDS_MIN {
+                    value = (time / 1e3).into();
+                }
+            } else if let (true, Some(number)) = (scale != 1.0, number) {
+                value = (number * scale).into();
+            }
+            if self.0.get(of_quantity).is_some_and(|value| !value.is_null()) {
+                let limit = format!("must not stand beside {name}, which is the same");
+                return Err(fault(of_quantity, "present", &limit, "leave one of them out"));
+            }
+            self.0.insert(of_quantity.to_owned(), value);
+        }
+        Ok(())
     }
 
     pub(super) fn text(&mut self, name: &str) -> Result<Option<String>, Fault> {
@@ -123,21 +157,6 @@ impl Fields {
         let mut numbers = [0.0; N];
         numbers[..all.len()].copy_from_slice(&all);
         Ok(Some((numbers, all.len())))
-    }
-
-    /// Takes an angle in degrees (`NAME_deg`) or radians (`NAME_rad`), degrees.
-    pub(super) fn angle(&mut self, name_deg: &str) -> Result<Option<f64>, Fault> {
-        let degrees = self.number(name_deg)?;
-        let radians = self.number(&name_deg.replace("_deg", "_rad"))?;
-        match (degrees, radians) {
-            (Some(degrees), Some(_)) => Err(fault(
-                name_deg,
-                degrees,
-                "must not stand beside radians",
-                "leave one out",
-            )),
-            (degrees, radians) => Ok(degrees.or(radians.map(f64::to_degrees))),
-        }
     }
 
     /// Takes the time, UTC, nanoseconds since 1970, with the field's name; `None` for a line without a time.

@@ -24,7 +24,7 @@ const COMMON: [&str; 10] = [
 /// Further fields of detections.
 const OF_DETECTIONS: [&str; 2] = ["scan", "sensor_m"];
 /// Further fields of tracks.
-const OF_TRACKS: [&str; 4] = ["track", "velocity_mps", "course_rad", "state"];
+const OF_TRACKS: [&str; 3] = ["track", "velocity_mps", "state"];
 
 /// Fields of faults that are none of a source's fields.
 const OF_LINES: [&str; 1] = ["line"];
@@ -50,6 +50,8 @@ pub(super) fn is_known(field: &str) -> bool {
 /// Returns the detection of a line. With `has_sigmas` the configuration has standard deviations for lines without own
 /// values.
 pub(super) fn detection(mut fields: Fields, has_sigmas: bool) -> Result<Detection, Fault> {
+    let known = [&COMMON[..], &OF_DETECTIONS, Detection::NUMBERS].concat();
+    fields.rename(&known)?;
     let mut detection = Detection {
         time_ns: fields.time_ns()?,
         scan: fields.whole("scan")?,
@@ -69,12 +71,14 @@ pub(super) fn detection(mut fields: Fields, has_sigmas: bool) -> Result<Detectio
         or(place, [detection.east_m, detection.north_m, detection.up_m]);
     let stated = [detection.sensor_east_m, detection.sensor_north_m, detection.sensor_up_m];
     [detection.sensor_east_m, detection.sensor_north_m, detection.sensor_up_m] = or(sensor, stated);
-    fields.end(&[&COMMON[..], &OF_DETECTIONS, Detection::NUMBERS].concat())?;
+    fields.end(&known)?;
     Ok(detection)
 }
 
 /// Returns the report of a track of a line.
 pub(super) fn track(mut fields: Fields) -> Result<TrackReport, Fault> {
+    let known = [&COMMON[..], &OF_TRACKS, TrackReport::NUMBERS].concat();
+    fields.rename(&known)?;
     let mut report = TrackReport {
         time_ns: fields.time_ns()?,
         track: fields.whole("track")?,
@@ -83,7 +87,7 @@ pub(super) fn track(mut fields: Fields) -> Result<TrackReport, Fault> {
         ..TrackReport::default()
     };
     let place = fields.vector("position_m", &["latitude", "longitude", "height_m"])?;
-    let velocity = fields.vector("velocity_mps", &["speed_mps", "course_deg", "course_rad", "climb_mps"])?;
+    let velocity = fields.vector("velocity_mps", &["speed_mps", "course_deg", "climb_mps"])?;
     numbers(&mut fields, TrackReport::NUMBERS, |name, value| {
         report
             .number_mut(name)
@@ -101,18 +105,14 @@ pub(super) fn track(mut fields: Fields) -> Result<TrackReport, Fault> {
         report.velocity_north_mps,
         report.velocity_up_mps,
     ] = or(velocity, stated);
-    fields.end(&[&COMMON[..], &OF_TRACKS, TrackReport::NUMBERS].concat())?;
+    fields.end(&known)?;
     Ok(report)
 }
 
-/// Takes all numbers of an observation, with angles in degrees or radians.
+/// Takes all numbers of an observation.
 fn numbers(fields: &mut Fields, names: &[&str], mut set: impl FnMut(&str, f64)) -> Result<(), Fault> {
     for name in names {
-        let taken = match name.ends_with("_deg") {
-            true => fields.angle(name)?,
-            false => fields.number(name)?,
-        };
-        if let Some(value) = taken {
+        if let Some(value) = fields.number(name)? {
             set(name, value);
         }
     }

@@ -47,6 +47,30 @@ fn a_course_is_that_of_the_library() {
 }
 
 #[test]
+fn names_of_columns_stand_for_the_fields_in_their_own_units() {
+    let own = r#"{"time": "2026-05-01T10:00:00.5Z", "track": 7, "latitude": 41, "longitude": 5, "height_m": 3048,
+        "sigma_m": 30, "speed_mps": 51.44444444444444, "course_deg": 90, "velocity_sigma_mps": 3, "address": "3C6589"}"#;
+    let own = tracked(own).unwrap();
+    for time in [r#""2026-05-01T10:00:00.5Z""#, "1777629600.5", "1777629600500"] {
+        let line = format!(
+            r#"{{"timestamp": {time}, "id": 7, "lat": 41, "lon": 5, "FL": 100, "sigma_m": 30, "SOG_knots": 100,
+                "cog": 90, "velocity_sigma_mps": 3, "icao24": "3c6589"}}"#
+        );
+        let found = tracked(&line).unwrap();
+        assert_eq!(found.time_of_measurement_ns, own.time_of_measurement_ns, "{time}");
+        assert_eq!((found.track_number, found.identity), (own.track_number, own.identity));
+        let near =
+            |one: [f64; 3], other: [f64; 3]| one.iter().zip(other).all(|(one, other)| (one - other).abs() < 1e-6);
+        assert!(near(found.position_m, own.position_m) && near(found.velocity_mps, own.velocity_mps));
+    }
+    let fault = tracked(r#"{"track": 7, "latitude": 41, "lat": 41, "longitude": 5, "sigma_m": 30}"#).unwrap_err();
+    assert_eq!(fault.field, "latitude");
+    assert!(fault.limit.contains("must not stand beside lat"), "{fault}");
+    let fault = detected(r#"{"bearing": 40}"#).unwrap_err();
+    assert_eq!(fault.field, "bearing");
+}
+
+#[test]
 fn bearings_need_a_sensor_and_may_be_degrees_or_radians() {
     let sensor = r#""sensor_latitude": 41.0, "sensor_longitude": 2.0, "sensor_height_m": 0"#;
     let (found, _) = detected(&format!(r#"{{"bearing_deg": 90, "bearing_sigma_deg": 0.5, {sensor}}}"#)).unwrap();
