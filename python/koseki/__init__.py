@@ -373,6 +373,9 @@ class Publisher:
         - `range_rate_mps`, `range_rate_sigma_mps`; `address`, `mmsi` (integers), `callsign`;
         - `time_s` or `time_ns` (UTC since 1970), now if not given; `scan`: detections with the same time form a scan.
 
+        The names of columns in `koseki fuse --help` and `koseki track --help` stand for the columns of the same quantity, in
+        their own units: `lat`, `flight_level`, `bearing_rad`.
+
         NaN stands for an unknown value. If a detection has a fault, none is published, and a ValueError names the
         place, field, value, limit and remedy. The first call waits up to a fifth of a second for the frame's origin.
         """
@@ -396,10 +399,15 @@ class Publisher:
         names = ("time_s", *_koseki.observation_numbers()[are_tracks])
         wholes = {"time_ns": np.int64, "address": np.int64, "mmsi": np.int64, "callsign": object}
         kinds = dict.fromkeys(names, np.float64) | wholes | dict.fromkeys(("track", "state") if are_tracks else ("scan",), np.int64)
-        for name in columns:
-            if name not in kinds:
+        given: dict[str, np.ndarray] = {}
+        for name, column in columns.items():
+            known, scale = (name, 1.0) if name in kinds else _koseki.observation_column(name, are_tracks) or (name, 1.0)
+            if known not in kinds:
                 raise TypeError(f"{name} is no column of these observations; there are: {', '.join(kinds)}")
-        given = {name: np.asarray(column) for name, column in columns.items() if column is not None}
+            if known in given:
+                raise TypeError(f"{name} stands beside another column of {known}: leave one of them out")
+            if column is not None:
+                given[known] = np.asarray(column) if scale == 1.0 else np.asarray(column, np.float64) * scale
         for name, column in given.items():
             if kinds[name] is np.int64 and column.size and column.dtype.kind not in "iu":
                 raise TypeError(f"{name} has values of {column.dtype}: give whole numbers")

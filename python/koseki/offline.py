@@ -7,7 +7,9 @@ pass over the tables calls the function several times a second with the share th
 A table is given as a path of a CSV file, a dict of columns, samples of a topic (from a subscription or from `read`), a
 data frame of pandas or polars, a table of pyarrow, or another object with the Arrow C stream interface (which needs
 pyarrow). A table is returned as a dict of numpy columns; `pandas.DataFrame`, `polars.DataFrame` and `pyarrow.table` take
-such a dict. `koseki COMMAND --help` lists columns and units.
+such a dict. `koseki COMMAND --help` lists columns and units: a table with time, latitude and longitude will do, under the
+names and in the units of many programs (`lat`, `SOG_knots`, `icao24`). `origin` is the latitude and longitude (degrees), and
+the height (m) if it is not 0, from which metres count; without it, the first place in degrees is the origin.
 
 A fault in a table or an option is a ValueError with the table, the line of a file (the first line has the columns'
 names), the column, the value and a remedy. Rows left out are a warning.
@@ -29,6 +31,7 @@ from ._table import Table, column_of
 
 __all__ = ["Table", "compare", "decode", "decode_columns", "fuse", "locate", "score", "simulate", "smooth", "track"]
 
+Origin = tuple[float, float] | tuple[float, float, float]
 Editions = Mapping[int | str, str]
 Progress = Callable[[float], object]
 
@@ -45,6 +48,10 @@ class _Command:
             if value is not None:
                 self.words += [f"--{name.replace('_', '-')}", str(value)]
         return self
+
+    def origin(self, origin: Origin | None) -> _Command:
+        """The place from which metres count."""
+        return self.option(origin=None if origin is None else ",".join(map(str, origin)))
 
     def table(self, **tables: Any) -> _Command:
         """Options that take a table, or a list of tables."""
@@ -118,46 +125,48 @@ def _text(value: object) -> str:
 
 
 def fuse(
-    tracks: Any, *, config: Any = None, rule: str | None = None, refresh: float | None = None, progress: Progress | None = None
+    tracks: Any, *, config: Any = None, rule: str | None = None, refresh: float | None = None, origin: Origin | None = None,
+    sigma: float | None = None, progress: Progress | None = None,
 ) -> Table:
-    """System tracks from a table or tables of sensor tracks (metres, m/s, seconds), as `koseki fuse` makes system tracks.
+    """System tracks from a table or tables of sensor tracks (metres or degrees), as `koseki fuse` makes system tracks.
 
-    `rule` is a fusion rule, such as "auto" or "best-source"; with `refresh` a row comes every so many seconds; `config`
+    `sigma` is the standard deviation of positions in degrees without `sigma_m`, metres; `rule` is a fusion rule, such as "auto" or "best-source"; with `refresh` a row comes every so many seconds; `config`
     is a path or the text of a TOML file.
     """
-    command = _Command("fuse", "--json").table(tracks=tracks).config(config)
-    return command.option(rule=rule, refresh=refresh).out(progress)
+    command = _Command("fuse", "--json").table(tracks=tracks).config(config).origin(origin)
+    return command.option(rule=rule, refresh=refresh, sigma=sigma).out(progress)
 
 
 def smooth(
-    tracks: Any, *, config: Any = None, rule: str | None = None, refresh: float | None = None, progress: Progress | None = None
+    tracks: Any, *, config: Any = None, rule: str | None = None, refresh: float | None = None, origin: Origin | None = None,
+    sigma: float | None = None, progress: Progress | None = None,
 ) -> Table:
     """The rows of `fuse` with the same arguments, smoothed with later measurements, as by `koseki smooth`."""
-    command = _Command("smooth", "--json").table(tracks=tracks).config(config)
-    return command.option(rule=rule, refresh=refresh).out(progress)
+    command = _Command("smooth", "--json").table(tracks=tracks).config(config).origin(origin)
+    return command.option(rule=rule, refresh=refresh, sigma=sigma).out(progress)
 
 
 def track(
     detections: Any, *, wide_area: Any = None, emissions: Any = None, config: Any = None, period: float | None = None,
-    progress: Progress | None = None,
+    origin: Origin | None = None, progress: Progress | None = None,
 ) -> Table:
-    """Tracks from a table or tables of detections (metres, radians, seconds), as by `koseki track`.
+    """Tracks from a table or tables of detections (metres and radians, or degrees), as by `koseki track`.
 
     `wide_area` is a table of counts, `emissions` a table of bearings; `period` is the time between rows, seconds.
     """
     command = _Command("track", "--json").table(detections=detections, wide_area=wide_area, emissions=emissions)
-    return command.config(config).option(period=period).out(progress)
+    return command.config(config).origin(origin).option(period=period).out(progress)
 
 
 def locate(
     bearings: Any, *, filter: str | None = None, select: str | None = None, config: Any = None,
-    progress: Progress | None = None,
+    origin: Origin | None = None, progress: Progress | None = None,
 ) -> Table:
-    """Places of emitters from a table of bearings (radians clockwise from north, metres), as by `koseki locate`.
+    """Places of emitters from a table of bearings (clockwise from north, at places in metres or degrees), as by `koseki locate`.
 
     `filter` is "auto", "fixed" or "straight"; `select` is "auto", "none", "interval", "minimum" or "staged".
     """
-    command = _Command("locate", "--json").table(bearings=bearings).config(config)
+    command = _Command("locate", "--json").table(bearings=bearings).config(config).origin(origin)
     return command.option(filter=filter, select=select).out(progress)
 
 
@@ -172,14 +181,15 @@ def compare(
 def score(
     truth: Any, tracks: Any, *, c: float | None = None, gate: float | None = None, max_age: float | None = None,
     t0: int | None = None, t1: int | None = None, standard: str | None = None, reference: str | None = None,
+    origin: Origin | None = None,
 ) -> dict[str, Any]:
-    """Figures of tracks against a truth (metres, seconds), as printed by `koseki score --json`.
+    """Figures of tracks against a truth (metres or degrees), as printed by `koseki score --json`.
 
     `c` is the cut-off of GOSPA and OSPA, `gate` the distance up to which a target keeps a track; a state older than
     `max_age` does not show; whole seconds from `t0` to `t1` are scored. `standard` adds the lines of standards, such as
     "ed-142,esassp"; `reference` is "truth", "independent" or "smoothed".
     """
-    command = _Command("score", "--json").table(truth=truth, tracks=tracks)
+    command = _Command("score", "--json").table(truth=truth, tracks=tracks).origin(origin)
     command.option(c=c, gate=gate, max_age=max_age, t0=t0, t1=t1, standard=standard, reference=reference)
     return command.figures(None)
 

@@ -371,6 +371,7 @@ fn _koseki(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<decoding::Records>()?;
     module.add_function(wrap_pyfunction!(decoding::records, module)?)?;
     module.add_function(wrap_pyfunction!(decoding::columns, module)?)?;
+    module.add_function(wrap_pyfunction!(observations::observation_column, module)?)?;
     module.add_function(wrap_pyfunction!(observations::observation_numbers, module)?)?;
     module.add_function(wrap_pyfunction!(tables::run, module)?)?;
     module.add_function(wrap_pyfunction!(tables::of_samples, module)?)?;

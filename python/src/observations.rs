@@ -1,5 +1,6 @@
 //! Observations as columns: detections and reports of tracks in degrees or metres.
 
+use csv_table::NamedColumn;
 use koseki_client::Error;
 use koseki_client::by_name::AnyPublisher;
 use koseki_client::messages::admission::Fault;
@@ -14,6 +15,18 @@ use pyo3::prelude::*;
 #[pyfunction]
 pub(super) fn observation_numbers() -> (Vec<&'static str>, Vec<&'static str>) {
     (Detection::NUMBERS.to_vec(), TrackReport::NUMBERS.to_vec())
+}
+
+/// Returns the column of these observations that states the quantity of `name`, a name of columns in tables, and the
+/// value of one of its units in the unit of that column.
+#[pyfunction]
+pub(super) fn observation_column(name: &str, are_tracks: bool) -> Option<(&'static str, f64)> {
+    let (numbers, ordinal) = match are_tracks {
+        true => (TrackReport::NUMBERS, "track"),
+        false => (Detection::NUMBERS, "scan"),
+    };
+    let others = [ordinal, "time_s", "address", "mmsi", "callsign"];
+    NamedColumn::among(name, &[numbers, &others].concat())
 }
 
 /// Columns of one length.
