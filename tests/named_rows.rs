@@ -168,7 +168,7 @@ fn faults_of_named_tables_name_file_column_value_and_remedy() {
         ),
         (
             "locate --bearings unitless.csv",
-            "unitless.csv has fixes; name it with --fixes",
+            "unitless.csv: header: column bearing_rad is missing",
         ),
     ] {
         let line = folder.refusal(&format!("{arguments} --out x.csv"));

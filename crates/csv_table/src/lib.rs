@@ -5,8 +5,8 @@
 //! units of other programs ([`NamedColumn`]). Names are looked up once for a header; rows are read by places.
 //!
 //! Values are separated by commas, with or without quotation marks around them; a quoted value ends in its line, so
-//! that a stray mark spoils this line alone. Blanks around values, blank lines, a byte order mark and the line ends of other
-//! systems are accepted.
+//! that a stray mark spoils this line alone. Blanks around values, blank lines, a byte order mark and the line ends of
+//! other systems are accepted.
 //!
 //! An error in a row of a large file must be easy to find. Every error therefore names the line (as counted by
 //! editors), the column, the value, and the permitted values.

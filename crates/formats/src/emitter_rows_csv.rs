@@ -11,8 +11,8 @@
 //! - fixes: `time_s,emitter_id,x,y,z` and `Pxx,Pxy,Pyy` or `variance_m2`, the sum of both variances, or `sigma_m`, the
 //!   standard deviation along each axis.
 //!
-//! Places may be in degrees ([`crate::plane`]), but for those of second receivers and of reference emitters; columns may
-//! have other names and units ([`csv_table::NamedColumn`]).
+//! Places may be in degrees ([`crate::plane`]), but for those of second receivers and of reference emitters; columns
+//! may have other names and units ([`csv_table::NamedColumn`]).
 
 use std::io::{self, Read, Write};
 
@@ -134,7 +134,7 @@ impl<R: Read> EmitterRowReader<R> {
         let has = |name| table.optional(name).map(|column| column.is_some());
         let kind = table.optional("kind")?;
         let has_arrivals = kind.is_some() && (has("t_s")? || has("tdoa_s")?);
-        let has_fixes = kind.is_none() && !has("bearing_rad")? && (has("x")? || has("latitude")?);
+        let has_fixes = kind.is_none() && !has("bearing_rad")? && (has("x")? || has("latitude")? && has("emitter_id")?);
         let has_bearings = has("bearing_rad")? || !has_arrivals && !has_fixes;
         let columns = EmitterColumns {
             base: TimeBase::new(first_day_ns),

@@ -54,8 +54,8 @@ impl IdentityPlaces {
         Ok(identity)
     }
 
-    /// The identity of a row of a foreign table: a callsign or name that is longer or in other letters names its target,
-    /// but fits into no sample.
+    /// The identity of a row of a foreign table: a callsign or name that is longer or in other letters names its
+    /// target, but fits into no sample.
     ///
     /// # Errors
     /// As [`Self::numbers`].

@@ -63,7 +63,8 @@ enum Measured {
 /// Values and standard deviations in the order of a kind, and the place of the sensor.
 type MeasuredRow = (DetectionKind, [f64; 3], Option<[f64; 3]>, [f64; 3]);
 
-/// Whether a table states detections by named columns, and is neither one of detections in their own form (FM-6) nor of tracks.
+/// Whether a table states detections by named columns, and is neither one of detections in their own form (FM-6) nor
+/// one of tracks.
 pub(crate) fn has_named_detections<R: Read>(table: &Table<R>) -> bool {
     let of_own_tables = ["m0", "kind", "sensor_track_id", "system_track_id"];
     let is_own = table

@@ -50,7 +50,7 @@ pub(super) fn is_known(field: &str) -> bool {
 /// Returns the detection of a line. With `has_sigmas` the configuration has standard deviations for lines without own
 /// values.
 pub(super) fn detection(mut fields: Fields, has_sigmas: bool) -> Result<Detection, Fault> {
-    let known = [&COMMON[..], &OF_DETECTIONS, Detection::NUMBERS].concat();
+    let known = [Detection::NUMBERS, &COMMON, &OF_DETECTIONS].concat();
     fields.rename(&known)?;
     let mut detection = Detection {
         time_ns: fields.time_ns()?,
@@ -77,7 +77,7 @@ pub(super) fn detection(mut fields: Fields, has_sigmas: bool) -> Result<Detectio
 
 /// Returns the report of a track of a line.
 pub(super) fn track(mut fields: Fields) -> Result<TrackReport, Fault> {
-    let known = [&COMMON[..], &OF_TRACKS, TrackReport::NUMBERS].concat();
+    let known = [TrackReport::NUMBERS, &COMMON, &OF_TRACKS].concat();
     fields.rename(&known)?;
     let mut report = TrackReport {
         time_ns: fields.time_ns()?,
