@@ -155,7 +155,7 @@ fn errors_of_ads_b_are_as_stated() {
     let heights_m = (0..z_m.len())
         .map(|row| ((time_s[row] as i64, id[row] as u32), z_m[row]))
         .collect();
-    home.write("air.json", &adsb_lines(&truth, &heights_m, 5));
+    home.write("air.json", adsb_lines(&truth, &heights_m, 5));
     let source = "[source.recorded]\nfile = \"air.json\"\nformat = \"readsb\"\nreorder_s = 1.0\n\
                   [source.limits]\njump_m = 3000.0\n\
                   [source.covariance]\nfrom = \"report\"\nposition_sigma_m = 1.0\nvelocity_sigma_mps = 0.1\n\
