@@ -1,7 +1,7 @@
 //! Reports of radio direction finders in ASTERIX (category 205), as measurements for the source's locator.
 //!
-//! A system of several finders sends bearings, and positions that it has made of these bearings: to use both would count
-//! each bearing twice. Bearings are used, and positions where no bearings come.
+//! A system of several finders sends bearings, and positions that it has made of these bearings: to use both would
+//! count each bearing twice. Bearings are used, and positions where no bearings come.
 //!
 //! A track number (I205/160) of a system is that of a transmission. The number of a single sensor (message type 5) is
 //! the sensor's own: the same transmission has another one at the next sensor. Unless the source is a single sender, by

@@ -93,8 +93,8 @@ impl From<NmeaFault> for RadarTargetRejection {
     }
 }
 
-/// Counts of lines. Each line is in exactly one of `targets`, `ended`, `without_position`, `repeats`, `own`, `others` and
-/// `rejected`.
+/// Counts of lines. Each line is in exactly one of `targets`, `ended`, `without_position`, `repeats`, `own`, `others`
+/// and `rejected`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RadarTargetCounters {
     /// Targets with a position.
