@@ -80,7 +80,7 @@ fn what_a_lost_connection_has_cut_is_joined_with_nothing() {
         let counters = &source.unwrap_or_else(|| panic!("no {name}: {report}"))["adapter"];
         [counter(counters, "records"), counter(counters, "blocks_rejected")]
     };
-    // Of the frames, the cut one and its rest are refused; of the ships, the first part, a line without its end, and the
-    // second part.
+    // Of the frames, the cut one and its rest are refused; of the ships, the first part, a line without its end, and
+    // the second part.
     assert_eq!((counted("frames"), counted("ships")), ([2, 2], [1, 3]), "{report}");
 }

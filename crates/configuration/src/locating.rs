@@ -83,7 +83,7 @@ mod tests {
             ),
             (
                 "\n[locating]\nemitter_max = 3\n",
-                "locate.toml:3: locating.emitter_max: unknown key; there are: emitters_max, motion",
+                "locate.toml:3: locating.emitter_max: unknown key; there are: emitters_max, bearing_sigma_deg, motion",
             ),
             (
                 "[[dropped]]\nemitter_id = 7\ntime_s = -1\nposition_m = [0, 0]\n",

@@ -3,8 +3,9 @@
 //! TTM states a target in relation to the ship that carries the radar, and the ship's own state comes in other
 //! sentences of the same lines ([`OwnShip`]). A position is the place of the radar, plus distance and bearing; a
 //! relative bearing and course count from the bow, and a relative speed becomes one over ground by adding the ship's
-//! own velocity. What a target needs of own ship and is missing makes a refusal with its remedy: a position by an assumed
-//! heading would be a wrong one. TLL states latitude and longitude; beside TTM it is a repetition, computed from it.
+//! own velocity. What a target needs of own ship and is missing makes a refusal with its remedy: a position by an
+//! assumed heading would be a wrong one. TLL states latitude and longitude; beside TTM it is a repetition, computed
+//! from it.
 //!
 //! # Times
 //!
