@@ -21,8 +21,8 @@ pub(crate) enum IdColumn {
 }
 
 impl IdColumn {
-    /// Finds the first of `ids` in the header, else a foreign column of the number of a track, else the address or MMSI;
-    /// without any, the error names `usual`.
+    /// Finds the first of `ids` in the header, else a foreign column of the number of a track, else the address or
+    /// MMSI; without any, the error names `usual`.
     ///
     /// # Errors
     /// If there is none, or two columns state one quantity.

@@ -1,8 +1,9 @@
 //! Rows of detections in datagrams (FM-6), and the sensors of tracker processes behind the socket.
 //!
 //! Each datagram is a separate table. Rows name the sensor, so several sensors may send to a single socket; a row of a
-//! sensor that no configuration names is counted; a row that names none is of the only sensor. An unreadable row names no sensor: such a row belongs to the only
-//! sensor, or to the socket. A row of the kind `none` states a scan without detections.
+//! sensor that no configuration names is counted, and a row that names none is of the only sensor. An unreadable row
+//! names no sensor: such a row belongs to the only sensor, or to the socket. A row of the kind `none` states a scan
+//! without detections.
 
 use anyhow::Context as _;
 use deployment::SampleDelivery;

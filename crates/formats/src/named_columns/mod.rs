@@ -1,4 +1,5 @@
-//! Sensor tracks and detections from tables whose columns bear the names that programs of the field use, in degrees or metres.
+//! Sensor tracks and detections from tables whose columns bear the names that programs of the field use, in degrees or
+//! metres.
 //!
 //! Archives of receivers have one report per row: time, latitude and longitude, speed and course, and the address of an
 //! aircraft or the number of a ship. Each archive has names, units and marks of absent values of its own. Asking its

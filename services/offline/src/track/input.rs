@@ -76,8 +76,8 @@ impl DetectionInput {
         }
     }
 
-    /// Reads all files. Unusable rows are skipped and counted. A table that names no sensor is the sensor with the number
-    /// of its file.
+    /// Reads all files. Unusable rows are skipped and counted. A table that names no sensor is the sensor with the
+    /// number of its file.
     ///
     /// # Errors
     /// If a file cannot be read or lacks a column, or no file has a usable row.
