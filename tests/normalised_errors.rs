@@ -94,8 +94,8 @@ fn assert_honest(what: &str, ([position, velocity], count): ([f64; 2], usize), c
     assert!(!counts_velocity || BOUNDS.contains(&velocity), "{what}: {velocity}");
 }
 
-/// States of the targets of a truth as a receiver writes them, a line each, with errors of their categories: the NACp of
-/// target n is 6 + n mod 6, its NACv 1 + n mod 4.
+/// States of the targets of a truth as a receiver writes them, a line each, with errors of their categories: the NACp
+/// of target n is 6 + n mod 6, its NACv 1 + n mod 4.
 fn adsb_lines(truth: &Truth, heights_m: &BTreeMap<(i64, u32), f64>, seed: u64) -> String {
     let (_, frame) = system();
     let mut random = ChaCha8Rng::seed_from_u64(seed);

@@ -3,7 +3,8 @@
 //! The world and its sensors come from the demonstration (`scenario`), without a clock: the command requests one
 //! delivery after another from each sensor. A run of an hour takes seconds, and the same seed gives the same bytes.
 //! Direction finders write a table of bearings (FM-7), in which a transmitter has the target's number, or the snapshots
-//! of the antenna arrays (EL-1). Receivers of AIS write lines of NMEA 0183. Wide-area sensors write a table of counts (FM-6).
+//! of the antenna arrays (EL-1). Receivers of AIS write lines of NMEA 0183. Wide-area sensors write a table of counts
+//! (FM-6).
 
 mod ais;
 mod on_board;

@@ -2,9 +2,10 @@
 //! like real sensors.
 //!
 //! Each sensor uses the category of its kind: a radar CAT048 with CAT034, multilateration CAT020 with CAT019, ADS-B
-//! CAT021 with CAT023 (`feed`). Receivers of AIS send lines of NMEA 0183 (`ais`). A direction finder sends tables of bearings, or the snapshots of its antenna array
-//! (`direction_finder`). A wide-area sensor sends tables of counts with the configured delay (`wide_area`). Both send
-//! rows in datagrams (`rows`). A ship sends sentences of NMEA 0183, and its radar rows of detections (`ship`). All
+//! CAT021 with CAT023 (`feed`). Receivers of AIS send lines of NMEA 0183 (`ais`). A direction finder sends tables of
+//! bearings, or the snapshots of its antenna array (`direction_finder`). A wide-area sensor sends tables of counts with
+//! the configured delay (`wide_area`). Both send rows in datagrams (`rows`). A ship sends sentences of NMEA 0183, and
+//! its radar rows of detections (`ship`). All
 //! datagrams go to the adapter of their source at the deployment's own loopback address. A demonstration thus runs
 //! through the same sockets, decoders and checks as a deployment with real sensors. Values that a category cannot
 //! express (a radar's report has no covariance) are missing as in reality. A radar configured for plots sends plots

@@ -25,9 +25,10 @@
 //! # Errors of position
 //!
 //! `nac_p` is the category of the estimated position uncertainty: the radius of 95 % of the errors. `nic`, `rc` and
-//! `sil` describe bounds that an error exceeds seldom (10⁻³ to 10⁻⁷ an hour), so no error follows from them: without
-//! `nac_p`, the accuracy is the configured one, and unknown if `nic` or `sil` is 0. The step of coordinates in squitters
-//! (5 m) is added. The categories are the transponder's own, and are not used for positions of multilateration.
+//! `sil` describe bounds that an error exceeds seldom (10⁻³ to 10⁻⁷ an hour), so no error follows from them. Without
+//! `nac_p`, the accuracy is the configured one, and unknown if `nic` or `sil` is 0. The step of coordinates in
+//! squitters (5 m) is added. The categories are the transponder's own, and are not used for positions of
+//! multilateration.
 //!
 //! # Limits
 //!
