@@ -11,8 +11,8 @@ use simulator::AisFeed;
 
 use crate::host::Host;
 
-/// Time of the scenario's start in lines of AIS, seconds since 1970: 2020-01-01. Readers of lines take numbers of before
-/// 1973 for something else.
+/// Time of the scenario's start in lines of AIS, seconds since 1970: 2020-01-01. In lines, numbers below those of 1973
+/// stand for something else.
 const AIS_MIDNIGHT_S: i64 = 1_577_836_800;
 
 /// Writes the lines of receivers of AIS up to `end_s`; returns the number of messages. The scenario's start is the
