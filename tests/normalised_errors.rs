@@ -81,7 +81,7 @@ fn tables(home: &Home, place_deg: [f64; 2], source: &str) -> [String; 2] {
          [time]\ndate = \"2020-01-01\"\norder = \"time\"\n[recorder]\nformat = [\"csv\"]\n\
          [[source]]\nname = \"own\"\n{source}"
     );
-    home.write("test.toml", &config);
+    home.write("test.toml", config);
     let up = "up test.toml --data . --speed max --instance test --out out";
     let output = home.run(&up.split(' ').collect::<Vec<_>>());
     assert_eq!(output.status.code(), Some(0), "{output:?}");
