@@ -156,8 +156,8 @@ impl Sources {
     }
 
     /// The measurement between two states of a sensor track of `source`, the first so many seconds earlier; `None` if
-    /// no measurement explains the change. `evidence` is the track's evidence of its tracker, `place_m` the place of the
-    /// sensor in the plane, if known, metres. Learns nothing.
+    /// no measurement explains the change. `evidence` is the track's evidence of its tracker, `place_m` the place of
+    /// the sensor in the plane, if known, metres. Learns nothing.
     pub fn measurement_between(
         &self,
         (source, evidence, place_m): (u16, &GainEvidence, Option<[f64; 2]>),

@@ -14,8 +14,8 @@
 //! - a radar's: a constant standard deviation along the line of sight, and of the azimuth.
 //!
 //! Each number is sought by steps: the mean of the squared corrections, relative to their covariance and bounded, is
-//! that of chi-square, so that manoeuvres, a minority, move it little. Whether the tracker obeys the rule shows in the velocity: its correction is
-//! then P⁺ᵥₚ·u. Trackers that do not are left alone.
+//! that of chi-square, so that manoeuvres, a minority, move it little. Whether the tracker obeys the rule shows in the
+//! velocity: its correction is then P⁺ᵥₚ·u. Trackers that do not are left alone.
 //!
 //! Limits: a covariance that is stated too small or too large by a factor is taken for the tracker's own; shapes other
 //! than these four are met by the nearest.
@@ -79,8 +79,8 @@ kept! {
 }
 
 impl Sought {
-    /// Learns from the component `u` of a whitened correction with the variance `stated` at its place; the number stands
-    /// for the variance R = number · `unit`.
+    /// Learns from the component `u` of a whitened correction with the variance `stated` at its place; the number
+    /// stands for the variance R = number · `unit`.
     fn add(&mut self, u: f64, stated: f64, unit: f64) {
         if self.samples == 0 {
             self.logarithm = (RATIO_PRIOR * stated / unit).ln();

@@ -116,8 +116,8 @@ impl AisReader {
     }
 
     /// Takes a line of the connection numbered `connection`, received at `received_utc_ns` (UTC, nanoseconds since
-    /// 1970), and gives its content to `each`, with the time of receipt: the position first. A time in the line replaces
-    /// the time of receipt.
+    /// 1970), and gives its content to `each`, with the time of receipt: the position first. A time in the line
+    /// replaces the time of receipt.
     ///
     /// # Errors
     /// [`AisError`] if the line was refused. The refusal is already counted; a caller with published counters needs no
