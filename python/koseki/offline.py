@@ -130,7 +130,8 @@ def fuse(
 ) -> Table:
     """System tracks from a table or tables of sensor tracks (metres or degrees), as `koseki fuse` makes system tracks.
 
-    `sigma` is the standard deviation of positions in degrees without `sigma_m`, metres; `rule` is a fusion rule, such as "auto" or "best-source"; with `refresh` a row comes every so many seconds; `config`
+    `sigma` is the standard deviation of positions in degrees without `sigma_m`, metres; `rule` is a fusion rule, such as
+    "auto" or "best-source"; with `refresh` a row comes every so many seconds; `config`
     is a path or the text of a TOML file.
     """
     command = _Command("fuse", "--json").table(tracks=tracks).config(config).origin(origin)

@@ -59,6 +59,48 @@ fn a_header_that_lacks_or_repeats_a_column_is_refused() {
 }
 
 #[test]
+fn a_column_under_another_name_has_the_unit_of_the_reader() {
+    let mut table = Table::new(&b"Azimuth (deg),x,x,lat,lat_deg\n180,1,2,nan,3\n"[..]).unwrap();
+    let bearing = table.required("bearing_rad").unwrap();
+    assert_eq!((bearing.name(), bearing.is_foreign()), ("azimuth_deg", true));
+    assert!(table.optional("scan").unwrap().is_none() && !table.states("scan"));
+    let fault = |name| table.optional(name).unwrap_err().to_string();
+    assert!(fault("x").contains("more than once"));
+    assert_eq!(
+        fault("latitude"),
+        "header: columns lat and lat_deg state one quantity; leave one of them out, or give it a name of your own"
+    );
+    let own = table.spelled("lat").unwrap().unwrap();
+    assert_eq!(table.unread(&[Some(bearing), Some(own)]), ["x", "x", "lat_deg"]);
+    let row = table.next_row().unwrap().unwrap();
+    assert!((row.number(bearing).unwrap() - std::f64::consts::PI).abs() < 1e-12);
+    // Words for an absent value are those of other programs.
+    assert!(
+        row.number_or_empty(own)
+            .unwrap_err()
+            .to_string()
+            .contains("is not finite")
+    );
+}
+
+#[test]
+fn a_word_for_an_absent_value_is_unknown_under_another_name() {
+    let mut table = Table::new(&b"lat,time\nnan,None\n"[..]).unwrap();
+    let [latitude, time] = ["latitude", "time_s"].map(|name| table.required(name).unwrap());
+    let row = table.next_row().unwrap().unwrap();
+    assert_eq!(
+        (row.number_or_empty(latitude).unwrap(), row.stated(time).unwrap()),
+        (None, None)
+    );
+    assert!(
+        row.number(latitude)
+            .unwrap_err()
+            .to_string()
+            .contains("line 2, column lat: \"nan\" is not finite")
+    );
+}
+
+#[test]
 fn times_are_exact_to_the_nanosecond() {
     let time = |text: &str| {
         let text = format!("b\n{text}\n");
