@@ -4,7 +4,7 @@ use std::fmt::Display;
 use std::str::FromStr;
 
 use crate::row::Row;
-use crate::{CsvError, SHOWN_MAX, number, shown};
+use crate::{CsvError, NamedColumn, SHOWN_MAX, number, shown};
 
 /// Longest time since a midnight, seconds: 46 days, the most that seconds in 64 bits give exactly to the nanosecond.
 pub(crate) const TIME_MAX_S: f64 = 4e6;
@@ -16,13 +16,15 @@ const ABSENT: [&str; 5] = ["nan", "null", "none", "na", "n/a"];
 /// A column that the header names.
 #[derive(Clone, Copy, Debug)]
 pub struct Column {
-    pub(crate) name: &'static str,
-    pub(crate) place: usize,
-    /// Value of one of its units in the unit of the reader.
-    pub(crate) scale: f64,
-    /// Whether it was found by its quantity: such a column has the forms of other programs.
-    pub(crate) is_foreign: bool,
+    name: &'static str,
+    place: u32,
+    /// Places in the list of the entries of the column and of the reader's name for its quantity; [`OWN`] if the column
+    /// has this name. In place of the factor of its unit: columns are copied for each value.
+    entries: [u16; 2],
 }
+
+/// In place of entries: the column has the reader's own name.
+const OWN: [u16; 2] = [u16::MAX; 2];
 
 /// The values of a row, as many as there are columns.
 #[derive(Clone, Copy, Debug)]
@@ -32,6 +34,28 @@ pub struct Cells<'a> {
 }
 
 impl Column {
+    /// The column at a place of the header under the reader's name.
+    pub(crate) fn own(name: &'static str, place: usize) -> Self {
+        Self {
+            name,
+            place: place as u32,
+            entries: OWN,
+        }
+    }
+
+    /// The column at a place of the header under another name, with the places of both names in the list.
+    pub(crate) fn foreign(name: &'static str, place: usize, entries: [u16; 2]) -> Self {
+        Self {
+            name,
+            place: place as u32,
+            entries,
+        }
+    }
+
+    pub(crate) fn place(&self) -> usize {
+        self.place as usize
+    }
+
     /// The name that errors use.
     pub fn name(&self) -> &'static str {
         self.name
@@ -40,12 +64,24 @@ impl Column {
     /// Whether the column was found by its quantity ([`Table::of_quantity`](crate::Table::of_quantity)), and not by the
     /// reader's own name for it.
     pub fn is_foreign(&self) -> bool {
-        self.is_foreign
+        self.entries != OWN
     }
 
     /// Value of one unit of the column in the unit of the name under which it was asked for.
     pub fn scale(&self) -> f64 {
-        self.scale
+        match self.entries {
+            OWN => 1.0,
+            [found, asked] => NamedColumn::at(found).scale / NamedColumn::at(asked).scale,
+        }
+    }
+
+    /// A number of the column in the unit of the reader.
+    #[inline]
+    fn in_unit(&self, number: f64) -> f64 {
+        match self.is_foreign() {
+            true => number * self.scale(),
+            false => number,
+        }
     }
 }
 
@@ -78,7 +114,7 @@ impl Cells<'_> {
     /// If it is not UTF-8.
     pub fn stated(&self, column: impl Into<Option<Column>>) -> Result<Option<&str>, CsvError> {
         let Some(column) = column.into() else { return Ok(None) };
-        let is_absent = |text: &&str| column.is_foreign && ABSENT.iter().any(|word| word.eq_ignore_ascii_case(text));
+        let is_absent = |text: &&str| column.is_foreign() && ABSENT.iter().any(|word| word.eq_ignore_ascii_case(text));
         Ok(self.text(column)?.filter(|text| !is_absent(text)))
     }
 
@@ -89,7 +125,7 @@ impl Cells<'_> {
     #[inline]
     pub fn number(&self, column: Column) -> Result<f64, CsvError> {
         match number::simple(self.value(column)) {
-            Some(number) => Ok(number * column.scale),
+            Some(number) => Ok(column.in_unit(number)),
             None => self.unusual_number(column)?.ok_or_else(|| self.no_number(column)),
         }
     }
@@ -123,7 +159,7 @@ impl Cells<'_> {
     pub fn number_or_empty(&self, column: impl Into<Option<Column>>) -> Result<Option<f64>, CsvError> {
         let Some(column) = column.into() else { return Ok(None) };
         match number::simple(self.value(column)) {
-            Some(number) => Ok(Some(number * column.scale)),
+            Some(number) => Ok(Some(column.in_unit(number))),
             None => self.unusual_number(column),
         }
     }
@@ -136,7 +172,7 @@ impl Cells<'_> {
             return Ok(None);
         };
         match text.parse::<f64>() {
-            Ok(number) if number.is_finite() => Ok(Some(number * column.scale)),
+            Ok(number) if number.is_finite() => Ok(Some(column.in_unit(number))),
             Ok(_) => Err(self.error(column, "is not finite; leave out rows without a value")),
             Err(_) => Err(self.error(column, "is no number; write one like -12.5")),
         }
@@ -232,7 +268,7 @@ impl Cells<'_> {
     /// The value without blanks around it.
     #[inline]
     fn value(&self, column: Column) -> &[u8] {
-        let value = self.values.value(column.place);
+        let value = self.values.value(column.place());
         // Most values have no blank around them.
         match value {
             [] => value,

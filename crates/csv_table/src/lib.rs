@@ -197,12 +197,7 @@ impl<R: Read> Table<R> {
     /// # Errors
     /// If the header lacks a column, or names a column more than once.
     pub fn all<const N: usize>(&self, names: [&'static str; N]) -> Result<[Column; N], CsvError> {
-        let mut columns = [Column {
-            name: "",
-            place: 0,
-            scale: 1.0,
-            is_foreign: false,
-        }; N];
+        let mut columns = [Column::own("", 0); N];
         for (column, name) in columns.iter_mut().zip(names) {
             *column = self.required(name)?;
         }
@@ -231,12 +226,7 @@ impl<R: Read> Table<R> {
             .iter()
             .enumerate()
             .filter(|(_, found)| found.trim_ascii() == name.as_bytes());
-        let found = places.next().map(|(place, _)| Column {
-            name,
-            place,
-            scale: 1.0,
-            is_foreign: false,
-        });
+        let found = places.next().map(|(place, _)| Column::own(name, place));
         match places.next() {
             Some(_) => Err(self.header_error(name, "stands there more than once")),
             None => Ok(found),
@@ -258,17 +248,11 @@ impl<R: Read> Table<R> {
             let Some((entry, name)) = known.filter(|(entry, _)| entry.quantity == asked.quantity) else {
                 continue;
             };
-            if let Some(first) = found {
+            let column = Column::foreign(name, place, [entry, asked].map(NamedColumn::place));
+            if let Some(first) = found.replace(column) {
                 let fault = "state one quantity; leave one of them out, or give it a name of your own";
-                return Err(self.clash(first, Column { name, place, ..first }, fault));
+                return Err(self.clash(first, column, fault));
             }
-            let scale = entry.scale / asked.scale;
-            found = Some(Column {
-                name,
-                place,
-                scale,
-                is_foreign: true,
-            });
         }
         Ok(found)
     }
@@ -282,7 +266,7 @@ impl<R: Read> Table<R> {
     #[cold]
     pub fn clash(&self, first: Column, second: Column, fault: &str) -> CsvError {
         let name = |column: Column| {
-            let found = self.names().nth(column.place).unwrap_or_default();
+            let found = self.names().nth(column.place()).unwrap_or_default();
             String::from_utf8_lossy(found).into_owned()
         };
         CsvError::Clash {
@@ -294,7 +278,7 @@ impl<R: Read> Table<R> {
 
     /// Names of the columns without `read`, as in the header: first those of no quantity in the list.
     pub fn unread(&self, read: &[Option<Column>]) -> Vec<String> {
-        let is_read = |place: usize| read.iter().flatten().any(|column| column.place == place);
+        let is_read = |place: usize| read.iter().flatten().any(|column| column.place() == place);
         let mut places: Vec<usize> = (0..self.header.len()).filter(|place| !is_read(*place)).collect();
         places.sort_by_key(|place| self.known[*place].is_some());
         let name = |place| {

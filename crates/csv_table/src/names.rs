@@ -155,6 +155,21 @@ impl NamedColumn {
         is_text.then(|| BY_NAME.get(&plain(spelled)).copied()).flatten()
     }
 
+    /// The entry's place in the list.
+    pub(crate) fn place(&self) -> u16 {
+        let mut entries = TARGET_COLUMNS.iter().chain(SENSOR_COLUMNS);
+        entries.position(|entry| entry.name == self.name).unwrap_or_default() as u16
+    }
+
+    /// The entry at a place of the list.
+    pub(crate) fn at(place: u16) -> &'static Self {
+        let place = usize::from(place);
+        match TARGET_COLUMNS.get(place) {
+            Some(entry) => entry,
+            None => &SENSOR_COLUMNS[place - TARGET_COLUMNS.len()],
+        }
+    }
+
     /// Returns the one of `known` names that states the quantity of a name as a line spells it, and the value of one of
     /// its units in the unit of the known name. An altitude by pressure stands for a height, as in tables.
     pub fn among(spelled: &str, known: &[&'static str]) -> Option<(&'static str, f64)> {
