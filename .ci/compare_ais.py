@@ -37,6 +37,7 @@ NUMBERS = {'970': 'rescue-transmitter', '972': 'man-overboard', '974': 'rescue-b
 DEVICES = ('rescue-transmitter', 'man-overboard', 'rescue-beacon')
 # pyais rounds coordinates to a millionth of a degree.
 POSITION_M = 0.1
+RADIUS95_SIGMAS = math.sqrt(-2 * math.log(0.05))
 TOLERANCE = {'velocity_mps': 1e-9, 'covariance_m2': 1e-4}
 
 KNOWN = {
@@ -172,6 +173,28 @@ def place(message):
     return position if abs(position[0]) <= 90 and abs(position[1]) <= 180 else None
 
 
+def offset_m(message, hull, direction):
+    """Standard deviation of the distance from the antenna to the hull's centre, metres, unless the distance is known."""
+    if hull:
+        bow, stern, port, starboard = hull
+        if bow == 0 and port == 0:
+            return 0.2 * stern
+        return math.hypot((bow - stern) / 2, (starboard - port) / 2) if direction is None else None
+    is_ship = category(dict(message, ship_type=0)) == 'unknown'
+    return 40 if message['msg_type'] in (1, 2, 3, 27) and is_ship else None
+
+
+def with_offset(quality, sigma_m, direction):
+    """The quality with this error along the heading, or in an unknown direction."""
+    if quality == 'unknown' or sigma_m is None:
+        return quality
+    own = (quality.get('radius95_m', 0) / RADIUS95_SIGMAS)**2
+    turn = math.radians(direction or 0)
+    parts = [0.5, 0, 0.5] if direction is None else [math.sin(turn)**2, math.sin(turn) * math.cos(turn), math.cos(turn)**2]
+    before = quality.get('covariance_m2', [own, 0, own])
+    return {'covariance_m2': [value + sigma_m**2 * part for value, part in zip(before, parts)]}
+
+
 def target(message, known, received_s):
     """The observation that a report of a position gives."""
     position, kind = place(message), message['msg_type']
@@ -195,8 +218,9 @@ def target(message, known, received_s):
     if second in (61, 62, 63):
         quality = 'unknown'
     elif kind == 27:
-        own, step = (radius / math.sqrt(-2 * math.log(0.05)))**2, 185.2**2 / 12
+        own, step = (radius / RADIUS95_SIGMAS)**2, 185.2**2 / 12
         quality = {'covariance_m2': [own + step * math.cos(math.radians(message['lat']))**2, 0, own + step]}
+    quality = with_offset(quality, offset_m(message, known.get('hull'), direction), direction)
     altitude = message.get('alt', 4095)
     altitude = None if altitude >= 4094 else altitude
     is_barometric = kind == 9 and message['reserved_1'] & 0x80 != 0

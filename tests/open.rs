@@ -266,6 +266,14 @@ fn frames_over_a_connection_become_a_track_live() {
         }
     });
     confirmed_live(&home, &format!("tcp://{address}"), "tcp");
+    let what = format!("tcp://{address}");
+    let first = home.start(&["open", &what, "--no-display"]);
+    first.until_said("instance tcp");
+    let second = home.start(&["open", &what, "--no-display"]);
+    second.until_said("instance tcp-2");
+    for running in [second, first] {
+        assert_eq!(running.stop().0.code(), Some(0));
+    }
     ended.store(true, Ordering::Relaxed);
 }
 

@@ -30,7 +30,7 @@ def main():
             empty = folder / kind.__name__
             empty.mkdir(parents=True)
             feed = kind()
-            opened = Koseki(koseki, folder / f'{kind.__name__}.log', ['open', feed.what, '--out', str(empty / 'out')])
+            opened = Koseki(koseki, folder / f'{kind.__name__}.log', ['open', feed.what, '--root', str(empty / 'root'), '--out', str(empty / 'out')])
             page = browser.new_page()
             page.goto(opened.address(feed.what))
             end = time.monotonic() + 60

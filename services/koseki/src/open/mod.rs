@@ -20,6 +20,7 @@ use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 
 use anyhow::Context as _;
+use bus::Root;
 use offline::Usage;
 use runtime::{Now, Options, Speed};
 
@@ -50,7 +51,7 @@ pub(crate) fn run(open: &OpenArgs) -> anyhow::Result<()> {
         return show(Path::new(only), open);
     }
     let place_deg = open.place.as_deref().map(place).transpose()?;
-    let name = names::name_of(&open.what[0]);
+    let name = free_name(&names::name_of(&open.what[0]))?;
     let folder = open.out.clone().unwrap_or_else(|| args::out_folder(None, &name));
     let mut opened = Vec::new();
     for what in &open.what {
@@ -101,6 +102,16 @@ pub(crate) fn run(open: &OpenArgs) -> anyhow::Result<()> {
         return show(&folder.join("latest"), open);
     }
     Ok(())
+}
+
+/// The name, or the first of `NAME-2`, `NAME-3`, … that no running instance has: several feeds may be open at a time.
+fn free_name(name: &str) -> anyhow::Result<String> {
+    let (mut candidate, mut number) = (name.to_owned(), 1);
+    while Root::new(&candidate)?.holder()?.is_some() {
+        number += 1;
+        candidate = format!("{name}-{number}");
+    }
+    Ok(candidate)
 }
 
 /// Prints a decision.
