@@ -202,7 +202,8 @@ impl Piece<'_> {
 /// the same `f64`, and so these are the digits of every writer that finds the shortest.
 #[inline(always)]
 pub(super) fn short(piece: &mut Piece<'_>, is_negative: bool, magnitude: u64, lsb: f64) -> bool {
-    let Some((factor, mut places)) = fraction(lsb) else {
+    // More places than a whole number has bits: no short fraction. Of 0, more would be left than are written.
+    let Some((factor, mut places)) = fraction(lsb).filter(|(_, places)| *places < u64::BITS) else {
         return false;
     };
     let Some(mut number) = magnitude.checked_mul(factor) else {
@@ -279,12 +280,12 @@ mod tests {
         #[test]
         fn quantities_have_the_digits_of_serde(
             magnitude in any::<u64>(),
-            bits in 1_u32..65,
+            bits in 0_u32..65,
             is_negative in any::<bool>(),
-            factor in prop::sample::select(vec![1.0, 6.25, 45.0, 25.0, 100.0, 0.1]),
+            factor in prop::sample::select(vec![1.0, 6.25, 45.0, 25.0, 100.0, 0.1, 1e-3, 1e-5]),
             places in 0_i32..26,
         ) {
-            let (magnitude, lsb) = ((magnitude >> (64 - bits)).max(1), factor * 2_f64.powi(-places));
+            let (magnitude, lsb) = (magnitude.checked_shr(64 - bits).unwrap_or(0), factor * 2_f64.powi(-places));
             if let Some(text) = written(is_negative, magnitude, lsb) {
                 let quantity = magnitude as f64 * if is_negative { -lsb } else { lsb };
                 prop_assert_eq!(text, serde_json::to_string(&quantity).unwrap());
@@ -314,5 +315,10 @@ mod tests {
             assert_eq!(written(is_negative, magnitude, lsb).as_deref(), Some(text));
         }
         assert_eq!(written(false, 12_345_678, 180.0 / 33_554_432.0), None);
+        assert_eq!(
+            written(false, 0, 1e-5),
+            None,
+            "0 has as many decimals as any other number"
+        );
     }
 }
