@@ -45,6 +45,11 @@ def word(group, code):
     return names[0][len(group) + 1:].lower() if names else ''
 
 
+def named(group, code):
+    """The same of words that hyphens divide."""
+    return word(group, code).replace('_', '-')
+
+
 class Time(int):
     """Nanoseconds since 1970."""
 
@@ -247,10 +252,21 @@ def decision(message, _):
                (('value', message.value), ('limit', message.limit))}}
 
 
+def statement(message, _):
+    known = lambda bit, values: [where(message.valid & bit, Rounded(value)) for value in values]
+    return {'time_s': Time(message.time_ns), 'sensor_id': message.source + 1, 'sensor_track_id': message.track_number,
+            'category': named('CATEGORY', message.category),
+            'navigation': named('NAVIGATION', message.navigation), 'emergency': named('EMERGENCY', message.emergency),
+            **dict(zip(('length_m', 'width_m'), known(K.TARGET_STATEMENT_SIZE, (message.length_m, message.width_m)))),
+            'selected_altitude_m': known(K.TARGET_STATEMENT_SELECTED_ALTITUDE, [message.selected_altitude_m])[0],
+            **dict(zip(('operator_latitude', 'operator_longitude'),
+                       known(K.TARGET_STATEMENT_OPERATOR, message.operator_deg)))}
+
+
 # Ending of a topic's name: stem of the table's, and how a sample is a row.
 TABLES = {'tracks': ('sensor_tracks', sensor_track), 'detections': ('detections', detection),
           'bearings': ('bearings', bearing), 'arrivals': ('arrivals', arrival), 'fixes': ('fixes', fix),
-          'state': ('platform_states', platform_state), 'cues': ('cues', cue), 'reports': ('wide_area', wide_area)}
+          'state': ('platform_states', platform_state), 'statements': ('statements', statement), 'cues': ('cues', cue), 'reports': ('wide_area', wide_area)}
 SYSTEM = {'system/tracks': ('system_tracks', system_track), 'system/alarms': ('alarms', alarm),
           'system/decisions': ('decisions', decision)}
 
@@ -270,7 +286,8 @@ def is_said(cell, value, first_day_ns):
         return Decimal(cell) * 10**9 == value - first_day_ns
     if isinstance(value, Rounded):
         decimals = len(cell.partition('.')[2])
-        return abs(float(cell) - value) <= 0.5 * 10**-decimals + 1e-9
+        # A limit may be infinite.
+        return float(cell) == value or abs(float(cell) - value) <= 0.5 * 10**-decimals + 1e-9
     if isinstance(value, Single):
         return struct.pack('f', float(cell)) == struct.pack('f', value)
     return float(cell) == value if isinstance(value, float) else cell == str(value)

@@ -1,16 +1,23 @@
 //! `koseki` without `koseki-lab`, and the other way round.
 
-use std::fs;
+use std::ffi::OsStr;
+use std::path::Path;
 use std::process::Command;
 
 use crate::common::{Folder, koseki};
+
+/// Copies a program by another process: were the copy written here, a process that another test starts meanwhile would
+/// hold it open for writing, and the system starts no such program.
+fn copy(program: impl AsRef<OsStr>, to: &Path) {
+    assert!(Command::new("cp").arg(program).arg(to).status().unwrap().success());
+}
 
 #[test]
 fn without_the_program_its_commands_name_the_remedy() {
     let folder = Folder::new();
     // A copy in a folder where nothing lies beside it.
     let alone = folder.path("koseki");
-    fs::copy(koseki().get_program(), &alone).unwrap();
+    copy(koseki().get_program(), &alone);
     for command in ["bench", "torture"] {
         let output = Command::new(&alone)
             .args([command, "--help"])
@@ -29,7 +36,7 @@ fn without_the_program_its_commands_name_the_remedy() {
 fn without_koseki_the_program_measures_nothing() {
     let folder = Folder::new();
     let alone = folder.path("koseki-lab");
-    fs::copy(env!("CARGO_BIN_EXE_koseki-lab"), &alone).unwrap();
+    copy(env!("CARGO_BIN_EXE_koseki-lab"), &alone);
     let output = Command::new(&alone)
         .args(["bench", "latency"])
         .env_remove("KOSEKI")

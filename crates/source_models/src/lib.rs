@@ -10,7 +10,8 @@
 //! | gross errors that keep tracks apart | `alignment` |
 //! | truth of covariances, spread of detection points, detection | `source_model` |
 //! | shape of errors across and along the line of sight | `error_shape` |
-//! | gain and noise of a source's tracker; the measurement behind a report | `tracker_gain`, `corrections`, `content`, `measurement` |
+//! | gain and noise of a source's tracker | `tracker_gain`, `corrections` |
+//! | the measurement behind a report | `content`, `measurement` |
 //! | sources that have errors in common | `dependence` |
 //! | sources that others contradict | `credibility` |
 //! | points of targets that sources see | `points` |

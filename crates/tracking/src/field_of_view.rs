@@ -58,6 +58,20 @@ impl FieldOfView {
         0.5 * self.width_rad() * (far * far - near * near)
     }
 
+    /// Whether a place is inside, seen from `sensor_m` unless the sensor's place is fixed.
+    pub(crate) fn contains(&self, place_m: [f64; 2], sensor_m: Option<[f64; 2]>) -> bool {
+        let Some([east, north]) = self.position_m.or(sensor_m) else {
+            return false;
+        };
+        let (east, north) = (place_m[0] - east, place_m[1] - north);
+        let [near, far] = self.range_m;
+        let in_sector = || {
+            self.sector_deg
+                .is_none_or(|[from, _]| (east.atan2(north) - from.rad()).rem_euclid(TAU) <= self.width_rad())
+        };
+        (near..=far).contains(&east.hypot(north)) && in_sector()
+    }
+
     /// Probability that a target is inside, seen from `sensor_m` unless the sensor's place is fixed.
     pub(crate) fn holds(&self, target: &Gaussian, sensor_m: Option<[f64; 2]>) -> f64 {
         let Some([east, north]) = self.position_m.or(sensor_m) else {

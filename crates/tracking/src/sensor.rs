@@ -76,6 +76,11 @@ impl SensorMemory {
         directions_only: false,
     };
 
+    /// Returns whether a sensor with the field of view `view` sees a place; without a field of view, it sees all.
+    pub(crate) fn sees(&self, view: Option<&FieldOfView>, place_m: [f64; 2]) -> bool {
+        view.is_none_or(|view| view.contains(place_m, self.platform_m))
+    }
+
     /// Returns whether a scan is of directions without ranges; an empty scan is like the scan before.
     pub(crate) fn sees_directions_only(&self) -> bool {
         self.directions_only

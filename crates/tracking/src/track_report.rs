@@ -10,6 +10,9 @@ use crate::settings::Settings;
 use crate::track::{NO_DETECTION, Track};
 use crate::wide_area::group::Group;
 
+/// Looks without a detection after which a track beyond every field of view is not reported.
+const LOOKS: u32 = 3;
+
 /// A confirmed track after the latest scan: the most reliable branch of the ancestor (HT-10).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackReport {
@@ -135,6 +138,16 @@ pub(crate) struct BestBranch {
     /// Places of the branch and of the cluster in the population.
     pub(crate) track: u32,
     pub(crate) cluster: u32,
+}
+
+/// Whether a track after the latest scan has been missed for some looks, and lies where no sensor sees it.
+pub(crate) fn has_left(track: &Track, population: &Population, settings: &Settings) -> bool {
+    if track.missed < LOOKS {
+        return false;
+    }
+    let [east, north, ..] = track.motion_at(population.time_ns, &settings.motion).mean();
+    let mut sensors = settings.sensors.iter().zip(&population.sensors);
+    !sensors.any(|(sensor, memory)| memory.sees(sensor.model.field_of_view.as_ref(), [east, north]))
 }
 
 /// Writes the best branches of all confirmed ancestors to `best`, by number.

@@ -16,7 +16,7 @@ use crate::population::Population;
 use crate::resolution::unite;
 use crate::scan_update::ScanUpdate;
 use crate::settings::Settings;
-use crate::track_report::{BestBranch, TrackReport, find_best, report_of};
+use crate::track_report::{BestBranch, TrackReport, find_best, has_left, report_of};
 use crate::wide_area::cue::{Cue, cue};
 use crate::wide_area::emission::{Emission, EmissionRejection};
 use crate::wide_area::report::ReportRejection;
@@ -356,6 +356,8 @@ impl Tracker {
     pub(crate) fn report(&mut self, observer: Option<&dyn Observer>) {
         let (population, settings) = (&self.populations[self.open], &self.settings);
         find_best(population, &mut self.best);
+        self.best
+            .retain(|best| !has_left(&population.tracks[best.track as usize], population, settings));
         self.reports.clear();
         self.reports.extend(self.best.iter().map(|best| {
             let track = &population.tracks[best.track as usize];

@@ -547,6 +547,41 @@ fn outside_the_field_of_view_nothing_is_missed() {
 }
 
 #[test]
+fn beyond_every_field_of_view_a_track_is_kept_and_not_reported() {
+    let mut both = settings();
+    both.sensors[0].model.field_of_view = Some(FieldOfView {
+        range_m: [0.0, 200.0],
+        sector_deg: None,
+        position_m: Some([0.0, 0.0]),
+    });
+    // 15 m/s: the target leaves the field of view in the fourteenth second.
+    let missed = |settings: Settings| {
+        let mut tracker = Tracker::new(settings).unwrap();
+        for second in 0..13 {
+            tracker.scan(1, second * S, &[flying(second, 0.0)]).unwrap();
+        }
+        let reported: Vec<usize> = (13..20)
+            .map(|second| {
+                tracker.scan(1, second * S, &[]).unwrap();
+                tracker.tracks().len()
+            })
+            .collect();
+        let returned = {
+            tracker.scan(1, 20 * S, &[flying(20, 0.0)]).unwrap();
+            tracker.tracks().iter().map(|track| track.number).collect::<Vec<_>>()
+        };
+        (reported, returned)
+    };
+    assert_eq!(missed(both.clone()), (vec![1, 1, 0, 0, 0, 0, 0], vec![1]));
+    // Another sensor sees everything.
+    both.sensors.push(SensorFacts {
+        sensor_id: 2,
+        ..SensorFacts::default()
+    });
+    assert_eq!(missed(both).0[3], 1);
+}
+
+#[test]
 fn several_detections_of_one_hull_are_one_target() {
     let ends = |second: i64| {
         let (bow, mut stern) = (flying(second, 0.0), flying(second, 0.0));
