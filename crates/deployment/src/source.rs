@@ -99,7 +99,7 @@ impl Source {
         matches!(self.delivers, SampleDelivery::Bearings { .. })
     }
 
-    /// Whether it publishes its bearings, and where the finder was; a recording publishes the tracks only.
+    /// Whether the source publishes its bearings and the finder's places; a recording publishes the tracks only.
     pub fn publishes_bearings(&self) -> bool {
         self.has_bearings() && !self.input.is_recorded()
     }

@@ -80,8 +80,12 @@ kept! {
 
 impl Sought {
     /// Learns from the component `u` of a whitened correction with the variance `stated` at its place; the number
-    /// stands for the variance R = number · `unit`.
+    /// stands for the variance R = number · `unit`. A variance that rounding made 0 teaches nothing.
     fn add(&mut self, u: f64, stated: f64, unit: f64) {
+        // Written so that NaN is refused.
+        if !(stated > 0.0 && unit > 0.0 && u.is_finite()) {
+            return;
+        }
         if self.samples == 0 {
             self.logarithm = (RATIO_PRIOR * stated / unit).ln();
         }
@@ -274,7 +278,8 @@ impl Corrections {
             }
         }
         self.learn_values(u, stated, sight);
-        if corrected.has_height {
+        // Heights that stay as predicted are those of ships, or repeated: no correction shows an error.
+        if corrected.has_height && corrected.moved_m(2).abs() > CORRECTION_MIN_M {
             let stated_m2 = corrected.after.covariance.get(2, 2);
             self.height_m2.add(corrected.moved_m(2) / stated_m2, stated_m2, 1.0);
         }
@@ -309,11 +314,13 @@ impl Corrections {
         let covariance = at_least(covariance, stated);
         let [east, north] = product(covariance, u);
         let [x, y, z] = corrected.predicted_m;
-        let height_m2 = self
-            .height_m2
-            .value()
-            .max(corrected.after.covariance.get(2, 2) / STATED_SHARE_MAX);
-        let up = corrected.moved_m(2) * height_m2 / corrected.after.covariance.get(2, 2);
+        let stated_m2 = corrected.after.covariance.get(2, 2);
+        let height_m2 = match self.height_m2.samples {
+            0 => RATIO_PRIOR * stated_m2,
+            _ => self.height_m2.value().max(stated_m2 / STATED_SHARE_MAX),
+        };
+        // Without an uncertainty, the height is as stated.
+        let up = corrected.moved_m(2) * if stated_m2 > 0.0 { height_m2 / stated_m2 } else { 1.0 };
         let [xx, xy, yy] = covariance;
         Some(match corrected.has_height {
             true => Measurement {

@@ -190,3 +190,38 @@ fn predictions_and_new_tracks_teach_nothing() {
     }
     assert!(!known.is_used());
 }
+
+/// Ships, whose heights never change, for days; and covariances of which a variance is 0.
+#[test]
+fn heights_that_stay_and_variances_of_0_leave_finite_values() {
+    let (mut known, mut random) = (Corrections::default(), Random::new(10));
+    let mut measured = 0;
+    for number in 0..400_000 {
+        let mut step = step(&mut random, CIRCLE, false);
+        step.after.mean[2] = 5000.0 + 4.0 * 2.0;
+        if number % 2 == 0 {
+            step.after.covariance.set(2, 2, 0.0);
+        }
+        if number % 1000 == 0 {
+            step.after.covariance.set(0, 0, 0.0);
+        }
+        let corrected = step.corrected(Some([0.0; 2]));
+        known.learn(&corrected, 10);
+        // By chance, a correction may be as short as a repeated prediction.
+        if number > 1000
+            && number % 1000 != 0
+            && let Some(found) = known.measurement(&corrected)
+        {
+            assert!(
+                found
+                    .covariance_m2
+                    .iter()
+                    .all(|value| value.is_finite() && value.abs() < 1e6)
+            );
+            assert!((found.position_m[2] - 5008.0).abs() < 1e-6);
+            measured += 1;
+        }
+    }
+    assert!(measured > 390_000);
+    assert!(known.is_used());
+}

@@ -18,9 +18,9 @@ const PER_DEGREE: f64 = 600_000.0;
 /// Class of a ship's equipment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AisClass {
-    /// Of ships that have to carry it.
+    /// Ships that have to carry AIS.
     A,
-    /// Of others.
+    /// Other ships.
     B,
 }
 

@@ -181,7 +181,7 @@ impl Measured {
         let mut columns = [None; 3];
         for (place, (name, sigma)) in columns.iter_mut().zip(names) {
             if let Some(column) = table.of_quantity(name)? {
-                // Of what is measured, all have standard deviations or nothing has.
+                // Either all measured values have standard deviations, or none has.
                 let sigma = has_sigmas.then(|| table.required(sigma)).transpose()?;
                 *place = Some([Some(column), sigma]);
             }
