@@ -53,6 +53,7 @@ mod sensitivity;
 mod significance;
 mod solution;
 mod steps;
+mod turns;
 
 use estimation::{Symmetric3, inverse3};
 use kept::kept;
@@ -338,7 +339,7 @@ impl Registration {
     /// Returns the variance per axis of the systematic error of a state to which all sources contribute, m². The sum
     /// contains the common part of the horizontal offsets and the part that is not removed.
     pub(crate) fn common_error_m2(&self) -> f64 {
-        self.common_offset_m2() + self.left_over_m2()
+        self.common_offset_m2() + self.undecided_turn_m2() + self.left_over_m2()
     }
 
     /// Returns the variance per axis of the common part of the displacements, m²; 0 if a reference source is taken as

@@ -282,7 +282,13 @@ const PLACES_M: [[f64; 2]; 3] = [[50e3, 0.0], [-25e3, 43e3], [-25e3, -43e3]];
 
 /// Continues `registration` for the seconds in `seconds`; source 1 has azimuth, range and offset errors. Sensors have
 /// known positions if `places`.
-fn register_polar(
+fn register_polar(registration: &mut Registration, seconds: Range<u32>, places: bool, errors: (f64, f64, [f64; 2])) {
+    register_polar_among(&[0, 1, 2], registration, seconds, places, errors);
+}
+
+/// [`register_polar`] with comparisons of these sources alone.
+fn register_polar_among(
+    compared: &[u16],
     registration: &mut Registration,
     seconds: Range<u32>,
     places: bool,
@@ -307,12 +313,8 @@ fn register_polar(
                 seen.place_m = places.then_some(place_m);
                 seen
             };
-            registration.learn(
-                &of((target % 3) as u16),
-                &of(((target + 1) % 3) as u16),
-                0.0,
-                (1e9, 1.0),
-            );
+            let one_of = |place: u32| of(compared[place as usize % compared.len()]);
+            registration.learn(&one_of(target), &one_of(target + 1), 0.0, (1e9, 1.0));
         }
         registration.begin((0.0, 0.0), |_| {});
         while !registration.step(&[], |_| {}) {}
@@ -391,4 +393,48 @@ fn without_positions_a_rotation_and_a_shift_are_found() {
         let error = (shift[0] - expected[0]).hypot(shift[1] - expected[1]);
         assert!(error < 0.1 * expected[0].hypot(expected[1]), "{shift:?} {expected:?}");
     }
+}
+
+/// Two sources share a rotation, whichever of them is turned; a third source decides.
+#[test]
+fn a_rotation_is_of_the_minority_whatever_was_compared_first() {
+    let azimuth_rad = 0.1f64.to_radians();
+    for (first, last) in [([0, 1], 2), ([1, 2], 0), ([1, 0], 2), ([2, 1], 0)] {
+        let mut registration = new_registration();
+        let errors = (azimuth_rad, 0.0, [0.0; 2]);
+        register_polar_among(&first, &mut registration, 0..40, false, errors);
+        for source in first {
+            let half = registration.of(source).errors[AZIMUTH].abs() / azimuth_rad;
+            assert!((0.45..0.55).contains(&half), "{first:?}: {half}");
+        }
+        // Half the rotation displaces the targets by some tens of metres.
+        let undecided_m = registration.common_error_m2().sqrt();
+        assert!((20.0..80.0).contains(&undecided_m), "{first:?}: {undecided_m}");
+        let all = [first[0], first[1], last];
+        register_polar_among(&all, &mut registration, 40..55, false, errors);
+        for source in [0, 1, 2] {
+            let of = registration.of(source);
+            let turn = if source == 1 { azimuth_rad } else { 0.0 };
+            assert!(
+                (of.errors[AZIMUTH] - turn).abs() < 0.1 * azimuth_rad,
+                "{first:?}: {of:?}"
+            );
+            assert_eq!(of.removed[AZIMUTH], source == 1, "{first:?}: {of:?}");
+        }
+        assert!(registration.common_error_m2().sqrt() < 10.0, "{first:?}");
+    }
+}
+
+/// Sensors of known position with a common rotation about their own positions, and without an offset, are turned: the
+/// rotation of the frame would give an offset to each of them.
+#[test]
+fn known_positions_decide_about_a_common_rotation() {
+    let vote = |turn| turns::Vote::Fixed(turn);
+    assert_eq!(turns::majority(&[vote(0.01), vote(0.01), turns::Vote::Free(0.0)]), None);
+    let free = turns::Vote::Free;
+    assert_eq!(turns::majority(&[free(0.01), free(0.0101), free(0.0)]), Some(0.01));
+    assert_eq!(turns::majority(&[free(0.01), free(0.01), vote(0.0), free(0.0)]), None);
+    assert_eq!(turns::majority(&[free(0.01), free(0.0)]), None);
+    assert_eq!(turns::majority(&[free(0.0), free(0.0), free(0.01)]), None);
+    assert_eq!(turns::majority(&[turns::Vote::None; 3]), None);
 }

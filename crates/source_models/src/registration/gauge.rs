@@ -49,8 +49,8 @@ fn step_to_median(sources: &[SourceErrors], displacements: &[Displacement], is_a
         } else {
             displacement.closeness(&source.errors)
         };
-        // The offset of a rotation is the offset of the centre of rotation.
-        match is_anchored || source.model.is_polar() {
+        // The offset of a rotation is the offset of the centre of rotation, except where two sources share a rotation.
+        match is_anchored || source.model.is_polar() && !are_two {
             true => horizontal.add(&displacement.by_time(), &source.errors, weight),
             false => horizontal.add(displacement, &source.errors, weight),
         }

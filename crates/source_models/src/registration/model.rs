@@ -58,6 +58,15 @@ impl BiasModel {
         Self { offset, range, azimuth }
     }
 
+    /// Returns the model with an offset, and with or without an azimuth bias.
+    pub(crate) fn with_offset(self, azimuth: bool) -> Self {
+        Self {
+            offset: true,
+            azimuth,
+            ..self
+        }
+    }
+
     /// Returns whether the horizontal offset is estimated.
     pub(crate) fn has_offset(self) -> bool {
         self.offset

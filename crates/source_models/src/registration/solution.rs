@@ -7,8 +7,9 @@
 use crate::registration::displacement::Displacement;
 use crate::registration::errors::{ClockError, PRIOR_SIGMA, SAMPLES_MIN, clock_of, prior_variances};
 use crate::registration::progress::SETTLED_MIN;
-use crate::registration::recent::SOLUTIONS_MIN;
+use crate::registration::recent::{Recent, SOLUTIONS_MIN};
 use crate::registration::rows::{Errors, NormalMatrix, TIME};
+use crate::registration::steps::MISLED_TICKS;
 use crate::registration::{Registration, SAMPLE_WEIGHT, gauge, partners};
 
 /// Sweeps of Gauss–Seidel per tick.
@@ -103,6 +104,8 @@ impl Registration {
         if let Some((_, own, model)) = self.solution.best {
             self.sources[own].model = model;
             self.steps.clear();
+            // The latest differences are relative to the former model.
+            self.recents.fill(Recent::default());
         }
         for own in 0..self.sources.len() {
             let solved = self.solution.sources[own];
@@ -114,6 +117,11 @@ impl Registration {
                 self.forget(own);
                 restarted(own as u16);
             }
+        }
+        if self.turn_to_majority() {
+            self.steps.clear();
+            self.recents.fill(Recent::default());
+            self.misled_ticks = MISLED_TICKS;
         }
         true
     }
