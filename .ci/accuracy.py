@@ -13,7 +13,8 @@ behind a seed is the command that makes it again. Several executables are compar
     shown    share of the targets' time in which they are shown
 
 Where the sensors have offsets, the common part of all offsets is invisible to every method. Each method is then scored
-relative to its own common point: the mean error in the plane is taken off first. NEES stays that of the picture itself.
+relative to its own common point: the mean error in the plane of each second is taken off first. NEES, ghosts and shares stay
+those of the picture itself.
 
 A summary follows: median and nine tenths of R/c, shares of settings with an honest NEES (0.7 to 1.4), with at most one
 ghost, and worse than the average by more than 3 %.
@@ -118,7 +119,7 @@ class Setting:
         return card
 
     def without_mean_error(self, tracks):
-        """The tracks without their mean error in the plane, by the nearest target of each row."""
+        """The tracks without their mean error in the plane of each second, by the nearest target of each row."""
         with open(self.folder / 'truth.csv') as file:
             places = {}
             for row in csv.DictReader(file):
@@ -126,19 +127,20 @@ class Setting:
         with open(tracks) as file:
             reader = csv.DictReader(file)
             rows = list(reader)
-        errors = []
+        errors = {}
         for row in rows:
-            x, y = float(row['x']), float(row['y'])
-            near = min(((x - a, y - b) for a, b in places.get(float(row['time_s']), [])), key=lambda error: math.hypot(*error), default=None)
+            x, y, time_s = float(row['x']), float(row['y']), float(row['time_s'])
+            near = min(((x - a, y - b) for a, b in places.get(time_s, [])), key=lambda error: math.hypot(*error), default=None)
             if near and math.hypot(*near) < FAR_M:
-                errors.append(near)
-        means = [statistics.fmean(values) for values in zip(*errors)] if errors else [0, 0]
+                errors.setdefault(time_s, []).append(near)
+        means = {time_s: [statistics.fmean(values) for values in zip(*found)] for time_s, found in errors.items()}
         moved = tracks.with_name('moved.csv')
         with moved.open('w', newline='') as file:
             writer = csv.DictWriter(file, reader.fieldnames)
             writer.writeheader()
             for row in rows:
-                writer.writerow(row | {axis: f'{float(row[axis]) - mean:.3f}' for axis, mean in zip('xy', means)})
+                mean = means.get(float(row['time_s']), [0, 0])
+                writer.writerow(row | {axis: f'{float(row[axis]) - part:.3f}' for axis, part in zip('xy', mean)})
         return moved
 
     def card(self, koseki, tracks):

@@ -105,3 +105,46 @@ fn tracks_stay_certain_when_one_point_is_chosen() {
         "{largest_m} m, {largest_mps} m/s"
     );
 }
+
+/// The errors of coarse sources change slowly, so that means over some reports err by more than noise would let them.
+#[test]
+fn slow_errors_of_coarse_sources_are_no_points_for_accurate_sources() {
+    const SIGMAS_M: [f64; 6] = [250.0, 250.0, 250.0, 10.0, 12.0, 15.0];
+    let mut settings = test_settings(SIGMAS_M.len());
+    settings.rule.name = RuleName(FusionRule::Auto);
+    let mut harness = Harness::new(settings);
+    let mut largest_m = 0.0f64;
+    for second in 0..150 {
+        for (source, sigma_m) in (0u16..).zip(SIGMAS_M) {
+            let time_s = f64::from(second) + 0.1 * f64::from(source);
+            for target in 0..TARGETS {
+                let phase = f64::from(7 * target + 3 * u32::from(source));
+                // Accurate sources err anew at each report, coarse ones within a minute.
+                let rate = if sigma_m > 100.0 { 0.1 } else { 2.4 };
+                let error_m = [0.0, 1.5].map(|axis| sigma_m * (rate * time_s + phase + axis).sin());
+                let way_m = 50.0 * time_s;
+                let (sin, cos) = f64::from(target).sin_cos();
+                let from_m = [30_000.0 * f64::from(target), 0.0];
+                let place_m = [from_m[0] + way_m * sin, from_m[1] + way_m * cos];
+                let seen = SensorTrack {
+                    covariance: Covariance::diagonal([sigma_m, sigma_m, 100.0], [10.0, 10.0, 1.0]),
+                    ..report(
+                        source,
+                        target,
+                        time_s,
+                        [from_m[0] + error_m[0], error_m[1]],
+                        [50.0 * sin, 50.0 * cos],
+                    )
+                };
+                if let Some(track) = harness.take(&seen)
+                    && second > 60
+                    && track.state == TrackState::Confirmed as u8
+                {
+                    let [east, north, _] = track.position_m;
+                    largest_m = largest_m.max((east - place_m[0]).hypot(north - place_m[1]));
+                }
+            }
+        }
+    }
+    assert!(largest_m < 25.0, "{largest_m} m");
+}
