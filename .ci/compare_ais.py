@@ -255,17 +255,18 @@ def statements(message):
     return found or None
 
 
-def fixed(message, received_s):
+def fixed(message):
     kind, position = message['msg_type'], place(message)
     if position is None:
         return None
     is_aid = kind == 21
+    hull = hull_of(message) if is_aid else None
     return {
-        'identity': {'mmsi': message['mmsi'], 'name': is_aid and message['name'] or None, 'callsign': None},
-        'category': 'aid' if is_aid else 'base-station', 'aid_type': message['aid_type'] if is_aid else 0,
+        'mmsi': message['mmsi'], 'name': is_aid and message['name'] or None,
+        'category': 'aid' if is_aid else 'base-station',
+        'size_m': hull and [hull[0] + hull[1], hull[2] + hull[3]], 'aid_type': message['aid_type'] if is_aid else 0,
         'is_virtual': is_aid and message['virtual_aid'],
         'is_off_position': is_aid and message['off_position'] and message['second'] < 60, 'position_deg': position,
-        'time_of_day_ns': time_of_day_ns(message['second'] if is_aid else None, received_s),
     }
 
 
@@ -280,7 +281,7 @@ def expected(message, stations, received_s):
     if kind in (1, 2, 3, 9, 18, 19, 27):
         found['target'] = target(message, known, received_s)
     if kind in (4, 21):
-        found['fixed'] = fixed(message, received_s)
+        found['fixed'] = fixed(message)
     found['statements'] = statements(message)
     return {name: value for name, value in found.items() if value is not None}
 

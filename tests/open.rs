@@ -22,6 +22,11 @@ const SHIP: [&str; 6] = [
     "!AIVDM,1,1,,A,13HNvh@P1FPGkL0Hf5h0001AP000,0*08",
     "!AIVDM,1,1,,A,13HNvh@P1FPGkL0Hf6d0001UP000,0*13",
 ];
+/// A base station, and a virtual aid to navigation, far from the ship.
+const STATIONS: [&str; 2] = [
+    "!AIVDM,1,1,,A,403OviQuMGCqWrRO9>E6fE700@GO,0*4D",
+    "!AIVDM,1,1,,B,E>lt;MIas0h3V:@;4a::h0b7W005Jh4nq:3l800003v010,4*09",
+];
 /// A time of recordings: 2024-06-06 09:00 UTC.
 const BEGUN_S: u64 = 1_717_664_400;
 
@@ -107,6 +112,51 @@ fn a_file_of_each_kind_becomes_a_track() {
     assert_eq!(exported.status.code(), Some(0), "{exported:?}");
     let stated = home.read("tables/statements_history.csv");
     assert_eq!(column(&stated, "category"), ["large"], "{stated}");
+}
+
+#[test]
+fn stations_are_stated_with_their_places_and_are_no_tracks() {
+    let home = Home::new();
+    let sent = SHIP
+        .iter()
+        .zip(0..)
+        .flat_map(|(ship, place)| [*ship, STATIONS[place % 2]].map(|line| (line, place)));
+    let lines: String = sent
+        .map(|(line, place)| format!("{} {line}\n", BEGUN_S + 10 * place as u64))
+        .collect();
+    home.write("coast.ais", lines);
+    let (picture, said) = opened(&home, "coast.ais", &[]);
+    assert_eq!(
+        (&picture["started"], &picture["ever_confirmed"]),
+        (&1.into(), &1.into()),
+        "{said}"
+    );
+    assert!(
+        said.contains("2 base stations and aids to navigation: shown, not tracked"),
+        "{said}"
+    );
+    let paths = ["out-coast.ais/latest", "tables"].map(|path| home.path(path).display().to_string());
+    let exported = home.run(&["recording", "export", &paths[0], "--csv", &paths[1]]);
+    assert_eq!(exported.status.code(), Some(0), "{exported:?}");
+    let stated = home.read("tables/statements_coast.csv");
+    let stations = |name: &str| {
+        let all = column(&stated, name)
+            .into_iter()
+            .zip(column(&stated, "station_latitude"));
+        let of_station: Vec<&str> = all
+            .filter(|(_, latitude)| !latitude.is_empty())
+            .map(|(cell, _)| cell)
+            .collect();
+        of_station
+    };
+    assert_eq!(stations("sensor_track_id"), ["3669702", "995036013"], "{stated}");
+    assert_eq!(stations("category"), ["base-station", "aid"]);
+    assert_eq!(stations("station_name"), ["", "S6A GLT VIRTU ATON"]);
+    assert_eq!(
+        (stations("aid")[1], stations("virtual"), stations("off_position")),
+        ("special-beacon", vec!["0", "1"], vec!["0", "0"])
+    );
+    assert_eq!(stations("station_latitude")[1], "-23.9173850");
 }
 
 /// Appends the checksum and a line end.

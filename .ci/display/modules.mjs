@@ -14,6 +14,7 @@ const { climbText, heightText, modesText, NO_MOTION, turnText } = await module("
 const { layersOf, layersText, overlaysOf, zoomOf } = await module("maps.js");
 const { blankTrack, forgetMains, noteMain, Picture, Trail } = await module("picture.js");
 const { DEFAULTS, read, write } = await module("settings.js");
+const { STATIONS, stationAt, stationLines } = await module("stations.js");
 const { joined, trailsOf } = await module("trails.js");
 const { View } = await module("view.js");
 const { NO_REASONS, reasonOf, whyOf } = await module("why.js");
@@ -379,4 +380,52 @@ test("people without red or green cones tell states, heights and sources apart",
           }
         });
   }
+});
+
+test("a station stays between its reports, has its facts, and is found under the pointer", () => {
+  const picture = new Picture();
+  const record = {
+    mmsi: 2111111,
+    source: 1,
+    east_m: 100,
+    north_m: 200,
+    name: "",
+    aid: 0,
+    flags: 1,
+    length_m: 0,
+    width_m: 0,
+  };
+  const station = (change, time) => ({ ...STATIONS.mark({ ...record, ...change }), time });
+  const buoy = { mmsi: 992111840, name: "BUOY 7 ", aid: 24, flags: 4, length_m: 6, width_m: 4, east_m: 5000 };
+  picture.addStations(0, [station({}, 590), station(buoy, 100)]);
+  picture.addStations(0, [station({}, 600)]);
+  assert.deepEqual([...picture.stations.keys()], [2111111, 992111840]);
+  const [base, aid] = picture.stations.values();
+  assert.equal(base.time, 600, "the latest report of each");
+  assert.deepEqual(stationLines(base, 605, "coast"), ["MMSI 002111111", "base station", "5 s ago by coast"]);
+  assert.deepEqual(stationLines(aid, 605, ""), [
+    "BUOY 7",
+    "MMSI 992111840",
+    "aid to navigation: port mark",
+    "OFF POSITION",
+    "6 × 4 m",
+    "505 s ago",
+  ]);
+  const virtual = station({ ...buoy, flags: 2, aid: 200, length_m: 0 }, 605);
+  assert.equal(stationLines(virtual, 605, "")[2], "virtual aid to navigation");
+  const view = Object.assign(new View(), { width: 800, height: 600, east: 0, north: 0, scale: 50, up: 0 });
+  const [x, y] = view.toScreen(100, 200);
+  assert.equal(stationAt(picture.stations.values(), view, x + 5, y - 5), 2111111);
+  assert.equal(stationAt(picture.stations.values(), view, x + 20, y), -1);
+  picture.addStations(200, []);
+  assert.deepEqual([...picture.stations.keys()], [2111111], "the aid has been silent for too long");
+  picture.clearLayers();
+  assert.equal(picture.stations.size, 0);
+});
+
+test("stations are shown unless they are switched off", () => {
+  assert.equal(read("").stations, true);
+  assert.equal(read("").detections, false);
+  assert.equal(write({ ...DEFAULTS, stations: false }), "#stations=0");
+  assert.equal(read("#stations=0").stations, false);
 });

@@ -25,11 +25,10 @@ fuzz_target!(|input: &[u8]| {
                     assert!(velocity_mps.iter().all(|speed| speed.abs() < 1000.0));
                     found.geodetic.unwrap()
                 }
-                AisOutput::Fixed(station) => station.position_rad,
                 AisOutput::Statement(statement) => {
                     let size_m = statement.size_m.unwrap_or_default();
                     assert!(size_m.iter().all(|metres| (0.0..=500.0).contains(metres)));
-                    return;
+                    statement.station.map_or([0.0; 2], |station| station.place_rad)
                 }
             };
             assert!(latitude.abs() <= std::f64::consts::FRAC_PI_2 && longitude.abs() <= std::f64::consts::PI);

@@ -179,11 +179,17 @@ class WorkStepBits(enum.IntFlag):
 class TargetStatementBits(enum.IntFlag):
     """SIZE: `length_m` and `width_m` hold a size.
     SELECTED_ALTITUDE: `selected_altitude_m` holds an altitude.
-    OPERATOR: `operator_deg` holds a place."""
+    OPERATOR: `place_deg` holds the place of the operator of an unmanned aircraft.
+    STATION: The sample is of a station that is no target: `place_deg` holds its own place, `name` its name.
+    VIRTUAL: The aid to navigation is not there: a station ashore sends for it.
+    OFF_POSITION: The aid to navigation, which floats, is off its position."""
 
     SIZE = 1
     SELECTED_ALTITUDE = 2
     OPERATOR = 4
+    STATION = 8
+    VIRTUAL = 16
+    OFF_POSITION = 32
 
 
 class TrackState(enum.IntEnum):
@@ -690,6 +696,74 @@ class TargetCategory(enum.IntEnum):
     RESCUE_BEACON = 64
 
 
+class AidKind(enum.IntEnum):
+    """UNKNOWN: Nothing is stated.
+    REFERENCE_POINT: Reference point.
+    RACON: Radar beacon.
+    STRUCTURE: Fixed structure off shore: oil platform, wind farm.
+    WRECK: Emergency wreck marking buoy.
+    LIGHT: Light without sectors.
+    SECTOR_LIGHT: Light with sectors.
+    FRONT_LIGHT: Front leading light.
+    REAR_LIGHT: Rear leading light.
+    NORTH_BEACON: Beacon, cardinal north.
+    EAST_BEACON: Beacon, cardinal east.
+    SOUTH_BEACON: Beacon, cardinal south.
+    WEST_BEACON: Beacon, cardinal west.
+    PORT_BEACON: Beacon, port hand.
+    STARBOARD_BEACON: Beacon, starboard hand.
+    PREFERRED_PORT_BEACON: Beacon, preferred channel port hand.
+    PREFERRED_STARBOARD_BEACON: Beacon, preferred channel starboard hand.
+    DANGER_BEACON: Beacon, isolated danger.
+    SAFE_WATER_BEACON: Beacon, safe water.
+    SPECIAL_BEACON: Beacon, special mark.
+    NORTH_MARK: Floating mark, cardinal north.
+    EAST_MARK: Floating mark, cardinal east.
+    SOUTH_MARK: Floating mark, cardinal south.
+    WEST_MARK: Floating mark, cardinal west.
+    PORT_MARK: Floating mark, port hand.
+    STARBOARD_MARK: Floating mark, starboard hand.
+    PREFERRED_PORT_MARK: Floating mark, preferred channel port hand.
+    PREFERRED_STARBOARD_MARK: Floating mark, preferred channel starboard hand.
+    DANGER_MARK: Floating mark, isolated danger.
+    SAFE_WATER_MARK: Floating mark, safe water.
+    SPECIAL_MARK: Floating mark, special.
+    LIGHT_VESSEL: Light vessel, large navigational buoy, or rig."""
+
+    UNKNOWN = 0
+    REFERENCE_POINT = 1
+    RACON = 2
+    STRUCTURE = 3
+    WRECK = 4
+    LIGHT = 5
+    SECTOR_LIGHT = 6
+    FRONT_LIGHT = 7
+    REAR_LIGHT = 8
+    NORTH_BEACON = 9
+    EAST_BEACON = 10
+    SOUTH_BEACON = 11
+    WEST_BEACON = 12
+    PORT_BEACON = 13
+    STARBOARD_BEACON = 14
+    PREFERRED_PORT_BEACON = 15
+    PREFERRED_STARBOARD_BEACON = 16
+    DANGER_BEACON = 17
+    SAFE_WATER_BEACON = 18
+    SPECIAL_BEACON = 19
+    NORTH_MARK = 20
+    EAST_MARK = 21
+    SOUTH_MARK = 22
+    WEST_MARK = 23
+    PORT_MARK = 24
+    STARBOARD_MARK = 25
+    PREFERRED_PORT_MARK = 26
+    PREFERRED_STARBOARD_MARK = 27
+    DANGER_MARK = 28
+    SAFE_WATER_MARK = 29
+    SPECIAL_MARK = 30
+    LIGHT_VESSEL = 31
+
+
 class NavigationStatus(enum.IntEnum):
     """UNKNOWN: Nothing is stated.
     ENGINE: Under way using engine.
@@ -774,6 +848,7 @@ __all__ = [
     "OrderStatus",
     "Refusal",
     "TargetCategory",
+    "AidKind",
     "NavigationStatus",
     "Emergency",
 ]
@@ -815,6 +890,7 @@ CODES: dict[str, type[enum.IntEnum] | type[enum.IntFlag]] = {
     "OrderStatus": OrderStatus,
     "Refusal": Refusal,
     "TargetCategory": TargetCategory,
+    "AidKind": AidKind,
     "NavigationStatus": NavigationStatus,
     "Emergency": Emergency,
 }

@@ -7,7 +7,7 @@ use std::io::{self, BufRead as _, Write as _};
 
 use formats::ais::{AisOutput, AisReader, AisSettings};
 use messages::Identity;
-use observations::{Observation, Quality, Statement};
+use observations::{FixedStation, Observation, Quality, Statement};
 use serde_json::{Map, Value, json};
 
 fn main() -> io::Result<()> {
@@ -19,27 +19,15 @@ fn main() -> io::Result<()> {
         let result = reader.take(0, &line, 0, |_, output| match output {
             AisOutput::Target(observation) => drop(fields.insert("target".to_owned(), target(&observation))),
             AisOutput::OwnShip(observation) => drop(fields.insert("own_ship".to_owned(), target(&observation))),
-            AisOutput::Statement(stated) => {
-                let all = fields.entry("statements").or_insert_with(|| json!([]));
-                all.as_array_mut()
-                    .into_iter()
-                    .for_each(|all| all.push(statement(&stated)));
-            }
-            AisOutput::Fixed(station) => {
-                let position_deg = station.position_rad.map(f64::to_degrees);
-                fields.insert(
-                    "fixed".to_owned(),
-                    json!({
-                        "identity": identity(&station.identity),
-                        "category": station.category.word(),
-                        "aid_type": station.aid_type,
-                        "is_virtual": station.is_virtual,
-                        "is_off_position": station.is_off_position,
-                        "position_deg": position_deg,
-                        "time_of_day_ns": station.time_of_day_ns,
-                    }),
-                );
-            }
+            AisOutput::Statement(stated) => match &stated.station {
+                Some(station) => drop(fields.insert("fixed".to_owned(), fixed(&stated, station))),
+                None => {
+                    let all = fields.entry("statements").or_insert_with(|| json!([]));
+                    all.as_array_mut()
+                        .into_iter()
+                        .for_each(|all| all.push(statement(&stated)));
+                }
+            },
         });
         if let Err(error) = result {
             fields.insert("refused".to_owned(), json!(format!("{:?}", error.rejection)));
@@ -88,5 +76,18 @@ fn statement(statement: &Statement) -> Value {
         "navigation": statement.navigation.word(),
         "emergency": statement.emergency.word(),
         "size_m": statement.size_m,
+    })
+}
+
+fn fixed(stated: &Statement, station: &FixedStation) -> Value {
+    json!({
+        "mmsi": stated.track_number,
+        "name": Some(String::from_utf8_lossy(&station.name).trim_end()).filter(|name| !name.is_empty()),
+        "category": stated.category.word(),
+        "size_m": stated.size_m,
+        "aid_type": station.aid.code(),
+        "is_virtual": station.is_virtual,
+        "is_off_position": station.is_off_position,
+        "position_deg": station.place_rad.map(f64::to_degrees),
     })
 }

@@ -66,7 +66,7 @@ pub struct Transmission {
 pub enum Fed<'a> {
     /// Report of a target.
     Target(Transmission, &'a Observation),
-    /// Statement of a target beside its motion.
+    /// Statement of a target beside its motion, or of a station that is no target.
     Statement(Transmission, &'a Statement),
     /// Refused data: the reason, and the refusal in words.
     Refused(&'static str, &'a dyn fmt::Display),
@@ -179,8 +179,8 @@ impl FeedReader {
                 let taken = reader.take(CONNECTION, piece, received_ns, |utc_ns, output| match output {
                     AisOutput::Target(observed) => out(Fed::Target(own(utc_ns), &observed)),
                     AisOutput::Statement(statement) => out(Fed::Statement(own(utc_ns), &statement)),
-                    // Own ship and stations ashore are no targets.
-                    AisOutput::OwnShip(_) | AisOutput::Fixed(_) => {}
+                    // Own ship is no target.
+                    AisOutput::OwnShip(_) => {}
                 });
                 *first = first.or(reader.counters().first_stated_ns);
                 if let Err(error) = taken {

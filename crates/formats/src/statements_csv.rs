@@ -1,9 +1,10 @@
-//! What targets state beside their motion, as CSV rows.
+//! What targets, and stations that are none, state beside motion, as CSV rows.
 
-use messages::{Emergency, NavigationStatus, TargetCategory, TargetStatement, target_statement_bits as bits};
+use messages::{AidKind, Emergency, NavigationStatus, TargetCategory, TargetStatement, target_statement_bits as bits};
 
 use crate::cells::{Plain, SensorId, Time};
 use crate::columns::columns;
+use crate::parts::words;
 
 columns! {
     TargetStatement: |row|
@@ -16,7 +17,13 @@ columns! {
     ["length_m", "width_m"] => [row.length_m, row.width_m].map(|size| known(row, bits::SIZE, size, 1)),
     "selected_altitude_m" => known(row, bits::SELECTED_ALTITUDE, row.selected_altitude_m, 1),
     ["operator_latitude", "operator_longitude"] =>
-        row.operator_deg.map(|degrees| (row.valid & bits::OPERATOR != 0).then_some(Plain(degrees, 7))),
+        row.place_deg.map(|degrees| (row.valid & bits::OPERATOR != 0).then_some(Plain(degrees, 7))),
+    ["station_latitude", "station_longitude"] =>
+        row.place_deg.map(|degrees| row.is_station().then_some(Plain(degrees, 7))),
+    "station_name" => row.station_name().map(words),
+    "aid" => AidKind::from_code(row.aid).map(AidKind::word),
+    ["virtual", "off_position"] =>
+        [bits::VIRTUAL, bits::OFF_POSITION].map(|bit| row.is_station().then_some(u8::from(row.valid & bit != 0))),
 }
 
 /// A value if the row holds it.

@@ -170,6 +170,7 @@ impl KnownTarget {
             size_m: stated.size_m.or(known.size_m),
             selected_altitude_m: stated.selected_altitude_m.or(known.selected_altitude_m),
             operator_rad: stated.operator_rad.or(known.operator_rad),
+            station: stated.station.or(known.station),
         };
         let nothing = Statement {
             track_number: all.track_number,

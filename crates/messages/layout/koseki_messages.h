@@ -11,7 +11,7 @@
 #define KOSEKI_SENSOR_BEARING_SCHEMA UINT64_C(0x91e05a7e1c4e0342) /* BatchHeader.schema of its slices. */
 #define KOSEKI_SENSOR_ARRIVAL_SCHEMA UINT64_C(0x131e74a726730982) /* BatchHeader.schema of its slices. */
 #define KOSEKI_SENSOR_FIX_SCHEMA UINT64_C(0xc19ad4d762f53481) /* BatchHeader.schema of its slices. */
-#define KOSEKI_TARGET_STATEMENT_SCHEMA UINT64_C(0x9f80da4649c98a8) /* BatchHeader.schema of its slices. */
+#define KOSEKI_TARGET_STATEMENT_SCHEMA UINT64_C(0x3e47c1c272437996) /* BatchHeader.schema of its slices. */
 #define KOSEKI_SENSOR_SPECTRUM_SCHEMA UINT64_C(0x294141f134fd3cce) /* BatchHeader.schema of its slices. */
 #define KOSEKI_PLATFORM_STATE_SCHEMA UINT64_C(0x8d494f0b5412852b) /* BatchHeader.schema of its slices. */
 #define KOSEKI_WIDE_AREA_SCHEMA UINT64_C(0x3b99c7106b96bc51) /* BatchHeader.schema of its slices. */
@@ -89,7 +89,10 @@
 #define KOSEKI_WORK_STEP_WILD_CLOCK UINT64_C(0x1) /* Fusion did not believe the time of the report. */
 #define KOSEKI_TARGET_STATEMENT_SIZE UINT64_C(0x1) /* `length_m` and `width_m` hold a size. */
 #define KOSEKI_TARGET_STATEMENT_SELECTED_ALTITUDE UINT64_C(0x2) /* `selected_altitude_m` holds an altitude. */
-#define KOSEKI_TARGET_STATEMENT_OPERATOR UINT64_C(0x4) /* `operator_deg` holds a place. */
+#define KOSEKI_TARGET_STATEMENT_OPERATOR UINT64_C(0x4) /* `place_deg` holds the place of the operator of an unmanned aircraft. */
+#define KOSEKI_TARGET_STATEMENT_STATION UINT64_C(0x8) /* The sample is of a station that is no target: `place_deg` holds its own place, `name` its name. */
+#define KOSEKI_TARGET_STATEMENT_VIRTUAL UINT64_C(0x10) /* The aid to navigation is not there: a station ashore sends for it. */
+#define KOSEKI_TARGET_STATEMENT_OFF_POSITION UINT64_C(0x20) /* The aid to navigation, which floats, is off its position. */
 #define KOSEKI_STATE_TENTATIVE UINT64_C(0x0) /* Seen, not yet believed. */
 #define KOSEKI_STATE_CONFIRMED UINT64_C(0x1) /* Believed, and supported by recent reports. */
 #define KOSEKI_STATE_COASTED UINT64_C(0x2) /* Believed, but carried on by extrapolation for want of reports. */
@@ -298,6 +301,38 @@
 #define KOSEKI_CATEGORY_RESCUE_TRANSMITTER UINT64_C(0x3e) /* Search and rescue transmitter (AIS-SART, MMSI 970…). */
 #define KOSEKI_CATEGORY_MAN_OVERBOARD UINT64_C(0x3f) /* Man overboard device (MMSI 972…). */
 #define KOSEKI_CATEGORY_RESCUE_BEACON UINT64_C(0x40) /* Emergency position-indicating radio beacon (MMSI 974…). */
+#define KOSEKI_AID_UNKNOWN UINT64_C(0x0) /* Nothing is stated. */
+#define KOSEKI_AID_REFERENCE_POINT UINT64_C(0x1) /* Reference point. */
+#define KOSEKI_AID_RACON UINT64_C(0x2) /* Radar beacon. */
+#define KOSEKI_AID_STRUCTURE UINT64_C(0x3) /* Fixed structure off shore: oil platform, wind farm. */
+#define KOSEKI_AID_WRECK UINT64_C(0x4) /* Emergency wreck marking buoy. */
+#define KOSEKI_AID_LIGHT UINT64_C(0x5) /* Light without sectors. */
+#define KOSEKI_AID_SECTOR_LIGHT UINT64_C(0x6) /* Light with sectors. */
+#define KOSEKI_AID_FRONT_LIGHT UINT64_C(0x7) /* Front leading light. */
+#define KOSEKI_AID_REAR_LIGHT UINT64_C(0x8) /* Rear leading light. */
+#define KOSEKI_AID_NORTH_BEACON UINT64_C(0x9) /* Beacon, cardinal north. */
+#define KOSEKI_AID_EAST_BEACON UINT64_C(0xa) /* Beacon, cardinal east. */
+#define KOSEKI_AID_SOUTH_BEACON UINT64_C(0xb) /* Beacon, cardinal south. */
+#define KOSEKI_AID_WEST_BEACON UINT64_C(0xc) /* Beacon, cardinal west. */
+#define KOSEKI_AID_PORT_BEACON UINT64_C(0xd) /* Beacon, port hand. */
+#define KOSEKI_AID_STARBOARD_BEACON UINT64_C(0xe) /* Beacon, starboard hand. */
+#define KOSEKI_AID_PREFERRED_PORT_BEACON UINT64_C(0xf) /* Beacon, preferred channel port hand. */
+#define KOSEKI_AID_PREFERRED_STARBOARD_BEACON UINT64_C(0x10) /* Beacon, preferred channel starboard hand. */
+#define KOSEKI_AID_DANGER_BEACON UINT64_C(0x11) /* Beacon, isolated danger. */
+#define KOSEKI_AID_SAFE_WATER_BEACON UINT64_C(0x12) /* Beacon, safe water. */
+#define KOSEKI_AID_SPECIAL_BEACON UINT64_C(0x13) /* Beacon, special mark. */
+#define KOSEKI_AID_NORTH_MARK UINT64_C(0x14) /* Floating mark, cardinal north. */
+#define KOSEKI_AID_EAST_MARK UINT64_C(0x15) /* Floating mark, cardinal east. */
+#define KOSEKI_AID_SOUTH_MARK UINT64_C(0x16) /* Floating mark, cardinal south. */
+#define KOSEKI_AID_WEST_MARK UINT64_C(0x17) /* Floating mark, cardinal west. */
+#define KOSEKI_AID_PORT_MARK UINT64_C(0x18) /* Floating mark, port hand. */
+#define KOSEKI_AID_STARBOARD_MARK UINT64_C(0x19) /* Floating mark, starboard hand. */
+#define KOSEKI_AID_PREFERRED_PORT_MARK UINT64_C(0x1a) /* Floating mark, preferred channel port hand. */
+#define KOSEKI_AID_PREFERRED_STARBOARD_MARK UINT64_C(0x1b) /* Floating mark, preferred channel starboard hand. */
+#define KOSEKI_AID_DANGER_MARK UINT64_C(0x1c) /* Floating mark, isolated danger. */
+#define KOSEKI_AID_SAFE_WATER_MARK UINT64_C(0x1d) /* Floating mark, safe water. */
+#define KOSEKI_AID_SPECIAL_MARK UINT64_C(0x1e) /* Floating mark, special. */
+#define KOSEKI_AID_LIGHT_VESSEL UINT64_C(0x1f) /* Light vessel, large navigational buoy, or rig. */
 #define KOSEKI_NAVIGATION_UNKNOWN UINT64_C(0x0) /* Nothing is stated. */
 #define KOSEKI_NAVIGATION_ENGINE UINT64_C(0x1) /* Under way using engine. */
 #define KOSEKI_NAVIGATION_ANCHORED UINT64_C(0x2) /* At anchor. */
@@ -612,26 +647,28 @@ static_assert(offsetof(KosekiSensorFix, source) == 100, "offset");
 static_assert(offsetof(KosekiSensorFix, reserved) == 102, "offset");
 
 typedef struct KosekiTargetStatement {
-    int64_t time_ns; /* Time of the latest statement, UTC, nanoseconds since 1970. */
+    int64_t time_ns; /* Time of the target's latest transmission, UTC, nanoseconds since 1970. */
     uint64_t sequence; /* The sample's sequence number at its publisher. */
     KosekiStageTimes stages; /* Stages passed so far. */
-    double operator_deg[2]; /* Latitude and longitude (WGS-84) of the operator of an unmanned aircraft, degrees. */
+    double place_deg[2]; /* Latitude and longitude (WGS-84), degrees: of the operator of an unmanned aircraft, or of a station itself. */
     float length_m; /* Length, metres. */
     float width_m; /* Width, metres. */
     float selected_altitude_m; /* Altitude selected in the autopilot, metres of the standard atmosphere. */
-    uint32_t track_number; /* Number of the target's track at its source. */
+    uint32_t track_number; /* Number of the target's track at its source; the MMSI of a station. */
     uint16_t source; /* Source: its number in the configuration (TI-2). */
     uint8_t category; /* Category: a `TargetCategory` code. */
     uint8_t navigation; /* Navigation status: a `NavigationStatus` code. */
     uint8_t emergency; /* Emergency: an `Emergency` code. */
-    uint8_t valid; /* Fields that hold something: see `target_statement_bits`. */
-    uint16_t reserved; /* Reserved, 0. */
+    uint8_t valid; /* Fields that hold something, and flags: see `target_statement_bits`. */
+    uint8_t aid; /* Kind of the aid to navigation: an `AidKind` code. */
+    uint8_t name[20]; /* Name of a station in ASCII, padded with blanks; blank: none is known. */
+    uint8_t reserved[5]; /* Reserved, 0. */
 } KosekiTargetStatement;
-static_assert(sizeof(KosekiTargetStatement) == 88, "size");
+static_assert(sizeof(KosekiTargetStatement) == 112, "size");
 static_assert(offsetof(KosekiTargetStatement, time_ns) == 0, "offset");
 static_assert(offsetof(KosekiTargetStatement, sequence) == 8, "offset");
 static_assert(offsetof(KosekiTargetStatement, stages) == 16, "offset");
-static_assert(offsetof(KosekiTargetStatement, operator_deg) == 48, "offset");
+static_assert(offsetof(KosekiTargetStatement, place_deg) == 48, "offset");
 static_assert(offsetof(KosekiTargetStatement, length_m) == 64, "offset");
 static_assert(offsetof(KosekiTargetStatement, width_m) == 68, "offset");
 static_assert(offsetof(KosekiTargetStatement, selected_altitude_m) == 72, "offset");
@@ -641,7 +678,9 @@ static_assert(offsetof(KosekiTargetStatement, category) == 82, "offset");
 static_assert(offsetof(KosekiTargetStatement, navigation) == 83, "offset");
 static_assert(offsetof(KosekiTargetStatement, emergency) == 84, "offset");
 static_assert(offsetof(KosekiTargetStatement, valid) == 85, "offset");
-static_assert(offsetof(KosekiTargetStatement, reserved) == 86, "offset");
+static_assert(offsetof(KosekiTargetStatement, aid) == 86, "offset");
+static_assert(offsetof(KosekiTargetStatement, name) == 87, "offset");
+static_assert(offsetof(KosekiTargetStatement, reserved) == 107, "offset");
 
 typedef struct KosekiSensorSpectrum {
     int64_t time_of_measurement_ns; /* Time of measurement, UTC, nanoseconds since 1970. */

@@ -13,7 +13,7 @@ SENSOR_DETECTION_SCHEMA = 0xb3d1d23463cd8924  # BatchHeader.schema of its slices
 SENSOR_BEARING_SCHEMA = 0x91e05a7e1c4e0342  # BatchHeader.schema of its slices.
 SENSOR_ARRIVAL_SCHEMA = 0x131e74a726730982  # BatchHeader.schema of its slices.
 SENSOR_FIX_SCHEMA = 0xc19ad4d762f53481  # BatchHeader.schema of its slices.
-TARGET_STATEMENT_SCHEMA = 0x9f80da4649c98a8  # BatchHeader.schema of its slices.
+TARGET_STATEMENT_SCHEMA = 0x3e47c1c272437996  # BatchHeader.schema of its slices.
 SENSOR_SPECTRUM_SCHEMA = 0x294141f134fd3cce  # BatchHeader.schema of its slices.
 PLATFORM_STATE_SCHEMA = 0x8d494f0b5412852b  # BatchHeader.schema of its slices.
 WIDE_AREA_SCHEMA = 0x3b99c7106b96bc51  # BatchHeader.schema of its slices.
@@ -91,7 +91,10 @@ REGISTRATION_AZIMUTH = 0x20  # The azimuth bias is.
 WORK_STEP_WILD_CLOCK = 0x1  # Fusion did not believe the time of the report.
 TARGET_STATEMENT_SIZE = 0x1  # `length_m` and `width_m` hold a size.
 TARGET_STATEMENT_SELECTED_ALTITUDE = 0x2  # `selected_altitude_m` holds an altitude.
-TARGET_STATEMENT_OPERATOR = 0x4  # `operator_deg` holds a place.
+TARGET_STATEMENT_OPERATOR = 0x4  # `place_deg` holds the place of the operator of an unmanned aircraft.
+TARGET_STATEMENT_STATION = 0x8  # The sample is of a station that is no target: `place_deg` holds its own place, `name` its name.
+TARGET_STATEMENT_VIRTUAL = 0x10  # The aid to navigation is not there: a station ashore sends for it.
+TARGET_STATEMENT_OFF_POSITION = 0x20  # The aid to navigation, which floats, is off its position.
 STATE_TENTATIVE = 0x0  # Seen, not yet believed.
 STATE_CONFIRMED = 0x1  # Believed, and supported by recent reports.
 STATE_COASTED = 0x2  # Believed, but carried on by extrapolation for want of reports.
@@ -300,6 +303,38 @@ CATEGORY_BASE_STATION = 0x3d  # Base station ashore.
 CATEGORY_RESCUE_TRANSMITTER = 0x3e  # Search and rescue transmitter (AIS-SART, MMSI 970…).
 CATEGORY_MAN_OVERBOARD = 0x3f  # Man overboard device (MMSI 972…).
 CATEGORY_RESCUE_BEACON = 0x40  # Emergency position-indicating radio beacon (MMSI 974…).
+AID_UNKNOWN = 0x0  # Nothing is stated.
+AID_REFERENCE_POINT = 0x1  # Reference point.
+AID_RACON = 0x2  # Radar beacon.
+AID_STRUCTURE = 0x3  # Fixed structure off shore: oil platform, wind farm.
+AID_WRECK = 0x4  # Emergency wreck marking buoy.
+AID_LIGHT = 0x5  # Light without sectors.
+AID_SECTOR_LIGHT = 0x6  # Light with sectors.
+AID_FRONT_LIGHT = 0x7  # Front leading light.
+AID_REAR_LIGHT = 0x8  # Rear leading light.
+AID_NORTH_BEACON = 0x9  # Beacon, cardinal north.
+AID_EAST_BEACON = 0xa  # Beacon, cardinal east.
+AID_SOUTH_BEACON = 0xb  # Beacon, cardinal south.
+AID_WEST_BEACON = 0xc  # Beacon, cardinal west.
+AID_PORT_BEACON = 0xd  # Beacon, port hand.
+AID_STARBOARD_BEACON = 0xe  # Beacon, starboard hand.
+AID_PREFERRED_PORT_BEACON = 0xf  # Beacon, preferred channel port hand.
+AID_PREFERRED_STARBOARD_BEACON = 0x10  # Beacon, preferred channel starboard hand.
+AID_DANGER_BEACON = 0x11  # Beacon, isolated danger.
+AID_SAFE_WATER_BEACON = 0x12  # Beacon, safe water.
+AID_SPECIAL_BEACON = 0x13  # Beacon, special mark.
+AID_NORTH_MARK = 0x14  # Floating mark, cardinal north.
+AID_EAST_MARK = 0x15  # Floating mark, cardinal east.
+AID_SOUTH_MARK = 0x16  # Floating mark, cardinal south.
+AID_WEST_MARK = 0x17  # Floating mark, cardinal west.
+AID_PORT_MARK = 0x18  # Floating mark, port hand.
+AID_STARBOARD_MARK = 0x19  # Floating mark, starboard hand.
+AID_PREFERRED_PORT_MARK = 0x1a  # Floating mark, preferred channel port hand.
+AID_PREFERRED_STARBOARD_MARK = 0x1b  # Floating mark, preferred channel starboard hand.
+AID_DANGER_MARK = 0x1c  # Floating mark, isolated danger.
+AID_SAFE_WATER_MARK = 0x1d  # Floating mark, safe water.
+AID_SPECIAL_MARK = 0x1e  # Floating mark, special.
+AID_LIGHT_VESSEL = 0x1f  # Light vessel, large navigational buoy, or rig.
 NAVIGATION_UNKNOWN = 0x0  # Nothing is stated.
 NAVIGATION_ENGINE = 0x1  # Under way using engine.
 NAVIGATION_ANCHORED = 0x2  # At anchor.
@@ -720,20 +755,22 @@ assert SensorFix.reserved.offset == 102
 
 class TargetStatement(ctypes.Structure):
     _fields_ = [
-        ("time_ns", ctypes.c_int64),  # Time of the latest statement, UTC, nanoseconds since 1970.
+        ("time_ns", ctypes.c_int64),  # Time of the target's latest transmission, UTC, nanoseconds since 1970.
         ("sequence", ctypes.c_uint64),  # The sample's sequence number at its publisher.
         ("stages", StageTimes),  # Stages passed so far.
-        ("operator_deg", ctypes.c_double * 2),  # Latitude and longitude (WGS-84) of the operator of an unmanned aircraft, degrees.
+        ("place_deg", ctypes.c_double * 2),  # Latitude and longitude (WGS-84), degrees: of the operator of an unmanned aircraft, or of a station itself.
         ("length_m", ctypes.c_float),  # Length, metres.
         ("width_m", ctypes.c_float),  # Width, metres.
         ("selected_altitude_m", ctypes.c_float),  # Altitude selected in the autopilot, metres of the standard atmosphere.
-        ("track_number", ctypes.c_uint32),  # Number of the target's track at its source.
+        ("track_number", ctypes.c_uint32),  # Number of the target's track at its source; the MMSI of a station.
         ("source", ctypes.c_uint16),  # Source: its number in the configuration (TI-2).
         ("category", ctypes.c_uint8),  # Category: a `TargetCategory` code.
         ("navigation", ctypes.c_uint8),  # Navigation status: a `NavigationStatus` code.
         ("emergency", ctypes.c_uint8),  # Emergency: an `Emergency` code.
-        ("valid", ctypes.c_uint8),  # Fields that hold something: see `target_statement_bits`.
-        ("reserved", ctypes.c_uint16),  # Reserved, 0.
+        ("valid", ctypes.c_uint8),  # Fields that hold something, and flags: see `target_statement_bits`.
+        ("aid", ctypes.c_uint8),  # Kind of the aid to navigation: an `AidKind` code.
+        ("name", ctypes.c_uint8 * 20),  # Name of a station in ASCII, padded with blanks; blank: none is known.
+        ("reserved", ctypes.c_uint8 * 5),  # Reserved, 0.
     ]
 
     @staticmethod
@@ -741,11 +778,11 @@ class TargetStatement(ctypes.Structure):
         return "TargetStatement"
 
 
-assert ctypes.sizeof(TargetStatement) == 88
+assert ctypes.sizeof(TargetStatement) == 112
 assert TargetStatement.time_ns.offset == 0
 assert TargetStatement.sequence.offset == 8
 assert TargetStatement.stages.offset == 16
-assert TargetStatement.operator_deg.offset == 48
+assert TargetStatement.place_deg.offset == 48
 assert TargetStatement.length_m.offset == 64
 assert TargetStatement.width_m.offset == 68
 assert TargetStatement.selected_altitude_m.offset == 72
@@ -755,7 +792,9 @@ assert TargetStatement.category.offset == 82
 assert TargetStatement.navigation.offset == 83
 assert TargetStatement.emergency.offset == 84
 assert TargetStatement.valid.offset == 85
-assert TargetStatement.reserved.offset == 86
+assert TargetStatement.aid.offset == 86
+assert TargetStatement.name.offset == 87
+assert TargetStatement.reserved.offset == 107
 
 
 class SensorSpectrum(ctypes.Structure):

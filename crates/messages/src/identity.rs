@@ -251,7 +251,7 @@ impl Identity {
     }
 }
 
-fn unpadded(text: &[u8]) -> Option<&str> {
+pub(crate) fn unpadded(text: &[u8]) -> Option<&str> {
     std::str::from_utf8(text)
         .ok()
         .map(|text| text.trim_end_matches([' ', '\0']))

@@ -449,6 +449,7 @@ pub fn code_groups() -> Vec<CodeGroup> {
         codes("OrderStatus", "ORDER_STATUS", crate::OrderStatus::constants()),
         codes("Refusal", "REFUSAL", crate::Refusal::constants()),
         codes("TargetCategory", "CATEGORY", crate::TargetCategory::constants()),
+        codes("AidKind", "AID", crate::AidKind::constants()),
         codes("NavigationStatus", "NAVIGATION", crate::NavigationStatus::constants()),
         codes("Emergency", "EMERGENCY", crate::Emergency::constants()),
     ]

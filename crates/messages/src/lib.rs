@@ -92,7 +92,7 @@ pub use sensor_spectrum::{SPECTRUM_DIRECTIONS, SensorSpectrum};
 pub use sensor_track::{SensorTrack, alert_bits, sensor_track_bits};
 pub use sensor_uid::sensor_uid;
 pub use stages::StageTimes;
-pub use statement::{Emergency, NavigationStatus, TargetCategory, TargetStatement, target_statement_bits};
+pub use statement::{AidKind, Emergency, NavigationStatus, TargetCategory, TargetStatement, target_statement_bits};
 pub use system_track::{CONTRIBUTIONS_MAX, Contribution, MotionMode, SystemTrack, contribution_bits};
 pub use target_type::{TYPE_NAME_MAX, TargetType};
 pub use topics::{

@@ -3,8 +3,8 @@
 //! A display shows thousands of tracks several times a second to distant users. The display therefore receives only
 //! the visible attributes of each changed track. A picture consists of a [`PictureHeader`] and, one after another,
 //! as many records of each kind as the header counts: numbers of removed tracks (`u32`), then [`PictureTrack`],
-//! [`PictureIdentity`], [`PictureSensorTrack`], [`PictureDetection`], [`PictureBearing`], [`PictureArea`]. All
-//! numbers are little-endian. Times are ages: milliseconds from the time of the record to that of the picture.
+//! [`PictureIdentity`], [`PictureSensorTrack`], [`PictureDetection`], [`PictureBearing`], [`PictureArea`],
+//! [`PictureStation`]. All numbers are little-endian. Times are ages: milliseconds from the time of the record to that of the picture.
 
 use std::fmt::Write as _;
 
@@ -82,8 +82,8 @@ sample! {
         bearings: u32,
         /// Records `PictureArea`.
         areas: u32,
-        /// Reserved, 0.
-        reserved: u32,
+        /// Records `PictureStation`.
+        stations: u32,
     }
 }
 
@@ -259,6 +259,46 @@ sample! {
     }
 }
 
+bits! {
+    /// Bits of [`PictureStation::flags`].
+    picture_station_bits: u8 {
+        /// It is a base station; else an aid to navigation.
+        BASE = 1;
+        /// The aid is not there: a station ashore sends for it.
+        VIRTUAL = 1 << 1;
+        /// The aid, which floats, is off its position.
+        OFF_POSITION = 1 << 2;
+    }
+}
+
+sample! {
+    /// Station that is no target: base station or aid to navigation.
+    PictureStation, size 52 {
+        /// Age of its latest report, milliseconds.
+        age_ms: i32,
+        /// Metres east.
+        east_m: f32,
+        /// Metres north.
+        north_m: f32,
+        /// Length, metres; 0: unknown.
+        length_m: f32,
+        /// Width, metres; 0: unknown.
+        width_m: f32,
+        /// MMSI.
+        mmsi: u32,
+        /// Name in ASCII, padded with blanks; blank: unknown.
+        name: [u8; 20],
+        /// Source that has received the report.
+        source: u16,
+        /// Kind of an aid to navigation: an `AidKind` code.
+        aid: u8,
+        /// Flags: see `picture_station_bits`.
+        flags: u8,
+        /// Reserved, 0.
+        reserved: u32,
+    }
+}
+
 /// Record of a layer: sent on request, as it came, with its age.
 pub trait LayerRecord: Sample {
     /// The layer.
@@ -330,6 +370,8 @@ layers! {
     Bearings: bearings, "bearings", PictureBearing, false;
     /// Counts of targets, and regions of cues.
     Areas: areas, "areas", PictureArea, false;
+    /// Base stations and aids to navigation: few enough for every view to have all.
+    Stations: stations, "stations", PictureStation, false;
 }
 
 /// Returns the reader of pictures in JavaScript, with the codes and bits in pictures.
@@ -338,9 +380,10 @@ pub fn javascript_module() -> String {
         "/**\n * Reader of pictures. Written from the tables of crate `messages`; a test keeps it true, \
          `UPDATE_GOLDEN=1` renews it.\n */\n\nconst LITTLE = true;\n",
     );
-    let bits: [(&str, &[Constant]); 4] = [
+    let bits: [(&str, &[Constant]); 5] = [
         ("PICTURE", picture_bits::CONSTANTS),
         ("PICTURE_TRACK", picture_track_bits::CONSTANTS),
+        ("PICTURE_STATION", picture_station_bits::CONSTANTS),
         ("IDENTITY", crate::identity_bits::CONSTANTS),
         ("ALERT", crate::alert_bits::CONSTANTS),
     ];
@@ -360,6 +403,7 @@ pub fn javascript_module() -> String {
         ("TRACK_KIND", crate::TrackKind::constants()),
         ("IDENTITY_KIND", crate::IdentityKind::constants()),
         ("PICTURE_AREA_KIND", PictureAreaKind::constants()),
+        ("AID_KIND", crate::AidKind::constants()),
     ];
     for (name, constants) in codes {
         let _ = writeln!(

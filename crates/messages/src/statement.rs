@@ -2,10 +2,13 @@
 //!
 //! A report carries position, velocity and identity. Category, size, status and intention change seldom, so they are
 //! samples of their own, published when some of it changes, and joined to a report by source and track number.
+//!
+//! Stations that are no targets have statements only: base stations and aids to navigation, with their places.
 
 use crate::StageTimes;
 use crate::codes;
 use crate::codes::bits;
+use crate::identity::unpadded;
 use crate::layout::sample;
 
 codes! {
@@ -150,6 +153,76 @@ codes! {
     }
 }
 
+codes! {
+    /// Kind of an aid to navigation: the numbers of recommendation ITU-R M.1371.
+    pub enum AidKind: u8, default Unknown {
+        /// Nothing is stated.
+        Unknown = 0, "unknown";
+        /// Reference point.
+        ReferencePoint = 1, "reference-point";
+        /// Radar beacon.
+        Racon = 2, "racon";
+        /// Fixed structure off shore: oil platform, wind farm.
+        Structure = 3, "structure";
+        /// Emergency wreck marking buoy.
+        Wreck = 4, "wreck";
+        /// Light without sectors.
+        Light = 5, "light";
+        /// Light with sectors.
+        SectorLight = 6, "sector-light";
+        /// Front leading light.
+        FrontLight = 7, "front-light";
+        /// Rear leading light.
+        RearLight = 8, "rear-light";
+        /// Beacon, cardinal north.
+        NorthBeacon = 9, "north-beacon";
+        /// Beacon, cardinal east.
+        EastBeacon = 10, "east-beacon";
+        /// Beacon, cardinal south.
+        SouthBeacon = 11, "south-beacon";
+        /// Beacon, cardinal west.
+        WestBeacon = 12, "west-beacon";
+        /// Beacon, port hand.
+        PortBeacon = 13, "port-beacon";
+        /// Beacon, starboard hand.
+        StarboardBeacon = 14, "starboard-beacon";
+        /// Beacon, preferred channel port hand.
+        PreferredPortBeacon = 15, "preferred-port-beacon";
+        /// Beacon, preferred channel starboard hand.
+        PreferredStarboardBeacon = 16, "preferred-starboard-beacon";
+        /// Beacon, isolated danger.
+        DangerBeacon = 17, "danger-beacon";
+        /// Beacon, safe water.
+        SafeWaterBeacon = 18, "safe-water-beacon";
+        /// Beacon, special mark.
+        SpecialBeacon = 19, "special-beacon";
+        /// Floating mark, cardinal north.
+        NorthMark = 20, "north-mark";
+        /// Floating mark, cardinal east.
+        EastMark = 21, "east-mark";
+        /// Floating mark, cardinal south.
+        SouthMark = 22, "south-mark";
+        /// Floating mark, cardinal west.
+        WestMark = 23, "west-mark";
+        /// Floating mark, port hand.
+        PortMark = 24, "port-mark";
+        /// Floating mark, starboard hand.
+        StarboardMark = 25, "starboard-mark";
+        /// Floating mark, preferred channel port hand.
+        PreferredPortMark = 26, "preferred-port-mark";
+        /// Floating mark, preferred channel starboard hand.
+        PreferredStarboardMark = 27, "preferred-starboard-mark";
+        /// Floating mark, isolated danger.
+        DangerMark = 28, "danger-mark";
+        /// Floating mark, safe water.
+        SafeWaterMark = 29, "safe-water-mark";
+        /// Floating mark, special.
+        SpecialMark = 30, "special-mark";
+        /// Light vessel, large navigational buoy, or rig.
+        LightVessel = 31, "light-vessel";
+    }
+}
+
 bits! {
     /// Bits of [`TargetStatement::valid`].
     target_statement_bits: u8 {
@@ -157,29 +230,35 @@ bits! {
         SIZE = 1;
         /// `selected_altitude_m` holds an altitude.
         SELECTED_ALTITUDE = 1 << 1;
-        /// `operator_deg` holds a place.
+        /// `place_deg` holds the place of the operator of an unmanned aircraft.
         OPERATOR = 1 << 2;
+        /// The sample is of a station that is no target: `place_deg` holds its own place, `name` its name.
+        STATION = 1 << 3;
+        /// The aid to navigation is not there: a station ashore sends for it.
+        VIRTUAL = 1 << 4;
+        /// The aid to navigation, which floats, is off its position.
+        OFF_POSITION = 1 << 5;
     }
 }
 
 sample! {
-    /// What a target has stated beside its motion: all that is known at the time of the latest statement.
-    TargetStatement, size 88 {
-        /// Time of the latest statement, UTC, nanoseconds since 1970.
+    /// What a target, or a station that is none, has stated beside motion: all that is known at the time of publication.
+    TargetStatement, size 112 {
+        /// Time of the target's latest transmission, UTC, nanoseconds since 1970.
         time_ns: i64,
         /// The sample's sequence number at its publisher.
         sequence: u64,
         /// Stages passed so far.
         stages: StageTimes,
-        /// Latitude and longitude (WGS-84) of the operator of an unmanned aircraft, degrees.
-        operator_deg: [f64; 2],
+        /// Latitude and longitude (WGS-84), degrees: of the operator of an unmanned aircraft, or of a station itself.
+        place_deg: [f64; 2],
         /// Length, metres.
         length_m: f32,
         /// Width, metres.
         width_m: f32,
         /// Altitude selected in the autopilot, metres of the standard atmosphere.
         selected_altitude_m: f32,
-        /// Number of the target's track at its source.
+        /// Number of the target's track at its source; the MMSI of a station.
         track_number: u32,
         /// Source: its number in the configuration (TI-2).
         source: u16,
@@ -189,9 +268,25 @@ sample! {
         navigation: u8,
         /// Emergency: an `Emergency` code.
         emergency: u8,
-        /// Fields that hold something: see `target_statement_bits`.
+        /// Fields that hold something, and flags: see `target_statement_bits`.
         valid: u8,
+        /// Kind of the aid to navigation: an `AidKind` code.
+        aid: u8,
+        /// Name of a station in ASCII, padded with blanks; blank: none is known.
+        name: [u8; 20],
         /// Reserved, 0.
-        reserved: u16,
+        reserved: [u8; 5],
+    }
+}
+
+impl TargetStatement {
+    /// Returns whether the sample is of a station that is no target.
+    pub fn is_station(&self) -> bool {
+        self.valid & target_statement_bits::STATION != 0
+    }
+
+    /// Returns the name of a station without padding, if known.
+    pub fn station_name(&self) -> Option<&str> {
+        unpadded(&self.name).filter(|name| self.is_station() && !name.is_empty())
     }
 }

@@ -6,7 +6,8 @@
 //! - [`Bearing`]: the direction of an emitter, from a direction finder that measures nothing else;
 //! - [`Arrival`]: when a transmission of an emitter arrived at a receiver; [`ReadyFix`]: its position, found by others;
 //! - [`SnapshotBlock`]: samples of an antenna array, from which bearings are measured;
-//! - [`Statement`]: what a target states beside its motion: category, size, status, intention;
+//! - [`Statement`]: what a target states beside its motion: category, size, status, intention; places of fixed
+//!   stations;
 //! - [`WideAreaReport`]: the number of targets that a wide-area sensor has seen.
 //!
 //! Formats read and write these types, and algorithms process them, independently of each other. [`Sampled`] is the
@@ -30,12 +31,12 @@ pub use bearing::Bearing;
 pub use detection::{
     Detection, DetectionPlatform, DetectionTruth, QUANTITIES_MAX, StatedHeight, StatedVelocity, TransponderReply,
 };
+pub use messages::{AidKind, Emergency, NavigationStatus, TargetCategory};
 pub use messages::{DetectionKind, Quantity};
-pub use messages::{Emergency, NavigationStatus, TargetCategory};
 pub use observation::{Axes, Observation, Plane, Position, Quality, RADIUS95_SIGMAS, ServiceMessage, TRUNCATION_NS};
 pub use sensor_event::SensorEvent;
 pub use snapshot_block::SnapshotBlock;
-pub use statement::Statement;
+pub use statement::{FixedStation, Statement};
 pub use wide_area::WideAreaReport;
 
 use messages::StageTimes;

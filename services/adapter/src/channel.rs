@@ -201,7 +201,7 @@ impl SourceChannel {
         self.statements.alive(track_number, received.utc_ns);
     }
 
-    /// Takes a statement of a target received at `received`.
+    /// Takes a statement of a target or station received at `received`.
     pub(crate) fn state(&mut self, stated: &Statement, received: ReceiptTime) {
         if let Some(whole) = self.statements.take(stated, received.utc_ns) {
             self.gather_statement(&whole, received.utc_ns, received.mono_ns);
@@ -292,8 +292,8 @@ impl SourceChannel {
             end: false,
         };
         self.gathered.has_picture = false;
-        for whole in self.statements.due(now.utc_ns) {
-            self.gather_statement(&whole, now.utc_ns, now.mono_ns);
+        for (whole, heard_ns) in self.statements.due(now.utc_ns) {
+            self.gather_statement(&whole, heard_ns, now.mono_ns);
         }
         self.outlets.statements.send(mark, &mut self.stated)?;
         Ok(self.outlets.send(mark, &mut self.gathered)?)

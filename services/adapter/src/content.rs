@@ -1,6 +1,6 @@
 //! Contents of a recorded file, read piece by piece.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 use std::fmt;
 use std::io::Cursor;
 
@@ -205,15 +205,22 @@ impl RecordedFeed {
     /// gets each target report.
     pub(crate) fn survey(mut self, received_ns: Option<i64>, observed: &mut dyn FnMut(&Observation)) -> FeedSurvey {
         self.received_ns = received_ns;
-        let mut refused = None;
+        let (mut refused, mut stations, mut station_deg) = (None, BTreeSet::new(), None);
         while !self.packed.is_exhausted() {
             self.read_piece(&mut |fed| match fed {
                 Fed::Target(_, report) => observed(report),
                 Fed::Refused(_, words) => refused = Some(words.to_string()),
-                Fed::Statement(..) => {}
+                Fed::Statement(_, stated) => {
+                    if let Some(station) = stated.station {
+                        stations.insert(stated.track_number);
+                        station_deg = station_deg.or(Some(station.place_rad.map(f64::to_degrees)));
+                    }
+                }
             });
         }
         FeedSurvey {
+            stations: stations.len(),
+            station_deg,
             counts: self.reader.counts(),
             first_utc_ns: self.reader.first_utc_ns(),
             refused,
@@ -228,6 +235,10 @@ pub struct FeedSurvey {
     pub counts: FeedCounts,
     /// First time with a date in the data, UTC, nanoseconds since 1970.
     pub first_utc_ns: Option<i64>,
+    /// Number of stations that are no targets: base stations, aids to navigation.
+    pub stations: usize,
+    /// Latitude and longitude of the first of these, degrees.
+    pub station_deg: Option<[f64; 2]>,
     /// Latest refusal in words.
     pub refused: Option<String>,
 }

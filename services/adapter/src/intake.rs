@@ -15,7 +15,8 @@ pub(crate) struct Intake {
     samples: Samples,
     reorder: Reorder<SensorTrack>,
     book: StatementBook,
-    stated: Vec<TargetStatement>,
+    /// Statements, each with the time at which it is due, UTC, nanoseconds.
+    stated: Vec<(i64, TargetStatement)>,
     /// Latest time of a transmission in the recording, UTC, nanoseconds.
     heard_ns: i64,
     late: u64,
@@ -53,23 +54,25 @@ impl Intake {
         self.observe(observed);
     }
 
-    /// Takes what a target of a feed states beside its motion.
+    /// Takes what a target of a feed, or a station that is none, states beside motion.
     pub(crate) fn state(&mut self, transmission: Transmission, stated: &Statement) {
         self.go_on(transmission);
-        let whole = self.book.take(stated, self.heard_ns);
-        self.stated.extend(whole.map(|whole| self.sample(&whole)));
+        if let Some(whole) = self.book.take(stated, self.heard_ns) {
+            self.gather(&whole, self.heard_ns);
+        }
     }
 
     /// States again what is due at the time of a transmission: a replay gives what the live feed gave.
     fn go_on(&mut self, transmission: Transmission) {
         self.heard_ns = self.heard_ns.max(transmission.utc_ns);
-        for whole in self.book.due(self.heard_ns) {
-            self.stated.push(self.sample(&whole));
+        for (whole, heard_ns) in self.book.due(self.heard_ns) {
+            self.gather(&whole, heard_ns);
         }
     }
 
-    fn sample(&self, whole: &Statement) -> TargetStatement {
-        whole.sample(self.source, self.heard_ns, StageTimes::default())
+    fn gather(&mut self, whole: &Statement, heard_ns: i64) {
+        let sample = whole.sample(self.source, heard_ns, StageTimes::default());
+        self.stated.push((self.heard_ns, sample));
     }
 
     /// Takes a measurement of an emitter.
@@ -110,8 +113,8 @@ impl Intake {
         self.samples.detections.drain(..)
     }
 
-    /// Returns what targets have stated since the last call.
-    pub(crate) fn statements(&mut self) -> impl Iterator<Item = TargetStatement> + '_ {
+    /// Returns what targets have stated since the last call, each statement with the time at which it is due.
+    pub(crate) fn statements(&mut self) -> impl Iterator<Item = (i64, TargetStatement)> + '_ {
         self.stated.drain(..)
     }
 

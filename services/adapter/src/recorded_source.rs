@@ -164,8 +164,8 @@ impl RecordedSource {
             for detection in self.intake.detections() {
                 self.detections.push(detection.time_of_measurement_ns, detection);
             }
-            for stated in self.intake.statements() {
-                self.statements.push(stated.time_ns, stated);
+            for (due_ns, stated) in self.intake.statements() {
+                self.statements.push(due_ns, stated);
             }
             while let Some(mut report) = self.intake.pop() {
                 report.sequence = self.next_number;

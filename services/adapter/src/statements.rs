@@ -1,8 +1,10 @@
 //! What the targets of a feed have stated beside their motion, for the topic of statements.
 //!
 //! Transmissions state parts, again and again. The book joins the parts of a target; a target's sample goes out when
-//! some part has changed, and again after [`AGAIN_NS`], so that a late subscriber has all within that time. Targets
-//! without a transmission for [`SILENCE_NS`] are forgotten.
+//! some part has changed, and again after [`AGAIN_NS`], so that a late subscriber has all within that time. It has the
+//! time of the target's latest transmission. Targets without a transmission for [`SILENCE_NS`] are forgotten.
+//!
+//! Stations that are no targets are in the book like targets.
 
 use observations::Statement;
 use rustc_hash::FxHashMap;
@@ -61,8 +63,8 @@ impl StatementBook {
         Some(updated)
     }
 
-    /// Returns the statements that are due again at `now_ns`.
-    pub(crate) fn due(&mut self, now_ns: i64) -> Vec<Statement> {
+    /// Returns the statements that are due again at `now_ns`, each with the time of the target's latest transmission.
+    pub(crate) fn due(&mut self, now_ns: i64) -> Vec<(Statement, i64)> {
         if now_ns - self.searched_ns < SEARCH_NS {
             return Vec::new();
         }
@@ -72,13 +74,13 @@ impl StatementBook {
             .targets
             .values_mut()
             .filter(|target| now_ns - target.sent_ns >= AGAIN_NS);
-        let mut due: Vec<Statement> = due
+        let mut due: Vec<(Statement, i64)> = due
             .map(|target| {
                 target.sent_ns = now_ns;
-                target.statement
+                (target.statement, target.heard_ns)
             })
             .collect();
-        due.sort_unstable_by_key(|statement| statement.track_number);
+        due.sort_unstable_by_key(|(statement, _)| statement.track_number);
         due
     }
 
@@ -118,7 +120,7 @@ mod tests {
         let whole = book.take(&stated(7, TargetCategory::Unknown, anchored), 2 * S).unwrap();
         assert_eq!((whole.category, whole.navigation), (cargo, anchored));
         assert!(book.due(30 * S).is_empty());
-        assert_eq!(book.due(62 * S), [whole]);
+        assert_eq!(book.due(62 * S), [(whole, 2 * S)]);
         assert!(book.due(63 * S).is_empty());
         book.alive(7, 1_000 * S);
         assert_eq!(book.due(2_000 * S).len(), 1, "a target that transmits stays");

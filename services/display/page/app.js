@@ -81,6 +81,8 @@ export class App {
     this.prefers = /** @type {(track: Track) => boolean} */ (() => false);
     /** Track under the pointer; -1: none. */
     this.hovered = -1;
+    /** MMSI of the station under the pointer; -1: none. */
+    this.pointed = -1;
     /** Where no label may lie: names on the map; controls upon it. @type {import("./placement.js").Box[][]} */
     this.chrome = [[], []];
     this.matches = /** @type {(track: Track) => boolean} */ (() => true);
@@ -273,12 +275,14 @@ export class App {
   /**
    * Puts a picture in: all of it, or what has changed.
    * @param {{time: number, full: boolean, tracks: Change[], removed: number[], identities?: Change[], sensor?: Spot[],
-   *   marks?: Record<string, import("./layers.js").Mark[]>, layerAge?: number}} what
-   *   `layerAge`: seconds for which sensor tracks and detections are shown.
+   *   marks?: Record<string, import("./layers.js").Mark[]>, stations?: import("./stations.js").Station[],
+   *   layerAge?: number, stationAge?: number}} what
+   *   `layerAge`: seconds for which sensor tracks and detections are shown; `stationAge`: those of stations.
    */
-  changes({ time, full, tracks, removed, identities, sensor, marks, layerAge = 15 }) {
+  changes({ time, full, tracks, removed, identities, sensor, marks, stations, layerAge = 15, stationAge = 600 }) {
     const { picture } = this;
     const before = picture.time;
+    const hadStations = picture.stations.size > 0;
     picture.time = time;
     if (full) {
       const present = new Set(tracks.map((track) => track.number));
@@ -307,6 +311,8 @@ export class App {
     }
     if (leap) this.onLeap(time);
     picture.addLayers(time - layerAge, sensor ?? [], marks ?? {});
+    picture.addStations(time - stationAge, stations ?? []);
+    if (hadStations !== picture.stations.size > 0) showLegend(this);
     this.stats.pictures++;
     this.pictureAt = performance.now();
     if (tracks.length > 0 || time > before) this.newsAt = this.pictureAt;
@@ -600,6 +606,8 @@ export class App {
       shows: (track) => this.shows(track),
       prefers: this.prefers,
       hovered: this.hovered,
+      pointed: this.pointed,
+      nameOf: (source) => this.sourceOf.get(source)?.name ?? "",
       chrome: this.chrome.flat(),
       kindOf: (source) => this.sourceOf.get(source)?.kind ?? "tracker",
       sites: this.known.sources,

@@ -29,6 +29,8 @@ export class Connection {
     this.sent = new Map();
     this.pause = 250;
     this.layerAge = 15;
+    /** The same of stations. */
+    this.stationAge = 600;
     this.pastEdition = 0;
   }
 
@@ -96,6 +98,9 @@ export class Connection {
     const { header, removed, tracks, identities, sensor_tracks } = picture;
     const time = header.time_ns / 1e9;
     const at = (/** @type {number} */ age_ms) => time - age_ms / 1000;
+    const { stations, ...marks } = ofLayers(({ key, mark }) =>
+      picture[key].map((record) => ({ ...mark(record), time: at(record.age_ms) })),
+    );
     app.changes({
       time,
       full: (header.flags & PICTURE.FULL) !== 0,
@@ -142,10 +147,10 @@ export class Connection {
         east: track.east_m,
         north: track.north_m,
       })),
-      marks: ofLayers(({ key, mark }) =>
-        picture[key].map((record) => ({ ...mark(record), time: at(record.age_ms) })),
-      ),
+      marks,
+      stations: /** @type {any[]} */ (stations),
       layerAge: this.layerAge,
+      stationAge: this.stationAge,
     });
     app.fusionSilent = (header.flags & PICTURE.FUSION_SILENT) !== 0;
     const answer = () => {
@@ -163,6 +168,7 @@ export class Connection {
     if (!app) return;
     if (message.type === "hello") {
       this.layerAge = message.layer_age_s;
+      this.stationAge = message.station_age_s;
       app.hello(message);
       app.learn({ sources: message.sources.map(sourceOf), hasOperators: message.operators });
     } else if (message.type === "selected") {

@@ -5,6 +5,7 @@ import { Measuring, measureSelected } from "./measuring.js";
 import { giveBack, nudge } from "./nudge.js";
 import { isNameKey, SearchBox } from "./search.js";
 import { CHOICES, DEFAULTS } from "./settings.js";
+import { stationAt } from "./stations.js";
 import { showCursor } from "./surround.js";
 
 /** @typedef {import("./app.js").App} App */
@@ -32,6 +33,7 @@ const KEYS = [
     "bearings, wide-area counts and cues",
     (app) => app.set({ bearings: !app.settings.bearings, areas: !app.settings.bearings }),
   ],
+  ["'", "base stations and aids to navigation", (app) => app.set({ stations: !app.settings.stations })],
   ["z", "sites and learned offsets", (app) => app.set({ biases: !app.settings.biases })],
   [",", "coverage of each source", (app) => app.set({ coverage: !app.settings.coverage })],
   ["x", "range rings", (app) => app.set({ rings: !app.settings.rings })],
@@ -259,6 +261,10 @@ function controlPointer(app) {
     const [east, north] = track ? [track.east, track.north] : app.view.toGround(x, y);
     return { east, north, track: track?.number ?? -1 };
   };
+  const point = (/** @type {number} */ mmsi) => {
+    if (app.pointed !== mmsi) app.dirty = true;
+    app.pointed = mmsi;
+  };
   canvas.addEventListener("contextmenu", (event) => event.preventDefault());
   canvas.addEventListener("pointerdown", (event) => {
     canvas.setPointerCapture(event.pointerId);
@@ -281,6 +287,7 @@ function controlPointer(app) {
       canvas.style.cursor = track ? "pointer" : "crosshair";
       if (app.hovered !== (track?.number ?? -1)) app.dirty = true;
       app.hovered = track?.number ?? -1;
+      point(track ? -1 : stationAt(app.picture.stations.values(), app.view, x, y));
       return;
     }
     const [dx, dy] = [x - last[0], y - last[1]];
@@ -316,11 +323,13 @@ function controlPointer(app) {
     }
     if ((action !== "pan" && action !== "label") || moved > 3 || event.type === "pointercancel") return;
     const track = app.painter.at(x, y);
+    if (!track) point(stationAt(app.picture.stations.values(), app.view, x, y));
     app.select(track ? track.number : -1, event.ctrlKey || event.metaKey);
   };
   canvas.addEventListener("pointerleave", () => {
     if (app.hovered >= 0) app.dirty = true;
     app.hovered = -1;
+    point(-1);
   });
   canvas.addEventListener("pointerup", ended);
   canvas.addEventListener("pointercancel", ended);

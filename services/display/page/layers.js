@@ -1,14 +1,16 @@
 /**
- * Layers of marks that pass: what a sensor measured at a moment, drawn beneath the tracks until it is too old.
+ * Layers of marks: what a sensor measured at a moment, drawn beneath the tracks until it is too old, and stations that
+ * are no targets, which stay until they are silent.
  *
  * A layer is an entry here: its key in addresses and requests, its title, how a record of a picture becomes a mark, and
  * how its marks are painted. Settings, requests, storage and panel take the layers from this list, in its order.
  */
 
 import { FONT } from "./labels.js";
+import { STATIONS } from "./stations.js";
 import { PICTURE_AREA_KIND } from "./wire.js";
 
-/** @typedef {"detections" | "areas" | "bearings"} LayerKey */
+/** @typedef {"detections" | "areas" | "bearings" | "stations"} LayerKey */
 
 /**
  * A mark: its source, the time of measurement, seconds UTC, and its place, metres.
@@ -23,9 +25,10 @@ import { PICTURE_AREA_KIND } from "./wire.js";
  * @typedef {object} Layer
  * @property {LayerKey} key Of the setting, the request and the block of a picture.
  * @property {string} title
+ * @property {boolean} [isOn] Whether it is shown unless it is switched off.
  * @property {(record: any) => Omit<Mark, "time"> & Partial<T>} mark Of a record of the block, without its time.
  * @property {(ctx: CanvasRenderingContext2D, scene: import("./painter.js").Scene, marks: T[]) => void} paint
- * @property {[string, (colours: import("./colours.js").Colours) => string, string]} [legend] Sign, colour, text.
+ * @property {[string, (colours: import("./colours.js").Colours) => string, string][]} [legend] Signs, colours, texts.
  */
 
 /** @type {Layer<Mark>} */
@@ -42,7 +45,7 @@ const DETECTIONS = {
       ctx.fillRect(x - 1, y - 1, 2, 2);
     }
   },
-  legend: ["·", (colours) => colours.sensor.detection, "detection"],
+  legend: [["·", (colours) => colours.sensor.detection, "detection"]],
 };
 
 /** Areas in which wide-area sensors have counted targets, with their numbers, and cues. @type {Layer<Area>} */
@@ -118,7 +121,7 @@ const BEARINGS = {
 };
 
 /** Layers from the lowest up. @type {readonly Layer<any>[]} */
-export const LAYERS = Object.freeze([DETECTIONS, AREAS, BEARINGS]);
+export const LAYERS = Object.freeze([STATIONS, DETECTIONS, AREAS, BEARINGS]);
 
 /**
  * A value for each layer, by key.

@@ -13,6 +13,7 @@ import { FONT } from "./labels.js";
 import { LAYERS } from "./layers.js";
 import { Lettering, VECTOR_MIN } from "./lettering.js";
 import { isGrave } from "./picture.js";
+import { paintPointed } from "./stations.js";
 
 /** Seconds for which a change of the main source is shown. */
 const HAND_OVER_S = 3;
@@ -46,6 +47,8 @@ const SYMBOL_SIZE = 20;
  * @property {(track: Track) => boolean} shows Whether the filter lets a track pass.
  * @property {(track: Track) => boolean} prefers Whether its label comes before others.
  * @property {number} hovered Track under the pointer; -1: none.
+ * @property {number} pointed MMSI of the station under the pointer; -1: none.
+ * @property {(source: number) => string} nameOf
  * @property {import("./placement.js").Box[]} chrome Where no label may lie: controls, and names on the map.
  * @property {(source: number) => string} kindOf
  * @property {import("./panels.js").Source[]} sites Sensors.
@@ -141,6 +144,7 @@ export class Painter {
     scene.measure?.layOut(ctx, scene);
     this.lettering.paint(ctx, scene, this.drawn, (track) => this.colourOf(scene, track));
     scene.measure?.paint(ctx, scene.colours);
+    paintPointed(ctx, scene);
   }
 
   /**

@@ -207,6 +207,8 @@ export class Picture {
     this.sensor = new Map();
     /** @type {Record<string, Mark[]>} Marks of each layer that passes, by key, the oldest first. */
     this.marks = {};
+    /** @type {Map<number, import("./stations.js").Station>} Stations that are no targets, by MMSI. */
+    this.stations = new Map();
   }
 
   /** Removes a track; its trail is kept, since another fusion may continue the track. @param {number} number */
@@ -230,6 +232,7 @@ export class Picture {
   clearLayers() {
     this.sensor.clear();
     this.marks = {};
+    this.stations.clear();
   }
 
   /**
@@ -244,6 +247,15 @@ export class Picture {
     this.marks = Object.fromEntries(
       keys.map((key) => [key, recent(this.marks[key] ?? [], marks[key] ?? [], since)]),
     );
+  }
+
+  /**
+   * Puts in the latest reports of stations, and drops stations without a report since `since`.
+   * @param {number} since @param {import("./stations.js").Station[]} stations
+   */
+  addStations(since, stations) {
+    for (const station of stations) this.stations.set(station.mmsi, station);
+    for (const [mmsi, { time }] of this.stations) if (time < since) this.stations.delete(mmsi);
   }
 }
 

@@ -60,7 +60,7 @@ export const DEFAULTS = Object.freeze({
   colour: "state",
   units: "aviation",
   sensors: false,
-  ...ofLayers(() => false),
+  ...ofLayers(({ isOn }) => isOn ?? false),
   rings: true,
   siterings: false,
   maps: "",

@@ -57,8 +57,9 @@ export function showLegend(app) {
       ["◇", colours.sensor.tracker, "other sensor"],
     );
   if (settings.pd !== "") lines.push(...PROBABILITY_LEGEND);
-  const layers = LAYERS.filter(({ key }) => settings[key]);
-  for (const { legend } of layers) if (legend) lines.push([legend[0], legend[1](colours), legend[2]]);
+  const layers = LAYERS.filter(({ key }) => settings[key] && (key !== "stations" || app.picture.stations.size > 0));
+  for (const { legend } of layers)
+    for (const [sign, colour, text] of legend ?? []) lines.push([sign, colour(colours), text]);
   if (settings.at > 0 && !app.isRecording && layers.length > 0)
     lines.push(["–", colours.unknown, "detections, bearings, counts: not kept"]);
   const legend = byId("legend");

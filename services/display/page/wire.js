@@ -35,6 +35,16 @@ export const PICTURE_TRACK = Object.freeze({
 });
 
 /** Bits. */
+export const PICTURE_STATION = Object.freeze({
+  /** It is a base station; else an aid to navigation. */
+  BASE: 1,
+  /** The aid is not there: a station ashore sends for it. */
+  VIRTUAL: 2,
+  /** The aid, which floats, is off its position. */
+  OFF_POSITION: 4,
+});
+
+/** Bits. */
 export const IDENTITY = Object.freeze({
   /** `mode_3a` holds a Mode 3/A code. */
   MODE_3A: 1,
@@ -104,6 +114,74 @@ export const PICTURE_AREA_KIND = Object.freeze({
   1: "cue",
 });
 
+/** Words by code. @type {Readonly<Record<number, string>>} */
+export const AID_KIND = Object.freeze({
+  /** Nothing is stated. */
+  0: "unknown",
+  /** Reference point. */
+  1: "reference-point",
+  /** Radar beacon. */
+  2: "racon",
+  /** Fixed structure off shore: oil platform, wind farm. */
+  3: "structure",
+  /** Emergency wreck marking buoy. */
+  4: "wreck",
+  /** Light without sectors. */
+  5: "light",
+  /** Light with sectors. */
+  6: "sector-light",
+  /** Front leading light. */
+  7: "front-light",
+  /** Rear leading light. */
+  8: "rear-light",
+  /** Beacon, cardinal north. */
+  9: "north-beacon",
+  /** Beacon, cardinal east. */
+  10: "east-beacon",
+  /** Beacon, cardinal south. */
+  11: "south-beacon",
+  /** Beacon, cardinal west. */
+  12: "west-beacon",
+  /** Beacon, port hand. */
+  13: "port-beacon",
+  /** Beacon, starboard hand. */
+  14: "starboard-beacon",
+  /** Beacon, preferred channel port hand. */
+  15: "preferred-port-beacon",
+  /** Beacon, preferred channel starboard hand. */
+  16: "preferred-starboard-beacon",
+  /** Beacon, isolated danger. */
+  17: "danger-beacon",
+  /** Beacon, safe water. */
+  18: "safe-water-beacon",
+  /** Beacon, special mark. */
+  19: "special-beacon",
+  /** Floating mark, cardinal north. */
+  20: "north-mark",
+  /** Floating mark, cardinal east. */
+  21: "east-mark",
+  /** Floating mark, cardinal south. */
+  22: "south-mark",
+  /** Floating mark, cardinal west. */
+  23: "west-mark",
+  /** Floating mark, port hand. */
+  24: "port-mark",
+  /** Floating mark, starboard hand. */
+  25: "starboard-mark",
+  /** Floating mark, preferred channel port hand. */
+  26: "preferred-port-mark",
+  /** Floating mark, preferred channel starboard hand. */
+  27: "preferred-starboard-mark",
+  /** Floating mark, isolated danger. */
+  28: "danger-mark",
+  /** Floating mark, safe water. */
+  29: "safe-water-mark",
+  /** Floating mark, special. */
+  30: "special-mark",
+  /** Light vessel, large navigational buoy, or rig. */
+  31: "light-vessel",
+});
+
 /** Text of `length` octets without its padding. @param {DataView} view @param {number} at @param {number} length */
 function text(view, at, length) {
   let out = "";
@@ -123,6 +201,7 @@ function text(view, at, length) {
  * @property {number} detections Records `PictureDetection`.
  * @property {number} bearings Records `PictureBearing`.
  * @property {number} areas Records `PictureArea`.
+ * @property {number} stations Records `PictureStation`.
  */
 
 /** @param {DataView} view @param {number} at @returns {PictureHeader} */
@@ -138,6 +217,7 @@ export function readPictureHeader(view, at) {
     detections: view.getUint32(at + 32, LITTLE),
     bearings: view.getUint32(at + 36, LITTLE),
     areas: view.getUint32(at + 40, LITTLE),
+    stations: view.getUint32(at + 44, LITTLE),
   };
 }
 
@@ -330,6 +410,36 @@ export function readPictureArea(view, at) {
 }
 
 /**
+ * @typedef {object} PictureStation
+ * @property {number} age_ms Age of its latest report, milliseconds.
+ * @property {number} east_m Metres east.
+ * @property {number} north_m Metres north.
+ * @property {number} length_m Length, metres; 0: unknown.
+ * @property {number} width_m Width, metres; 0: unknown.
+ * @property {number} mmsi MMSI.
+ * @property {string} name Name in ASCII, padded with blanks; blank: unknown.
+ * @property {number} source Source that has received the report.
+ * @property {number} aid Kind of an aid to navigation: an `AidKind` code.
+ * @property {number} flags Flags: see `picture_station_bits`.
+ */
+
+/** @param {DataView} view @param {number} at @returns {PictureStation} */
+export function readPictureStation(view, at) {
+  return {
+    age_ms: view.getInt32(at, LITTLE),
+    east_m: view.getFloat32(at + 4, LITTLE),
+    north_m: view.getFloat32(at + 8, LITTLE),
+    length_m: view.getFloat32(at + 12, LITTLE),
+    width_m: view.getFloat32(at + 16, LITTLE),
+    mmsi: view.getUint32(at + 20, LITTLE),
+    name: text(view, at + 24, 20),
+    source: view.getUint16(at + 44, LITTLE),
+    aid: view.getUint8(at + 46),
+    flags: view.getUint8(at + 47),
+  };
+}
+
+/**
  * @typedef {object} PictureMessage
  * @property {PictureHeader} header
  * @property {number[]} removed Numbers of system tracks.
@@ -339,6 +449,7 @@ export function readPictureArea(view, at) {
  * @property {PictureDetection[]} detections
  * @property {PictureBearing[]} bearings
  * @property {PictureArea[]} areas
+ * @property {PictureStation[]} stations
  */
 
 /** @param {ArrayBuffer} octets @returns {PictureMessage} */
@@ -364,5 +475,6 @@ export function readPicture(octets) {
     detections: block(header.detections, 20, readPictureDetection),
     bearings: block(header.bearings, 24, readPictureBearing),
     areas: block(header.areas, 40, readPictureArea),
+    stations: block(header.stations, 52, readPictureStation),
   };
 }

@@ -48,6 +48,7 @@ pub(crate) const ASSETS: &[Asset] = assets! {
     "search.js"
     "settings.js"
     "side.js"
+    "stations.js"
     "surround.js"
     "table.js"
     "tabs.js"

@@ -51,6 +51,14 @@ impl PictureClock {
         }
     }
 
+    /// Whether the time is known: a machine clock's always, a data clock's from the first state on.
+    pub(crate) fn is_set(&self) -> bool {
+        match self {
+            Self::Machine { .. } => true,
+            Self::Data(clock) => clock.set.is_some(),
+        }
+    }
+
     /// Returns the time of the picture, UTC, nanoseconds; `None` before the first state.
     pub(crate) fn at(&self, now: Now) -> Option<i64> {
         match self {

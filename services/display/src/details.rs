@@ -159,7 +159,7 @@ fn stated_facts(stated: &TargetStatement) -> [(&'static str, Option<String>); 6]
     };
     let holds = |bit: u8, text: String| (stated.valid & bit != 0).then_some(text);
     let level = f64::from(stated.selected_altitude_m) * FEET_PER_M / 100.0;
-    let [latitude, longitude] = stated.operator_deg;
+    let [latitude, longitude] = stated.place_deg;
     [
         (
             "category",

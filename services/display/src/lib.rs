@@ -68,6 +68,8 @@ mod settings;
 #[cfg(test)]
 mod settings_tests;
 mod shared;
+#[cfg(test)]
+mod station_tests;
 mod status;
 mod tape;
 mod trails;

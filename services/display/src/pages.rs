@@ -29,7 +29,7 @@ use crate::shared::SharedState;
 use crate::status;
 use crate::trails;
 use crate::viewer::Viewer;
-use crate::wire::{LAYER_AGE_S, MESSAGE_MAX, RATE_HZ, SELECT_MAX, Wish};
+use crate::wire::{LAYER_AGE_S, MESSAGE_MAX, RATE_HZ, SELECT_MAX, STATION_AGE_S, Wish};
 use crate::world::World;
 
 /// Time between two status messages, nanoseconds.
@@ -400,6 +400,7 @@ fn hello(world: &World, has_operators: bool, shares_moment: bool) -> Message {
         "declination_deg": world.declination_deg,
         "history_s": world.history_s,
         "layer_age_s": LAYER_AGE_S,
+        "station_age_s": STATION_AGE_S,
         "recording": recording,
         "operators": has_operators,
         "labels": world.labels.message(),

@@ -64,7 +64,7 @@ fn served_at(clock: fn() -> Now) -> (Arc<SharedState>, Server) {
     (shared, server)
 }
 
-fn header(incarnation: u64) -> BatchHeader {
+pub(crate) fn header(incarnation: u64) -> BatchHeader {
     BatchHeader {
         incarnation,
         ..BatchHeader::default()
@@ -99,7 +99,7 @@ pub(crate) fn track(number: u32, east_m: f64) -> SystemTrack {
 }
 
 /// The clocks of `now`, this number of seconds later.
-fn later(seconds: i64) -> Now {
+pub(crate) fn later(seconds: i64) -> Now {
     Now {
         mono_ns: now().mono_ns + seconds * 1_000_000_000,
         utc_ns: now().utc_ns + seconds * 1_000_000_000,

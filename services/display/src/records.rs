@@ -2,14 +2,14 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use frames::SystemFrame;
+use frames::{Geodetic, SystemFrame};
 use messages::picture::{
     NO_CODE, PictureArea, PictureAreaKind, PictureBearing, PictureDetection, PictureIdentity, PictureSensorTrack,
-    PictureTrack, picture_track_bits,
+    PictureStation, PictureTrack, picture_station_bits, picture_track_bits,
 };
 use messages::{
-    Covariance, Cue, DetectionKind, Quantity, SensorBearing, SensorDetection, SensorTrack, SystemTrack, WideArea,
-    sensor_detection_bits, sensor_track_bits,
+    Covariance, Cue, DetectionKind, Quantity, SensorBearing, SensorDetection, SensorTrack, SystemTrack, TargetCategory,
+    TargetStatement, WideArea, sensor_detection_bits, sensor_track_bits, target_statement_bits,
 };
 
 use crate::vertical;
@@ -230,6 +230,41 @@ pub(crate) fn cue(cue: &Cue) -> PictureArea {
         kind: PictureAreaKind::Cue.code(),
         ..PictureArea::default()
     }
+}
+
+/// Returns the record of a station that is no target; `None` if its place is none. The caller sets the age.
+pub(crate) fn station(stated: &TargetStatement, frame: &SystemFrame) -> Option<PictureStation> {
+    let [latitude_deg, longitude_deg] = stated.place_deg;
+    let place = Geodetic::from_degrees(latitude_deg, longitude_deg, 0.0).ok()?;
+    let [east_m, north_m, _] = frame.to_local(place).map(|metres| metres as f32);
+    let has_size = stated.valid & target_statement_bits::SIZE != 0;
+    let flags = [
+        (
+            stated.category == TargetCategory::BaseStation.code(),
+            picture_station_bits::BASE,
+        ),
+        (
+            stated.valid & target_statement_bits::VIRTUAL != 0,
+            picture_station_bits::VIRTUAL,
+        ),
+        (
+            stated.valid & target_statement_bits::OFF_POSITION != 0,
+            picture_station_bits::OFF_POSITION,
+        ),
+    ];
+    let set = flags.into_iter().filter(|(is_set, _)| *is_set);
+    (east_m.is_finite() && north_m.is_finite()).then(|| PictureStation {
+        east_m,
+        north_m,
+        length_m: if has_size { stated.length_m } else { 0.0 },
+        width_m: if has_size { stated.width_m } else { 0.0 },
+        mmsi: stated.track_number,
+        name: stated.name,
+        source: stated.source,
+        aid: stated.aid,
+        flags: set.fold(0, |flags, (_, flag)| flags | flag),
+        ..PictureStation::default()
+    })
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ use rustc_hash::FxHashMap;
 
 use crate::history::Then;
 use crate::passing::LAYERS;
+use crate::records;
 use crate::reports::LatestReports;
 use crate::wire::{Filter, Past, Wish};
 use crate::world::{ReceivedRecord, World};
@@ -278,6 +279,18 @@ impl Viewer {
                     continue;
                 }
                 (Some(_), _) => continue,
+                (None, PictureLayer::Stations) => {
+                    // Stations that cannot be placed yet are still to be sent.
+                    let Some(frame) = world.observed.frame().filter(|_| world.is_dated()) else {
+                        continue;
+                    };
+                    let new = world.stations.values().filter(|heard| heard.stamp > *stamp);
+                    for heard in new {
+                        let record = records::station(&heard.record, frame);
+                        let aged = record.map(|record| record.with_age(age(heard.time_ns)));
+                        block.extend_from_slice(Sample::octets(aged.as_slice()));
+                    }
+                }
                 (None, PictureLayer::SensorTracks) => {
                     let new = world.sensor_tracks.values().filter(|heard| heard.stamp > *stamp);
                     new.for_each(|heard| sensor_track(&heard.record, heard.time_ns));

@@ -10,8 +10,9 @@
 //! that is still valid.
 //!
 //! The server sends an identity with a track new to the reader, and on change. It sends a sensor track with each
-//! newer report; the page drops sensor tracks without a report for `layer_age_s`. Detections, bearings and areas
-//! are those received since the previous picture.
+//! newer report; the page drops sensor tracks without a report for `layer_age_s`. It likewise sends stations that are
+//! no targets, all that are known to a page that joins; the page drops those without a report for `station_age_s`.
+//! Detections, bearings and areas are those received since the previous picture.
 //!
 //! # From the server, text: JSON, distinguished by `type`
 //!
@@ -20,7 +21,7 @@
 //!
 //! - `hello`: at first, and when the origin becomes known: `version`, `instance`, `origin` {`latitude_deg`,
 //!   `longitude_deg`, `height_m`}, `sources` [{`number`, `name`, `kind`, `site_m` [3]}], `declination_deg`,
-//!   `history_s`, `layer_age_s`, `recording` {`name`, `from_s`, `to_s`, `time_s`, `speed`} or `null`, `operators`
+//!   `history_s`, `layer_age_s`, `station_age_s`, `recording` {`name`, `from_s`, `to_s`, `time_s`, `speed`} or `null`, `operators`
 //!   (whether there are any), `labels` {`lines` of fields, `prefer`}, `limits` {`rate_hz` [2], `select`}
 //! - `selected`: after each picture, while tracks are selected: `time_s`, `tracks`, see [`crate::details`]
 //! - `history`: once for each newly selected track: `number`, `rows`, see [`crate::details`]
@@ -46,6 +47,9 @@ pub(crate) const SELECT_MAX: usize = 16;
 pub(crate) const RATE_HZ: [f64; 2] = [1.0, 10.0];
 /// Display time of a sensor track without new reports, seconds.
 pub(crate) const LAYER_AGE_S: i64 = 30;
+/// Display time of a base station or an aid to navigation without new reports, seconds: three reports of an aid, which
+/// come every three minutes, and one more for delays.
+pub(crate) const STATION_AGE_S: i64 = 600;
 
 /// Wish of a page; absent fields leave their values unchanged.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq)]

@@ -22,11 +22,14 @@ use crate::passing::Passing;
 use crate::recent::RecentReports;
 use crate::records;
 use crate::reports::Reports;
-use crate::wire::{LAYER_AGE_S, Past};
+use crate::wire::{LAYER_AGE_S, Past, STATION_AGE_S};
 
 /// Maximum number of system tracks, of sensor tracks, and of past identities.
 const TRACKS_MAX: usize = 50_000;
-/// Age of a statement at which its target has left, nanoseconds: statements come once a minute.
+/// Maximum number of base stations and aids to navigation: four times those of a coast.
+const STATIONS_MAX: usize = 8_192;
+/// Age of a target's latest transmission at which the target has left, nanoseconds: ships at anchor transmit every three
+/// minutes.
 const STATEMENT_AGE_NS: i64 = 300 * NS_PER_S;
 /// Time between two clean-ups, nanoseconds.
 const CLEAN_UP_NS: i64 = 1_000_000_000;
@@ -160,6 +163,8 @@ pub(crate) struct World {
     pub(crate) passing: Passing,
     /// What targets have stated beside their motion, by source and track number.
     pub(crate) statements: FxHashMap<(u16, u32), TargetStatement>,
+    /// Stations that are no targets, by MMSI: several sources may receive the same.
+    pub(crate) stations: BTreeMap<u32, ReceivedRecord<TargetStatement>>,
     pub(crate) alarm_book: AlarmBook,
     pub(crate) coverage: Coverage,
     /// Latest reports of each sensor track.
@@ -196,6 +201,7 @@ impl World {
             sensor_tracks: BTreeMap::new(),
             passing: Passing::default(),
             statements: FxHashMap::default(),
+            stations: BTreeMap::new(),
             alarm_book: AlarmBook::default(),
             coverage: Coverage::new(sources.iter().map(|fact| (fact.site_m, fact.source.period_ns))),
             recent: RecentReports::default(),
@@ -256,6 +262,11 @@ impl World {
     /// Whether the picture has the time of the data: the deployment replays recordings.
     pub(crate) fn is_replay(&self) -> bool {
         self.recording.is_none() && matches!(self.clock, PictureClock::Data(_))
+    }
+
+    /// Whether the picture's time is known: recorded data have none before the first state.
+    pub(crate) fn is_dated(&self) -> bool {
+        self.recording.is_some() || self.clock.is_set()
     }
 
     /// Returns the offset of the data from the picture's clock, and the part of it that the sources' rhythm does not
@@ -420,13 +431,31 @@ impl World {
         self.passing.add(self.stamp, time_ns, record);
     }
 
-    /// Receives what targets state beside their motion.
+    /// Receives what targets, and stations that are none, state beside motion.
     pub(crate) fn hear_statements(&mut self, stated: &[TargetStatement]) {
         for statement in stated {
+            if statement.is_station() {
+                self.hear_station(statement);
+                continue;
+            }
             let key = (statement.source, statement.track_number);
             if self.statements.len() < TRACKS_MAX || self.statements.contains_key(&key) {
                 self.statements.insert(key, *statement);
             }
+        }
+    }
+
+    fn hear_station(&mut self, stated: &TargetStatement) {
+        let known = self.stations.get(&stated.track_number);
+        let has_room = known.is_some() || self.stations.len() < STATIONS_MAX;
+        if has_room && known.is_none_or(|known| known.time_ns <= stated.time_ns) {
+            self.stamp += 1;
+            let heard = ReceivedRecord {
+                stamp: self.stamp,
+                time_ns: stated.time_ns,
+                record: *stated,
+            };
+            self.stations.insert(stated.track_number, heard);
         }
     }
 
@@ -467,8 +496,12 @@ impl World {
         let oldest_ns = self.time_ns(now) - LAYER_AGE_S * NS_PER_S;
         self.sensor_tracks.retain(|_, heard| heard.time_ns >= oldest_ns);
         self.recent.forget_before(oldest_ns);
-        let stated_ns = self.time_ns(now) - STATEMENT_AGE_NS;
-        self.statements.retain(|_, stated| stated.time_ns >= stated_ns);
+        if self.is_dated() {
+            let stated_ns = self.time_ns(now) - STATEMENT_AGE_NS;
+            self.statements.retain(|_, stated| stated.time_ns >= stated_ns);
+            let station_ns = self.time_ns(now) - STATION_AGE_S * NS_PER_S;
+            self.stations.retain(|_, heard| heard.time_ns >= station_ns);
+        }
         self.coverage.forget_before(oldest_ns);
         let past_ns = self.history.span_ns().map_or(i64::MIN, |[from_ns, _]| from_ns);
         self.identities.retain(|_, heard| heard.time_ns >= past_ns);

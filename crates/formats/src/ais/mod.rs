@@ -17,7 +17,7 @@
 //! | 9 | position of a rescue aircraft | observation, statement |
 //! | 19 | position and static data of a ship of class B | observation, statement |
 //! | 5; 24 | static data: class A; class B | statement; name and call sign in later observations |
-//! | 4; 21 | base station; aid to navigation | [`FixedStation`] |
+//! | 4; 21 | base station; aid to navigation | statement with the place; no target |
 //! | 14 | text: announces tests of distress devices | counted |
 //! | others | binary data, management of the channels | counted |
 //!
@@ -57,7 +57,6 @@ use report::Report;
 use static_data::{StaticData, Stations};
 
 pub use counters::{AisCounters, AisError, AisRejection};
-pub use fixed::FixedStation;
 pub use writer::{AisClass, AisPosition, AisStaticData};
 
 /// Bits of messages of type 5 that some transponders cut. The destination ends there; nothing that is used is missing.
@@ -84,10 +83,8 @@ pub enum AisOutput {
     Target(Observation),
     /// The position of the ship that carries the receiver.
     OwnShip(Observation),
-    /// What a target states beside its motion.
+    /// What a target states beside its motion, or a station that is none.
     Statement(Statement),
-    /// A station that is no target.
-    Fixed(FixedStation),
 }
 
 /// Reader of the lines of one or several receivers.
@@ -182,9 +179,9 @@ impl AisReader {
     fn give(&mut self, message: &AisMessage, is_own_ship: bool, now_ns: i64, mut each: impl FnMut(AisOutput)) {
         match message {
             AisMessage::BaseStationReport(of) if of.message_type == 4 => {
-                self.give_fixed(FixedStation::base(of, now_ns), &mut each);
+                self.give_fixed(fixed::base(of), &mut each);
             }
-            AisMessage::AidToNavigationReport(of) => self.give_fixed(FixedStation::aid(of, now_ns), &mut each),
+            AisMessage::AidToNavigationReport(of) => self.give_fixed(fixed::aid(of), &mut each),
             AisMessage::SafetyRelatedBroadcast(of) => self.take_text(of, now_ns),
             _ => {}
         }
@@ -214,9 +211,9 @@ impl AisReader {
             .for_each(|statement| each(AisOutput::Statement(statement)));
     }
 
-    fn give_fixed(&mut self, station: Option<FixedStation>, each: impl FnMut(AisOutput)) {
-        self.count_position(station.is_some());
-        station.map(AisOutput::Fixed).into_iter().for_each(each);
+    fn give_fixed(&mut self, stated: Option<Statement>, each: impl FnMut(AisOutput)) {
+        self.count_position(stated.is_some());
+        stated.map(AisOutput::Statement).into_iter().for_each(each);
     }
 
     fn count_position(&mut self, is_known: bool) {

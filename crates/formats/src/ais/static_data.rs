@@ -134,10 +134,9 @@ impl StaticData {
 
 /// The identity with a name and a call sign, unless they are empty. Characters from the first `@` on are padding.
 pub(super) fn named(mut identity: Identity, name: &str, callsign: &str) -> Identity {
-    let text = |text: &str| text.split('@').next().unwrap_or_default().trim_end().to_owned();
-    let (name, callsign) = (text(name), text(callsign));
+    let (name, callsign) = (unpadded(name), unpadded(callsign));
     if !name.is_empty() {
-        identity = identity.with_name(&name);
+        identity = identity.with_name(name);
     }
     let mut padded: Callsign = [b' '; 8];
     if let (1..=8, Some(place)) = (callsign.len(), padded.get_mut(..callsign.len())) {
@@ -145,6 +144,11 @@ pub(super) fn named(mut identity: Identity, name: &str, callsign: &str) -> Ident
         identity = identity.with_callsign(padded);
     }
     identity
+}
+
+/// A text without its padding.
+pub(super) fn unpadded(text: &str) -> &str {
+    text.split('@').next().unwrap_or_default().trim_end()
 }
 
 /// A station in the table.

@@ -3,13 +3,18 @@
 //! Expected values are those that the sources print with the sentences (E. S. Raymond, "AIVDM/AIVDO protocol decoding";
 //! the tests of `pyais`), else those of `pyais` 3.3.
 
-use formats::ais::{AisOutput, AisReader, AisRejection, AisSettings, FixedStation};
-use observations::{Axes, Emergency, NavigationStatus, Observation, Quality, Statement, TargetCategory};
+use formats::ais::{AisOutput, AisReader, AisRejection, AisSettings};
+use formats::feed::{Fed, FeedReader, FeedSettings};
+use observations::{
+    AidKind, Axes, Emergency, FixedStation, NavigationStatus, Observation, Quality, Statement, TargetCategory,
+};
 
 const S: i64 = 1_000_000_000;
 /// 2020-01-01, 12:00:20.
 const RECEIVED_NS: i64 = (1_577_836_800 + 43_220) * S;
 const KT: f64 = 1852.0 / 3600.0;
+/// A virtual aid to navigation.
+const AID: &str = "!AIVDM,1,1,,B,E>lt;MIas0h3V:@;4a::h0b7W005Jh4nq:3l800003v010,4*09";
 
 pub(crate) fn reader() -> AisReader {
     AisReader::new(AisSettings::default())
@@ -39,11 +44,20 @@ fn statement(outputs: &[AisOutput]) -> Statement {
     }
 }
 
-fn fixed(outputs: &[AisOutput]) -> FixedStation {
-    match outputs {
-        [AisOutput::Fixed(station)] => *station,
-        other => panic!("{other:?}"),
-    }
+/// The only thing that a line gives in a feed: a statement of a station.
+fn fixed(line: &str) -> (Statement, FixedStation) {
+    let mut found = Vec::new();
+    let mut feed = FeedReader::new(FeedSettings::Ais(AisSettings::default()));
+    feed.take(line.as_bytes(), Some(RECEIVED_NS), &mut |fed| match fed {
+        Fed::Statement(transmission, stated) => {
+            assert_eq!(transmission.utc_ns, RECEIVED_NS);
+            found.push(*stated);
+        }
+        Fed::Target(_, target) => panic!("{target:?}"),
+        Fed::Refused(reason, _) => panic!("{reason}"),
+    });
+    assert_eq!((found.len(), feed.counts().records), (1, 1));
+    (found[0], found[0].station.unwrap())
 }
 
 fn assert_at(position_rad: Option<[f64; 2]>, expected_deg: [f64; 2]) {
@@ -236,28 +250,47 @@ fn static_data_of_class_b_come_in_two_messages() {
 }
 
 #[test]
-fn stations_that_are_no_targets_are_apart() {
-    let base = fixed(&outputs(
-        &mut reader(),
-        &["!AIVDM,1,1,,A,403OviQuMGCqWrRO9>E6fE700@GO,0*4D"],
-        RECEIVED_NS,
-    ));
+fn stations_that_are_no_targets_state_their_places_and_are_not_observed() {
+    let (stated, base) = fixed("!AIVDM,1,1,,A,403OviQuMGCqWrRO9>E6fE700@GO,0*4D");
     assert_eq!(
-        (base.category, base.identity.mmsi()),
-        (TargetCategory::BaseStation, Some(3_669_702))
+        (stated.category, stated.track_number),
+        (TargetCategory::BaseStation, 3_669_702)
     );
-    assert_at(Some(base.position_rad), [36.883_766_7, -76.352_361_7]);
-    let aid = fixed(&outputs(
-        &mut reader(),
-        &["!AIVDM,1,1,,B,E>lt;MIas0h3V:@;4a::h0b7W005Jh4nq:3l800003v010,4*09"],
-        RECEIVED_NS,
-    ));
+    assert_eq!((base.aid, base.name), (AidKind::Unknown, [b' '; 20]));
+    assert_at(Some(base.place_rad), [36.883_766_7, -76.352_361_7]);
+    let (stated, aid) = fixed(AID);
     assert_eq!(
-        (aid.category, aid.identity.name()),
-        (TargetCategory::Aid, Some("S6A GLT VIRTU ATON"))
+        (stated.category, &aid.name),
+        (TargetCategory::Aid, b"S6A GLT VIRTU ATON  ")
     );
-    assert_eq!((aid.aid_type, aid.is_virtual, aid.is_off_position), (19, true, false));
-    assert_at(Some(aid.position_rad), [-23.917_385, 151.497_903_3]);
+    assert_eq!(
+        (aid.aid, aid.is_virtual, aid.is_off_position),
+        (AidKind::SpecialBeacon, true, false)
+    );
+    assert_at(Some(aid.place_rad), [-23.917_385, 151.497_903_3]);
+}
+
+#[test]
+fn an_aid_is_off_its_position_where_its_receiver_works() {
+    let sent = |change: fn(&mut aivdm::message::AidToNavigationReport)| {
+        let Ok(aivdm::AisMessage::AidToNavigationReport(mut aid)) =
+            aivdm::decode_payload(AID.split(',').nth(5).unwrap().as_bytes(), 4)
+        else {
+            panic!("no aid");
+        };
+        (aid.off_position, aid.virtual_aid) = (true, false);
+        change(&mut aid);
+        fixed(&sentence(&aivdm::AisMessage::AidToNavigationReport(aid)))
+    };
+    let (_, aid) = sent(|aid| aid.timestamp = aivdm::Timestamp::Second(7));
+    assert!(aid.is_off_position && !aid.is_virtual);
+    let (_, aid) = sent(|aid| aid.timestamp = aivdm::Timestamp::Inoperative);
+    assert!(!aid.is_off_position);
+    let (stated, _) = sent(|aid| {
+        (aid.dimension_to_bow, aid.dimension_to_stern) = (3, 3);
+        (aid.dimension_to_port, aid.dimension_to_starboard) = (2, 2);
+    });
+    assert_eq!(stated.size_m, Some([6.0, 4.0]));
 }
 
 #[test]

@@ -239,8 +239,10 @@ proptest! {
             let _ = reader.take(0, line.as_bytes(), received_ns, |_, output| {
                 let position = match output {
                     AisOutput::Target(found) | AisOutput::OwnShip(found) => found.geodetic.unwrap(),
-                    AisOutput::Fixed(found) => found.position_rad,
-                    AisOutput::Statement(stated) => [f64::from(stated.size_m.unwrap_or_default()[0]) / 1e6; 2],
+                    AisOutput::Statement(stated) => match stated.station {
+                        Some(station) => station.place_rad,
+                        None => [f64::from(stated.size_m.unwrap_or_default()[0]) / 1e6; 2],
+                    },
                 };
                 assert!(position[0].abs() <= FRAC_PI_2 && position[1].abs() <= PI, "{position:?}");
             });

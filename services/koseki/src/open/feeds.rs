@@ -212,7 +212,7 @@ fn judge(octets: &[u8], place_deg: Option<[f64; 2]>) -> Option<(FeedFormat, u64,
         let survey = adapter::survey_feed(octets, *format, (place_deg, received_ns), &mut |report| {
             first_deg = first_deg.or(report.geodetic.map(|position| position.map(f64::to_degrees)));
         });
-        (*format, survey.counts.records, first_deg)
+        (*format, survey.counts.records, first_deg.or(survey.station_deg))
     });
     judged
         .max_by_key(|(_, records, _)| *records)

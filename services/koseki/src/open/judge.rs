@@ -176,6 +176,12 @@ fn feed(path: &Path, bytes: &[u8], format: FeedFormat, place_deg: Option<[f64; 2
         counts.records,
         counts.records + counts.refused
     )];
+    if survey.stations > 0 {
+        decisions.push(format!(
+            "{} base stations and aids to navigation: shown, not tracked",
+            survey.stations
+        ));
+    }
     if let Some(refused) = survey.refused.as_ref().filter(|_| format == FeedFormat::RadarTargets) {
         decisions.push(format!("refused last: {refused}"));
     }
@@ -196,7 +202,7 @@ fn feed(path: &Path, bytes: &[u8], format: FeedFormat, place_deg: Option<[f64; 2
             ..source
         }],
         decisions,
-        first_deg,
+        first_deg: first_deg.or(survey.station_deg),
         first_utc_ns: survey.first_utc_ns.or(received_ns),
         is_in_metres: false,
     };
