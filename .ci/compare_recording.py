@@ -254,13 +254,18 @@ def decision(message, _):
 
 def statement(message, _):
     known = lambda bit, values: [where(message.valid & bit, Rounded(value)) for value in values]
+    is_station = message.valid & K.TARGET_STATEMENT_STATION
+    flag = lambda bit: where(is_station, int(message.valid & bit != 0))
     return {'time_s': Time(message.time_ns), 'sensor_id': message.source + 1, 'sensor_track_id': message.track_number,
             'category': named('CATEGORY', message.category),
             'navigation': named('NAVIGATION', message.navigation), 'emergency': named('EMERGENCY', message.emergency),
             **dict(zip(('length_m', 'width_m'), known(K.TARGET_STATEMENT_SIZE, (message.length_m, message.width_m)))),
             'selected_altitude_m': known(K.TARGET_STATEMENT_SELECTED_ALTITUDE, [message.selected_altitude_m])[0],
             **dict(zip(('operator_latitude', 'operator_longitude'),
-                       known(K.TARGET_STATEMENT_OPERATOR, message.operator_deg)))}
+                       known(K.TARGET_STATEMENT_OPERATOR, message.place_deg))),
+            **dict(zip(('station_latitude', 'station_longitude'), known(K.TARGET_STATEMENT_STATION, message.place_deg))),
+            'station_name': text(message.name, is_station) or None, 'aid': where(is_station, named('AID', message.aid)),
+            'virtual': flag(K.TARGET_STATEMENT_VIRTUAL), 'off_position': flag(K.TARGET_STATEMENT_OFF_POSITION)}
 
 
 # Ending of a topic's name: stem of the table's, and how a sample is a row.

@@ -149,6 +149,15 @@ class Beast(Feed):
             connection.close()
 
 
+# A base station, a buoy off its position, a virtual aid.
+STATIONS = [
+    {'type': 4, 'mmsi': '002111111', 'lat': 50.02, 'lon': 8.1, 'year': 2026, 'month': 1, 'day': 1},
+    {'type': 21, 'mmsi': '992111840', 'lat': 50.2, 'lon': 8.05, 'name': 'BUOY 7', 'aid_type': 24, 'off_position': 1,
+     'to_bow': 3, 'to_stern': 3, 'to_port': 2, 'to_starboard': 2},
+    {'type': 21, 'mmsi': '992116841', 'lat': 50.3, 'lon': 8.15, 'name': 'WRECK NORTH', 'aid_type': 20, 'virtual_aid': 1},
+]
+
+
 class Ais(Feed):
     def __init__(self):
         free = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -161,13 +170,19 @@ class Ais(Feed):
     def send(self):
         import pyais
         sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+
+        def send(message):
+            for sentence in pyais.encode_dict(message, sentence_type='VDM'):
+                sender.sendto(f'{sentence}\r\n'.encode(), ('127.0.0.1', self.port))
+
         for position in range(1 << 30):
             for target in targets(8):
                 latitude, longitude = target.at(self.passed())
                 message = {'type': 1, 'mmsi': 211_000_000 + target.number, 'lat': latitude, 'lon': longitude,
                            'course': target.course_deg, 'speed': 8 / KNOT_MPS, 'second': int(time.time()) % 60, 'accuracy': 1}
-                for sentence in pyais.encode_dict(message, sentence_type='VDM'):
-                    sender.sendto(f'{sentence}\r\n'.encode(), ('127.0.0.1', self.port))
+                send(message)
+            for station in STATIONS:
+                send({**station, 'second': int(time.time()) % 60})
             self.sent(position)
             time.sleep(2)
 

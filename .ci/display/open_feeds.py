@@ -21,6 +21,8 @@ ASKED_S = 15
 CONFIRMED = """() =>
   [...(globalThis.koseki?.picture.system.values() ?? [])].filter(({ state }) => state === "confirmed").length"""
 
+STATIONS = '() => [...koseki.picture.stations.values()]'
+
 
 def main():
     koseki, folder = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2])
@@ -38,6 +40,14 @@ def main():
                 time.sleep(0.1)
             passed = time.monotonic() - feed.second_s
             check(passed <= ASKED_S, f'{feed.what}: five confirmed tracks {passed:.1f} s after the second positions')
+            if isinstance(feed, sent_feeds.Ais):
+                stations = {station['mmsi']: station for station in page.evaluate(STATIONS)}
+                check(sorted(stations) == [2111111, 992111840, 992116841], f'{feed.what}: a base station and two aids, {stations}')
+                check(stations[992111840]['isOff'] and stations[992116841]['isVirtual'] and stations[2111111]['isBase'],
+                      f'{feed.what}: one aid is off its position, one virtual')
+                for theme in ('night', 'day'):
+                    page.evaluate(f'koseki.set({{theme: "{theme}"}})')
+                    page.screenshot(path=str(empty / f'{theme}.png'))
             page.close()
             opened.stop()
         browser.close()

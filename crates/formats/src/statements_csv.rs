@@ -21,7 +21,7 @@ columns! {
     ["station_latitude", "station_longitude"] =>
         row.place_deg.map(|degrees| row.is_station().then_some(Plain(degrees, 7))),
     "station_name" => row.station_name().map(words),
-    "aid" => AidKind::from_code(row.aid).map(AidKind::word),
+    "aid" => AidKind::from_code(row.aid).map(AidKind::word).filter(|_| row.is_station()),
     ["virtual", "off_position"] =>
         [bits::VIRTUAL, bits::OFF_POSITION].map(|bit| row.is_station().then_some(u8::from(row.valid & bit != 0))),
 }
