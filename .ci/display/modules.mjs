@@ -402,14 +402,14 @@ test("a station stays between its reports, has its facts, and is found under the
   assert.deepEqual([...picture.stations.keys()], [2111111, 992111840]);
   const [base, aid] = picture.stations.values();
   assert.equal(base.time, 600, "the latest report of each");
-  assert.deepEqual(stationLines(base, 605, "coast"), ["MMSI 002111111", "base station", "5 s ago by coast"]);
+  assert.deepEqual(stationLines(base, 605, "coast"), ["MMSI 002111111", "base station", "at most 5 s ago by coast"]);
   assert.deepEqual(stationLines(aid, 605, ""), [
     "BUOY 7",
     "MMSI 992111840",
     "aid to navigation: port mark",
     "OFF POSITION",
     "6 × 4 m",
-    "505 s ago",
+    "at most 505 s ago",
   ]);
   const virtual = station({ ...buoy, flags: 2, aid: 200, length_m: 0 }, 605);
   assert.equal(stationLines(virtual, 605, "")[2], "virtual aid to navigation");

@@ -140,7 +140,8 @@ export function stationLines(station, time, sourceName) {
     station.isBase || station.aid === "unknown" ? kind : `${kind}: ${station.aid}`,
     station.isOff ? "OFF POSITION" : "",
     station.length > 0 ? `${station.length.toFixed(0)} × ${station.width.toFixed(0)} m` : "",
-    `${Math.max(0, Math.round(time - station.time))} s ago${sourceName && ` by ${sourceName}`}`,
+    // What has not changed comes once a minute: a later report may be known to the source.
+    `at most ${Math.max(0, Math.round(time - station.time))} s ago${sourceName && ` by ${sourceName}`}`,
   ];
   return lines.filter((line) => line !== "");
 }
