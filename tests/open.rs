@@ -149,7 +149,7 @@ fn stations_are_stated_with_their_places_and_are_no_tracks() {
             .collect();
         of_station
     };
-    assert_eq!(stations("sensor_track_id"), ["3669702", "995036013"], "{stated}");
+    assert_eq!(stations("sensor_track_id"), ["3669702", "995036021"], "{stated}");
     assert_eq!(stations("category"), ["base-station", "aid"]);
     assert_eq!(stations("station_name"), ["", "S6A GLT VIRTU ATON"]);
     assert_eq!(

@@ -4,7 +4,8 @@
 //! the visible attributes of each changed track. A picture consists of a [`PictureHeader`] and, one after another,
 //! as many records of each kind as the header counts: numbers of removed tracks (`u32`), then [`PictureTrack`],
 //! [`PictureIdentity`], [`PictureSensorTrack`], [`PictureDetection`], [`PictureBearing`], [`PictureArea`],
-//! [`PictureStation`]. All numbers are little-endian. Times are ages: milliseconds from the time of the record to that of the picture.
+//! [`PictureStation`]. All numbers are little-endian. Times are ages: milliseconds from the time of the record to that
+//! of the picture.
 
 use std::fmt::Write as _;
 

@@ -242,7 +242,7 @@ bits! {
 }
 
 sample! {
-    /// What a target, or a station that is none, has stated beside motion: all that is known at the time of publication.
+    /// What a target, or a station that is none, has stated beside motion: all that is known at the publication.
     TargetStatement, size 112 {
         /// Time of the target's latest transmission, UTC, nanoseconds since 1970.
         time_ns: i64,

@@ -61,8 +61,8 @@ impl Statement {
         self.station = later.station.or(self.station);
     }
 
-    /// The sample of source number `source`, latest transmission at `time_ns` (UTC, nanoseconds); sequence number and time of publication
-    /// are left to the publisher.
+    /// The sample of source number `source`, with the latest transmission at `time_ns` (UTC, nanoseconds). Sequence
+    /// number and time of publication are left to the publisher.
     pub fn sample(&self, source: u16, time_ns: i64, stages: StageTimes) -> TargetStatement {
         let [length_m, width_m] = self.size_m.unwrap_or_default();
         let known = [

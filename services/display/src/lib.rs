@@ -70,6 +70,7 @@ mod settings_tests;
 mod shared;
 #[cfg(test)]
 mod station_tests;
+mod stations;
 mod status;
 mod tape;
 mod trails;

@@ -10,7 +10,6 @@ use rustc_hash::FxHashMap;
 
 use crate::history::Then;
 use crate::passing::LAYERS;
-use crate::records;
 use crate::reports::LatestReports;
 use crate::wire::{Filter, Past, Wish};
 use crate::world::{ReceivedRecord, World};
@@ -284,11 +283,8 @@ impl Viewer {
                     let Some(frame) = world.observed.frame().filter(|_| world.is_dated()) else {
                         continue;
                     };
-                    let new = world.stations.values().filter(|heard| heard.stamp > *stamp);
-                    for heard in new {
-                        let record = records::station(&heard.record, frame);
-                        let aged = record.map(|record| record.with_age(age(heard.time_ns)));
-                        block.extend_from_slice(Sample::octets(aged.as_slice()));
+                    for (time_ns, station) in world.stations.since(*stamp, frame) {
+                        block.extend_from_slice(Sample::octets(&[station.with_age(age(time_ns))]));
                     }
                 }
                 (None, PictureLayer::SensorTracks) => {

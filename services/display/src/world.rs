@@ -22,12 +22,11 @@ use crate::passing::Passing;
 use crate::recent::RecentReports;
 use crate::records;
 use crate::reports::Reports;
-use crate::wire::{LAYER_AGE_S, Past, STATION_AGE_S};
+use crate::stations::Stations;
+use crate::wire::{LAYER_AGE_S, Past};
 
 /// Maximum number of system tracks, of sensor tracks, and of past identities.
 const TRACKS_MAX: usize = 50_000;
-/// Maximum number of base stations and aids to navigation: four times those of a coast.
-const STATIONS_MAX: usize = 8_192;
 /// Age of a target's latest transmission at which the target has left, nanoseconds: ships at anchor transmit every three
 /// minutes.
 const STATEMENT_AGE_NS: i64 = 300 * NS_PER_S;
@@ -163,8 +162,7 @@ pub(crate) struct World {
     pub(crate) passing: Passing,
     /// What targets have stated beside their motion, by source and track number.
     pub(crate) statements: FxHashMap<(u16, u32), TargetStatement>,
-    /// Stations that are no targets, by MMSI: several sources may receive the same.
-    pub(crate) stations: BTreeMap<u32, ReceivedRecord<TargetStatement>>,
+    pub(crate) stations: Stations,
     pub(crate) alarm_book: AlarmBook,
     pub(crate) coverage: Coverage,
     /// Latest reports of each sensor track.
@@ -201,7 +199,7 @@ impl World {
             sensor_tracks: BTreeMap::new(),
             passing: Passing::default(),
             statements: FxHashMap::default(),
-            stations: BTreeMap::new(),
+            stations: Stations::default(),
             alarm_book: AlarmBook::default(),
             coverage: Coverage::new(sources.iter().map(|fact| (fact.site_m, fact.source.period_ns))),
             recent: RecentReports::default(),
@@ -435,27 +433,14 @@ impl World {
     pub(crate) fn hear_statements(&mut self, stated: &[TargetStatement]) {
         for statement in stated {
             if statement.is_station() {
-                self.hear_station(statement);
+                self.stamp += 1;
+                self.stations.take(statement, self.stamp);
                 continue;
             }
             let key = (statement.source, statement.track_number);
             if self.statements.len() < TRACKS_MAX || self.statements.contains_key(&key) {
                 self.statements.insert(key, *statement);
             }
-        }
-    }
-
-    fn hear_station(&mut self, stated: &TargetStatement) {
-        let known = self.stations.get(&stated.track_number);
-        let has_room = known.is_some() || self.stations.len() < STATIONS_MAX;
-        if has_room && known.is_none_or(|known| known.time_ns <= stated.time_ns) {
-            self.stamp += 1;
-            let heard = ReceivedRecord {
-                stamp: self.stamp,
-                time_ns: stated.time_ns,
-                record: *stated,
-            };
-            self.stations.insert(stated.track_number, heard);
         }
     }
 
@@ -499,8 +484,7 @@ impl World {
         if self.is_dated() {
             let stated_ns = self.time_ns(now) - STATEMENT_AGE_NS;
             self.statements.retain(|_, stated| stated.time_ns >= stated_ns);
-            let station_ns = self.time_ns(now) - STATION_AGE_S * NS_PER_S;
-            self.stations.retain(|_, heard| heard.time_ns >= station_ns);
+            self.stations.forget_silent(self.time_ns(now));
         }
         self.coverage.forget_before(oldest_ns);
         let past_ns = self.history.span_ns().map_or(i64::MIN, |[from_ns, _]| from_ns);
