@@ -1,4 +1,4 @@
-//! Latest records of the layers that pass: detections, bearings, areas. Sensor tracks and stations are kept by the world.
+//! Latest records of the layers that pass: detections, bearings, areas.
 //!
 //! Each layer keeps its latest records as they are sent, in the order of arrival. A page that wants a layer gets the
 //! records since its previous picture, each with its age. Nothing here depends on the kind of a record: a further layer
