@@ -2,10 +2,10 @@
  * Stations that are no targets: base stations and aids to navigation, as a layer beneath the tracks.
  *
  * A station stays where it is between its reports, which may be minutes apart: the picture keeps the latest of each
- * until it is too old. An aid is a diamond with a crosshair, dashed if it is virtual, and has the colour of alerts where
- * it is off its position (SN.1/Circ.243/Rev.2 of the International Maritime Organization); a base station is a box with
- * the letters BS. Names stand beside the marks at close scales, where there is room; all that is known of a station
- * stands beside it while the pointer is there.
+ * until it is too old. An aid is a diamond with a crosshair, dashed if it is virtual, and has the colour of alerts
+ * where it is off its position (SN.1/Circ.243/Rev.2 of the International Maritime Organization); a base station is a
+ * box with the letters BS. Names stand beside the marks at close scales, where there is room; all that is known of a
+ * station stands beside it while the pointer is there.
  */
 
 import { FONT } from "./labels.js";

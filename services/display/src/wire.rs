@@ -21,8 +21,8 @@
 //!
 //! - `hello`: at first, and when the origin becomes known: `version`, `instance`, `origin` {`latitude_deg`,
 //!   `longitude_deg`, `height_m`}, `sources` [{`number`, `name`, `kind`, `site_m` [3]}], `declination_deg`,
-//!   `history_s`, `layer_age_s`, `station_age_s`, `recording` {`name`, `from_s`, `to_s`, `time_s`, `speed`} or `null`, `operators`
-//!   (whether there are any), `labels` {`lines` of fields, `prefer`}, `limits` {`rate_hz` [2], `select`}
+//!   `history_s`, `layer_age_s`, `station_age_s`, `recording` {`name`, `from_s`, `to_s`, `time_s`, `speed`} or `null`,
+//!   `operators` (whether there are any), `labels` {`lines` of fields, `prefer`}, `limits` {`rate_hz` [2], `select`}
 //! - `selected`: after each picture, while tracks are selected: `time_s`, `tracks`, see [`crate::details`]
 //! - `history`: once for each newly selected track: `number`, `rows`, see [`crate::details`]
 //! - `status`: every second: `time_s`, `fusion` (`running`, `silent`), `data_offset_s` (of the newest states from

@@ -27,8 +27,8 @@ use crate::wire::{LAYER_AGE_S, Past};
 
 /// Maximum number of system tracks, of sensor tracks, and of past identities.
 const TRACKS_MAX: usize = 50_000;
-/// Age of a target's latest transmission at which the target has left, nanoseconds: ships at anchor transmit every three
-/// minutes.
+/// Age of a target's latest transmission at which the target has left, nanoseconds: ships at anchor transmit every
+/// three minutes.
 const STATEMENT_AGE_NS: i64 = 300 * NS_PER_S;
 /// Time between two clean-ups, nanoseconds.
 const CLEAN_UP_NS: i64 = 1_000_000_000;
