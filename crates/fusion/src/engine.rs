@@ -36,6 +36,7 @@ use crate::settings::Settings;
 use crate::tables::sensor_tracks::{NO_SYSTEM, Role, SensorSlot, SensorTracks};
 use crate::tables::system_tracks::{SystemSlot, SystemTracks};
 use crate::tables::tracks::Tracks;
+use crate::update::filter_input::UnseenErrors;
 use crate::update::kept_measurements::KeptMeasurements;
 
 /// Largest time of a report ahead of the engine's time, nanoseconds. The limit holds even if the clock of the source
@@ -220,6 +221,13 @@ impl Engine {
             self.outbox.counts.add(report.source, counter);
             return;
         }
+        self.tracks.sources.learn(
+            &self.settings,
+            Fact::Report(ReportFact::Stamped {
+                source: report.source,
+                time_ns: report.time_of_measurement_ns,
+            }),
+        );
         let corrected = inlet::corrected(report, &self.settings.sources, now_ns);
         let report = corrected.as_ref().unwrap_or(report);
         self.pass_time(now_ns, sink);
@@ -496,7 +504,10 @@ impl Engine {
         if due {
             let (now_ns, keeps_points) = (self.schedule.now_ns(), self.publisher.rule().keeps_points);
             let has_new_period = self.tracks.sources.tick(&mut self.settings, now_ns, keeps_points);
-            self.publisher.set_common_error(self.tracks.sources.common_error_m2());
+            self.publisher.set_unseen(UnseenErrors {
+                per_axis_m2: self.tracks.sources.common_error_m2(),
+                course_s2: self.tracks.sources.mean_course_s2(),
+            });
             if has_new_period {
                 self.scans
                     .follow_periods(&self.settings.sources, self.settings.association.scan_wait);

@@ -46,5 +46,5 @@ pub use fusion_rules::{State, quality, rules};
 pub(crate) use fusion_rules::{accuracy, history, places, state};
 pub use fusion_settings::{self as settings, Settings};
 pub use merger::{Merger, PushOutcome};
-pub use source_models::{Learned, Sources, registration};
+pub use source_models::{Learned, Sources, Stamps, registration};
 pub use update::filter_input::FilterInput;

@@ -25,7 +25,7 @@ pub use identity::{CodePattern, FactorExponents, IdentitySettings};
 pub use numbers::NumbersSettings;
 pub use source::{
     Accuracy, AccuracyBase, AccuracyModel, AccuracyTable, CorrectionTable, MethodAccuracy, ReportLimits, Shares,
-    SourceSettings, Weighing,
+    SourceSettings, StampRounding, Weighing,
 };
 pub use source::{FRESH_PERIODS, longest_period_s};
 

@@ -37,6 +37,9 @@ settings::settings! {
         /// Whether its biases and the points that it detects on targets are estimated by comparison with others. Errors
         /// of located emitters are neither: each persists for minutes and changes with the geometry.
         registered: Option<bool> = None, usually "true; with [source.locator] false";
+        /// Rounding of time stamps that are multiples of a coarse step, such as whole seconds: `down`, `nearest`, or
+        /// `unknown`. The step is learned; fine stamps are taken as they are.
+        stamps: Option<StampRounding> = None, usually "unknown, if its stamps prove a coarse step";
         /// Sensor accuracy (TI-7).
         accuracy: Option<AccuracyTable> = None, usually "20 m; offline as it states";
         /// Known biases, subtracted from each report.
@@ -112,6 +115,18 @@ settings::words! {
         Reported = "reported",
         /// Root mean square of the source's own residuals.
         Estimated = "estimated",
+    }
+}
+
+settings::words! {
+    /// Rounding of time stamps to multiples of a step.
+    pub enum StampRounding {
+        /// To the multiple before.
+        Down = "down",
+        /// To the nearest multiple.
+        Nearest = "nearest",
+        /// Either way, or the measurements are made at these times.
+        Unknown = "unknown",
     }
 }
 
@@ -201,6 +216,8 @@ pub struct SourceSettings {
     pub is_self_reported: bool,
     /// Whether its biases and detection points are estimated.
     pub is_registered: bool,
+    /// Stated rounding of its time stamps.
+    pub stamps: Option<StampRounding>,
     /// Sources that are never taken for the same as this one.
     pub independent_of: Vec<SourceRef>,
     /// Height above the system origin beyond which it cannot see targets, metres.
@@ -267,6 +284,7 @@ impl SourceSettings {
             is_centre: weighing.shares == Shares::Unknown,
             is_self_reported: weighing.self_reported.unwrap_or(false),
             is_registered: weighing.registered.unwrap_or(true),
+            stamps: weighing.stamps,
             independent_of: weighing.independent_of.clone(),
             ceiling_m: weighing.ceiling_m.unwrap_or(f64::INFINITY),
             correction: Some(weighing.correction).filter(|known| *known != CorrectionTable::default()),
@@ -293,6 +311,7 @@ impl SourceSettings {
             is_centre: false,
             is_self_reported: false,
             is_registered: true,
+            stamps: None,
             independent_of: Vec::new(),
             ceiling_m: f64::INFINITY,
             coverage: None,

@@ -44,6 +44,15 @@ impl Covariance {
         self.upper[Self::index(row, column)] = value;
     }
 
+    /// Adds the error of a time with the variance `time_s2`, s², to the position of a target with this velocity, m/s.
+    pub fn widen_along_course(&mut self, velocity_mps: [f64; AXES], time_s2: f64) {
+        for row in 0..AXES {
+            for column in row..AXES {
+                self.upper[Self::index(row, column)] += velocity_mps[row] * velocity_mps[column] * time_s2;
+            }
+        }
+    }
+
     /// Returns whether no two components are correlated.
     #[inline]
     pub fn is_diagonal(&self) -> bool {

@@ -15,7 +15,7 @@ pub type HealthName = [u8; 32];
 
 sample! {
     /// State and counters of one process, or of one source within it.
-    Health, size 1872 {
+    Health, size 1880 {
         /// Time of this message, monotonic, nanoseconds.
         said_ns: i64,
         /// Monotonic start time of the process, nanoseconds.

@@ -87,7 +87,7 @@ impl fmt::Display for Bias {
 sample! {
     /// Systematic errors of one source, as estimated by fusion (BF-3), and the consistency of the source's
     /// covariances (BF-5).
-    Registration, size 208 {
+    Registration, size 216 {
         /// Comparisons with other sources that the estimates rest on, after forgetting; 0: nothing is known.
         comparisons: f64,
         /// Estimated offset of the reports from the true positions (east, north, up), metres.
@@ -142,6 +142,11 @@ sample! {
         dependent_sources: [u16; 4],
         /// Correlation of the errors of this source and of `dependent_sources`, in (0, 1]; 0: none.
         dependence: [f32; 4],
+        /// Step of which all time stamps of the source are multiples, if it enters the states, seconds; 0: the stamps
+        /// are fine.
+        stamp_step_s: f32,
+        /// Standard deviation of the time offset that the step implies, seconds.
+        stamp_sigma_s: f32,
     }
 }
 
@@ -213,6 +218,10 @@ impl Registration {
         }
         if self.lateness_s > 0.5 {
             write!(f, ", up to {:.1} s late", self.lateness_s)?;
+        }
+        if self.stamp_step_s > 0.0 {
+            let (step_s, sigma_s) = (self.stamp_step_s, self.stamp_sigma_s);
+            write!(f, ", stamps are multiples of {step_s} s (± {sigma_s:.2} s)")?;
         }
         let dependent = self.dependent_sources.iter().zip(self.dependence);
         for (source, correlation) in dependent.filter(|(_, correlation)| *correlation > 0.0) {
@@ -324,12 +333,14 @@ mod tests {
             shape_ratio: 5.0,
             target_share: 0.625,
             lateness_s: 3.04,
+            stamp_step_s: 0.5,
+            stamp_sigma_s: 0.28868,
             dependent_sources: [1, 0, 0, 0],
             dependence: [0.93, 0.0, 0.0, 0.0],
             ..known
         };
         let more = ", smoothed: measurements ± 310 and 48 m, errors across the line of sight × 5.0, 62 % of new tracks are \
-                    targets, up to 3.0 s late, depends on source 2 (0.9)";
+                    targets, up to 3.0 s late, stamps are multiples of 0.5 s (± 0.29 s), depends on source 2 (0.9)";
         assert_eq!(learned.to_string(), format!("{line}{more}"));
         let late = Registration {
             time_offset_s: 0.25,

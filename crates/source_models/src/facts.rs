@@ -147,6 +147,13 @@ pub enum ReportFact<'a> {
         /// The engine's time, nanoseconds.
         now_ns: i64,
     },
+    /// The time stamp of a valid report, as the source gave it.
+    Stamped {
+        /// Number of the source.
+        source: u16,
+        /// The stamp, nanoseconds.
+        time_ns: i64,
+    },
     /// A report of the source has come late by `late_ns`.
     Late {
         /// Number of the source.

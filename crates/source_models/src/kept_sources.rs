@@ -10,6 +10,7 @@ use crate::moving_sources::SourcePose;
 use crate::registration::{KeptErrors, SourcePair};
 use crate::source_model::SourceModel;
 use crate::sources::Sources;
+use crate::stamps::Stamps;
 
 kept! {
     /// All knowledge of a source.
@@ -22,6 +23,7 @@ kept! {
         purity: HitCount,
         /// Accepted gross bias, and the removed bias.
         gross: (Option<Bias>, Option<(BiasKind, [f64; 2])>),
+        stamps: Stamps,
     }
 }
 
@@ -62,6 +64,7 @@ impl Sources {
             pose: *self.moving.pose_mut(source),
             purity: *self.purity.tally_mut(source),
             gross: self.alignment.bias_of(source),
+            stamps: self.stamps[source],
         }
     }
 
@@ -73,6 +76,7 @@ impl Sources {
         *self.moving.pose_mut(source) = kept.pose;
         *self.purity.tally_mut(source) = kept.purity;
         self.alignment.resume(source, kept.gross);
+        self.stamps[source] = kept.stamps;
     }
 
     /// The record of a pair of sources.

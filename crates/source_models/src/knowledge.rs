@@ -164,6 +164,42 @@ impl Sources {
         self.points.spread_m2() + self.registration.common_error_m2()
     }
 
+    /// Whether some source's time stamps are multiples of a coarse step.
+    #[inline]
+    pub fn has_coarse_stamps(&self) -> bool {
+        self.has_coarse_stamps
+    }
+
+    /// Variance of the time of a state to which sources contribute by these weights, with the sum 1, s²: the errors of
+    /// coarse time stamps. The offset that registered sources have in common is one error; the others are independent.
+    pub fn course_s2(&self, weights: impl Iterator<Item = (u16, f64)>) -> f64 {
+        let (mut independent_s2, mut common) = (0.0, 0.0);
+        for (source, weight) in weights {
+            let errors = self.registration.of(source);
+            if !errors.stamps.is_coarse() {
+                continue;
+            }
+            let is_settled = self.registration.is_settled(source);
+            let own_s2 = if is_settled {
+                errors.time_left_s2()
+            } else {
+                errors.stamps.variance_s2
+            };
+            independent_s2 += weight * weight * own_s2;
+            common += if is_settled { weight } else { 0.0 };
+        }
+        independent_s2 + common * common * self.registration.common_time_s2().min(f64::MAX)
+    }
+
+    /// The same of a state to which all sources contribute alike, s².
+    pub fn mean_course_s2(&self) -> f64 {
+        if !self.has_coarse_stamps {
+            return 0.0;
+        }
+        let weight = 1.0 / self.models.len() as f64;
+        self.course_s2((0..self.models.len() as u16).map(|source| (source, weight)))
+    }
+
     /// Estimated systematic errors of a source that exists.
     #[inline]
     pub fn errors(&self, source: u16) -> &SourceErrors {

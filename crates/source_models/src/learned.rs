@@ -27,6 +27,9 @@ pub struct Learned {
     pub target_share: Option<f64>,
     /// Delay of the source's reports, exceeded by a tenth of the reports, seconds.
     pub lateness_s: f64,
+    /// Step of which all time stamps are multiples, and the standard deviation of the time offset that the step implies,
+    /// seconds; `None` if the stamps are fine.
+    pub stamps_s: Option<[f64; 2]>,
     /// Probability that a scan detects a target tracked by the source.
     pub detection_probability: f64,
     /// Model of the systematic error with the best evidence.
@@ -91,10 +94,17 @@ impl Sources {
             shape_ratio: model.shape.ratio(),
             target_share: (tally.tries() >= NEW_TRACKS_MIN).then(|| tally.mean()),
             lateness_s: self.lifetimes.late_ns(source) as f64 / NS_PER_S,
+            stamps_s: self.stamps_s(source),
             detection_probability: model.detection,
             error_model: self.error_model(source),
             dependent: self.dependence.partners(source),
         })
+    }
+
+    fn stamps_s(&self, source: u16) -> Option<[f64; 2]> {
+        let error = self.registration.of(source).stamps;
+        let step_s = self.stamps[usize::from(source)].step_s();
+        error.is_coarse().then(|| [step_s, error.variance_s2.sqrt()])
     }
 
     /// Model of the source's systematic error in force; `None` if no error is removed.

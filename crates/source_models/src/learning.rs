@@ -7,9 +7,10 @@ use crate::facts::{Fact, FollowedTarget, Innovation, InnovationFact, PairFact, R
 use crate::knowledge::is_aligned;
 use crate::measurement::CLAIM_MAX;
 use crate::registration::TARGETS_MIN;
-use crate::settings::{SOURCES_MAX, Settings};
+use crate::settings::{SOURCES_MAX, Settings, SourceSettings};
 use crate::source_model::{MEAN_VARIANCE, SourceModel};
 use crate::sources::{Sources, place_of};
+use crate::stamps::{self, Stamps};
 
 /// Probability of steady motion from which on the shape of errors is learned.
 const SHAPE_STEADY_MIN: f64 = 0.5;
@@ -47,6 +48,7 @@ impl Sources {
     fn learn_report(&mut self, settings: &Settings, fact: ReportFact<'_>) {
         match fact {
             ReportFact::Came { report, now_ns } => self.align(settings, report, now_ns),
+            ReportFact::Stamped { source, time_ns } => self.stamps[usize::from(source)].learn(time_ns),
             ReportFact::Late { source, late_ns } => self.lifetimes.learn_lateness(source, late_ns),
             ReportFact::Original(report) => self.dependence.learn(report),
             ReportFact::Timed {
@@ -58,7 +60,10 @@ impl Sources {
                 source,
                 time_ns,
                 since_ns,
-            } => self.lifetimes.learn(source, time_ns, since_ns),
+            } => {
+                self.lifetimes.learn(source, time_ns, since_ns);
+                self.stamps[usize::from(source)].follow(since_ns.unwrap_or_default());
+            }
             ReportFact::Gap { source, gap_ns } => self.lifetimes.learn_gap(source, gap_ns),
             ReportFact::Pressure(report) => {
                 let offset_m = f64::from(report.pressure_offset_m);
@@ -94,6 +99,7 @@ impl Sources {
         self.coverage.forget(index);
         *self.purity.tally_mut(index) = Default::default();
         self.dependence.forget(source);
+        self.stamps[index] = Stamps::default();
     }
 
     /// Notes where the source of an aligned report, which came at `now_ns`, stands, and looks for gross errors.
@@ -248,6 +254,7 @@ impl Sources {
     pub fn tick(&mut self, settings: &mut Settings, now_ns: i64, may_keep_points: bool) -> bool {
         self.look_at_points(may_keep_points);
         self.look_at_motion();
+        self.look_at_stamps(&settings.sources);
         self.lifetimes.follow(&settings.life, &mut settings.sources, now_ns)
     }
 
@@ -256,6 +263,17 @@ impl Sources {
         let apart_m2 = self.possible_points_m2(0.0);
         let followed_m2 = [false, true].map(|keeps_one| self.followed_point_m2(keeps_one));
         self.points.look(&self.models, followed_m2, (may_keep, apart_m2));
+    }
+
+    /// Looks which sources have coarse clocks, and passes the time offsets that the stamps imply to the registration.
+    fn look_at_stamps(&mut self, sources: &[SourceSettings]) {
+        let were_coarse = self.has_coarse_stamps;
+        self.has_coarse_stamps = stamps::look(&mut self.stamps, sources);
+        if were_coarse || self.has_coarse_stamps {
+            for (index, (stamps, source)) in self.stamps.iter().zip(sources).enumerate() {
+                self.registration.set_stamps(index, stamps.error(source.stamps));
+            }
+        }
     }
 
     /// Takes over the process noise of the sources' own trackers: the median over the trackers.

@@ -20,6 +20,7 @@
 //! | periods, gaps, restarts, lateness: how long reports and tracks live | `lifetimes`, `gaps`, `restarts`, `rhythm` |
 //! | how targets turn and climb | `manoeuvres`, `motion` |
 //! | height and pressure altitude | `pressure` |
+//! | time stamps that are multiples of a coarse step | `stamps` |
 //!
 //! A late report teaches nothing: the estimate for a comparison has moved on. Evidence of a single target stays with
 //! the sensor track, in the core; the conclusion about the source is a fact.
@@ -60,6 +61,7 @@ mod rhythm;
 mod seeker;
 mod source_model;
 mod sources;
+mod stamps;
 mod step_memory;
 #[cfg(test)]
 mod testing;
@@ -86,6 +88,7 @@ pub use restarts::SILENT;
 pub use rhythm::Rhythm;
 pub use source_model::{MEAN_GAIN, MEAN_VARIANCE};
 pub use sources::{Sources, place_of};
+pub use stamps::Stamps;
 pub use tracker_gain::GainEvidence;
 
 /// Returns the key of a call sign; 0 of an empty call sign.

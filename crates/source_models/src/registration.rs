@@ -68,6 +68,7 @@ use crate::registration::rows::{NormalMatrix, TIME};
 use crate::registration::sensitivity::{Sensitivity, Weighted, add_vector};
 use crate::registration::significance::PointsVariance;
 use crate::registration::steps::{FormerErrors, MISLED_TICKS, Seed, StepSearch};
+use crate::stamps::StampError;
 
 pub use crate::registration::errors::SourceErrors;
 pub(crate) use crate::registration::errors::{ClockError, TargetView};
@@ -273,7 +274,8 @@ impl Registration {
     pub(crate) fn suspected_shift(&self, source: u16, velocity_mps: [f64; AXES]) -> [f64; 2] {
         let known = self.of(source);
         let suspected = |row: usize| if known.removed[row] { 0.0 } else { known.errors[row] };
-        std::array::from_fn(|axis| suspected(axis) - suspected(TIME) * velocity_mps[axis])
+        let suspected_s = known.errors[TIME] - known.time_offset_s();
+        std::array::from_fn(|axis| suspected(axis) - suspected_s * velocity_mps[axis])
     }
 
     /// Returns the residual bias of a report of `source` after the removal, and the variance of all biases, m and m²;
@@ -294,7 +296,9 @@ impl Registration {
             return None;
         }
         let effect = sensitivity(position_m, velocity_mps, place_m);
-        let left = effect * Errors::from_fn(|row, _| if known.removed[row] { 0.0 } else { known.errors[row] });
+        let mut left = Errors::from_fn(|row, _| if known.removed[row] { 0.0 } else { known.errors[row] });
+        left[TIME] = known.errors[TIME] - known.time_offset_s();
+        let left = effect * left;
         let estimated = |row: usize| known.model.estimates(row);
         let variance_m2 = (0..ERRORS).filter(|row| estimated(*row)).map(|row| {
             (effect[(0, row)] * effect[(0, row)] + effect[(1, row)] * effect[(1, row)]) * known.variances[row]
@@ -353,12 +357,14 @@ impl Registration {
         };
         let (mut sum, mut total, mut count, mut together) = (0.0, 0.0, 0.0, 0.0);
         for (of, displacement) in known() {
-            let weight = displacement.closeness(&of.errors);
-            let excess_m2 = displacement.excess_m2(&of.errors);
+            let errors = of.beside_stamps();
+            let weight = displacement.closeness(&errors);
+            let excess_m2 = displacement.excess_m2(&errors);
             sum += weight * weight * excess_m2;
             total += weight;
             count += 1.0;
-            let is_near = |(of, near): &(&SourceErrors, &Displacement)| near.excess_m2(&of.errors) < NEAR_2 * excess_m2;
+            let is_near =
+                |(of, near): &(&SourceErrors, &Displacement)| near.excess_m2(&of.beside_stamps()) < NEAR_2 * excess_m2;
             let agreeing = if excess_m2 > 0.0 {
                 known().filter(is_near).count()
             } else {
@@ -373,6 +379,26 @@ impl Registration {
         }
         let few = (count + 1.0) * count / ((count - 1.0) * (count - 1.0));
         (few * sum / (total * total) + together).max(0.0)
+    }
+
+    /// Sets the time offset that the stamps of a source imply.
+    pub(crate) fn set_stamps(&mut self, source: usize, stamps: StampError) {
+        let known = &mut self.sources[source];
+        known.stamps = stamps;
+        if self.reference == Some(source as u16) {
+            // The others are compared with the reference as its source gives it.
+            known.errors[TIME] = stamps.mean_s;
+        }
+    }
+
+    /// Returns the variance of the time offset that compared sources have in common, s²: the sources' stamps decide
+    /// about the offset by their inverse variances, or a reference source by its own.
+    pub(crate) fn common_time_s2(&self) -> f64 {
+        if let Some(reference) = self.reference {
+            return self.of(reference).stamps.variance_s2;
+        }
+        let compared = self.sources.iter().filter(|source| source.samples >= SAMPLES_MIN);
+        1.0 / compared.map(|source| source.stamps.information()).sum::<f64>()
     }
 
     /// Returns the mean square per axis of the remaining horizontal offsets, m²: not significant yet, or drifted away

@@ -55,7 +55,18 @@ fn registered_in(
     late_s: [f64; 3],
     offset_m: impl Fn(u16, u32) -> [f64; 2],
 ) -> Registration {
-    let mut registration = Registration::new(3, reference, 300.0, 1.0);
+    let registration = Registration::new(3, reference, 300.0, 1.0);
+    continued_in(velocity, registration, seconds, late_s, offset_m)
+}
+
+/// The same from this registration on.
+fn continued_in(
+    velocity: impl Fn(u32) -> [f64; 3],
+    mut registration: Registration,
+    seconds: u32,
+    late_s: [f64; 3],
+    offset_m: impl Fn(u16, u32) -> [f64; 2],
+) -> Registration {
     for second in 0..seconds {
         for target in 0..20u32 {
             let velocity = velocity(target);
@@ -236,6 +247,83 @@ fn a_late_clock_is_found() {
     assert!(registration.of(2).removed[3] && !registration.of(1).removed[3]);
     let shift = registration.shift(2, [0.0; 3], [100.0, 0.0, 0.0], None);
     assert!((shift[0] + 50.0).abs() < 5.0, "{shift:?}");
+}
+
+/// Registration of sources with these offsets by their stamps, and these delays.
+fn registered_by_stamps(reference: Option<u16>, stamps: [StampError; 3], late_s: [f64; 3]) -> Registration {
+    let mut registration = Registration::new(3, reference, 300.0, 1.0);
+    (0..3).for_each(|source| registration.set_stamps(source, stamps[source]));
+    let velocity = |target: u32| {
+        let heading = f64::from(target) * 0.7;
+        [200.0 * heading.sin(), 200.0 * heading.cos(), 0.0]
+    };
+    continued_in(velocity, registration, 100, late_s, |_, _| [0.0; 2])
+}
+
+const DOWN: StampError = StampError {
+    mean_s: -0.5,
+    variance_s2: 1.0 / 12.0,
+};
+
+#[test]
+fn a_source_with_fine_stamps_decides_against_rounded_stamps() {
+    let fine = StampError::default();
+    for rounded in [
+        DOWN,
+        StampError {
+            mean_s: 0.0,
+            variance_s2: 1.0 / 3.0,
+        },
+    ] {
+        let registration = registered_by_stamps(None, [fine, rounded, rounded], [0.0, -0.8, -0.4]);
+        for (source, late_s) in (0..).zip([0.0, -0.8, -0.4]) {
+            let known = registration.of(source);
+            assert!((known.time_offset_s() - late_s).abs() < 0.07, "{source}: {known:?}");
+        }
+        assert!(registration.common_time_s2().sqrt() < 0.05);
+        // The median of three sources is a rounded one.
+        let without = registered_by_stamps(None, [fine; 3], [0.0, -0.8, -0.4]);
+        assert!(without.of(0).errors[TIME] > 0.3, "{:?}", without.of(0));
+    }
+}
+
+#[test]
+fn rounded_stamps_of_all_sources_leave_the_mean_rounding() {
+    let registration = registered_by_stamps(None, [DOWN; 3], [-0.1, -0.4, -0.8]);
+    let mean_s = (0..3)
+        .map(|source| registration.of(source).time_offset_s())
+        .sum::<f64>()
+        / 3.0;
+    assert!((mean_s + 0.5).abs() < 0.03, "{mean_s}");
+    let apart_s = registration.of(0).time_offset_s() - registration.of(2).time_offset_s();
+    assert!((apart_s - 0.7).abs() < 0.05, "{apart_s}");
+    assert!((registration.common_time_s2() - 1.0 / 36.0).abs() < 1e-9);
+    assert!(
+        registration.common_offset_m2().sqrt() < 10.0,
+        "the stamps explain the distances"
+    );
+}
+
+#[test]
+fn a_reference_source_with_rounded_stamps_shows_the_others_its_own_time() {
+    let registration = registered_by_stamps(Some(0), [DOWN, StampError::default(), DOWN], [-0.5, 0.0, -0.9]);
+    for (source, late_s) in (0..).zip([-0.5, 0.0, -0.9]) {
+        let known = registration.of(source);
+        assert!((known.time_offset_s() - late_s).abs() < 0.07, "{source}: {known:?}");
+    }
+    assert_eq!(registration.common_time_s2(), DOWN.variance_s2);
+}
+
+#[test]
+fn the_mean_offset_of_stamps_is_removed_without_comparisons() {
+    let mut registration = Registration::new(1, None, 300.0, 1.0);
+    registration.set_stamps(0, DOWN);
+    assert_eq!(
+        registration.shift(0, [0.0; 3], [100.0, -40.0, 8.0], None),
+        [50.0, -20.0, 4.0]
+    );
+    registration.forget(0);
+    assert_eq!(registration.of(0).time_offset_s(), -0.5);
 }
 
 #[test]

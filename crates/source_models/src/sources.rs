@@ -20,6 +20,7 @@ use crate::purity::Purity;
 use crate::registration::{ClockError, Registration};
 use crate::settings::{AccuracyBase, Settings, SourceSettings};
 use crate::source_model::SourceModel;
+use crate::stamps::Stamps;
 use crate::step_memory::StepMemory;
 
 /// Largest offset of a sound clock, seconds.
@@ -57,6 +58,10 @@ pub struct Sources {
     /// Sources set aside at the last look, as bits.
     pub(crate) was_set_aside: u64,
     pub(crate) before_step: StepMemory,
+    /// Time stamps of each source.
+    pub(crate) stamps: Vec<Stamps>,
+    /// Whether some source's stamps are multiples of a coarse step.
+    pub(crate) has_coarse_stamps: bool,
 }
 
 /// Number of cells of the learned coverage table, and their width.
@@ -97,6 +102,8 @@ impl Sources {
             usual_claim: 1.0,
             was_set_aside: 0,
             before_step: StepMemory::new(count),
+            stamps: vec![Stamps::default(); count],
+            has_coarse_stamps: false,
         }
     }
 

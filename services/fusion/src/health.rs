@@ -67,6 +67,7 @@ fn errors(engine: &Engine, source: u16) -> Registration {
 fn of_learned(learned: Learned) -> Registration {
     let number = |value: Option<f64>| value.unwrap_or_default() as f32;
     let [long, short] = learned.measurement_sigma_m.unwrap_or_default();
+    let [step_s, sigma_s] = learned.stamps_s.unwrap_or_default();
     Registration {
         long_sigma_m: long as f32,
         short_sigma_m: short as f32,
@@ -74,6 +75,8 @@ fn of_learned(learned: Learned) -> Registration {
         shape_ratio: number(learned.shape_ratio),
         target_share: number(learned.target_share),
         lateness_s: learned.lateness_s as f32,
+        stamp_step_s: step_s as f32,
+        stamp_sigma_s: sigma_s as f32,
         detection_probability: learned.detection_probability as f32,
         error_model: learned.error_model.unwrap_or(ErrorModel::Undecided) as u32,
         dependent_sources: learned.dependent.map(|(source, _)| source),

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use deployment::{Input, ReportOrder, Source, TrackFeed, WaitWord, WideAreaInput, WideAreaSensor};
+use fusion::settings::StampRounding;
 use monitor::MonitorWait;
 use offline::Usage;
 use scenario::ScenarioSettings;
@@ -393,9 +394,18 @@ fn describe(source: &Source, config: &Config, found: Option<&RecordingFindings>)
     let links = config
         .tracker(source.number)
         .map_or_else(String::new, |tracker| links(tracker, source, config));
-    format!("{}, {period}: {input}{tracked}{links}", source.name)
+    let stamps = stamps(config.engine.sources[usize::from(source.number)].stamps, found);
+    format!("{}, {period}: {input}{stamps}{tracked}{links}", source.name)
 }
 
+/// Step of which the time stamps of a recording are multiples, with the rounding that fusion assumes.
+fn stamps(stated: Option<StampRounding>, found: Option<&RecordingFindings>) -> String {
+    let rounding = stated.unwrap_or(StampRounding::Unknown).word();
+    match found.and_then(|found| found.stamps.multiples_of_s()) {
+        Some(step_s) => format!("; its stamps are multiples of {step_s} s, rounding {rounding}"),
+        None => stated.map_or_else(String::new, |_| format!("; coarse stamps: rounding {rounding}")),
+    }
+}
 fn describe_world(world: &ScenarioSettings) -> String {
     let formations: u32 = world.formations.iter().map(|kind| kind.count).sum();
     match (world.targets, formations) {

@@ -29,6 +29,7 @@ use formats::scan_rows_csv::ScanRowReader;
 use formats::wide_area_csv::WideAreaReader;
 use frames::time::{NS_PER_DAY, seconds};
 use frames::{Geodetic, SystemFrame};
+use fusion::Stamps;
 use reception::ConversionModel;
 use sources::{Pipeline, Processing, Samples, TrackerSettings};
 use tracking::turn_time::TurnEstimate;
@@ -68,8 +69,21 @@ pub(crate) struct RecordingFindings {
     pub(crate) last_time_ns: Option<i64>,
     /// Duration of the antenna turn in the data, for a source tracked from plots, if every record was decoded.
     pub(crate) turn: Option<TurnEstimate>,
+    /// Time stamps of the target reports.
+    pub(crate) stamps: Stamps,
     /// Sentences on blocks that fit another edition better than the edition in use.
     pub(crate) doubts: Vec<String>,
+}
+
+impl RecordingFindings {
+    /// Notes the time of a target report, nanoseconds.
+    fn note_time(&mut self, time_ns: Option<i64>) {
+        self.first_time_ns = self.first_time_ns.or(time_ns);
+        self.last_time_ns = time_ns.or(self.last_time_ns);
+        if let Some(time_ns) = time_ns {
+            self.stamps.learn(time_ns);
+        }
+    }
 }
 
 /// A recording that cannot be used.
@@ -407,8 +421,7 @@ fn decode(bytes: &[u8], recorded: &Recorded, depth: Depth, locates: bool) -> Rec
                 Reading::Other if locates => finder_report(&record).and_then(|report| report.time_of_day_ns),
                 _ => continue,
             };
-            found.first_time_ns = found.first_time_ns.or(time_of_day_ns);
-            found.last_time_ns = time_of_day_ns.or(found.last_time_ns);
+            found.note_time(time_of_day_ns);
             if depth == Depth::Blocks && found.first_time_ns.is_some() {
                 break 'datagrams;
             }
@@ -451,8 +464,7 @@ fn turn(
 fn read_feed(bytes: &[u8], format: FeedFormat, key: &RecordingOwner) -> Result<RecordingFindings, String> {
     let mut found = RecordingFindings::default();
     let survey = adapter::survey_feed(bytes, format, (key.stands_deg, None), &mut |report| {
-        found.first_time_ns = found.first_time_ns.or(report.time_of_day_ns);
-        found.last_time_ns = report.time_of_day_ns.or(found.last_time_ns);
+        found.note_time(report.time_of_day_ns);
     });
     let counts = survey.counts;
     found.records = counts.records;
@@ -507,8 +519,7 @@ fn read_rows(bytes: &[u8], key: &RecordingOwner) -> Result<RecordingFindings, St
             ));
         }
         found.records += 1;
-        found.first_time_ns = found.first_time_ns.or(Some(time_ns));
-        found.last_time_ns = Some(time_ns);
+        found.note_time(Some(time_ns));
     }
     Ok(found)
 }

@@ -239,6 +239,8 @@ struct LearnedErrors {
     target_share: Option<f32>,
     detection_probability: Option<f32>,
     lateness_s: f32,
+    /// Step of coarse time stamps, and the standard deviation of the time offset, seconds.
+    stamps_s: Option<[f32; 2]>,
     /// Standard deviations of a smoothed source's measurements, along, across and in height, metres.
     measured_sigma_m: Option<[f32; 3]>,
 }
@@ -295,6 +297,7 @@ impl LearnedErrors {
             target_share: learned(known.target_share),
             detection_probability: learned(known.detection_probability),
             lateness_s: known.lateness_s,
+            stamps_s: learned(known.stamp_step_s).map(|step_s| [step_s, known.stamp_sigma_s]),
             measured_sigma_m: learned(known.long_sigma_m)
                 .map(|long_m| [long_m, known.short_sigma_m, known.height_sigma_m]),
         }

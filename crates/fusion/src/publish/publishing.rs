@@ -19,6 +19,7 @@ use crate::tables::sensor_tracks::SensorSlot;
 use crate::tables::system_tracks::SystemSlot;
 use crate::tables::tracks::Tracks;
 use crate::update::filter::TargetFilter;
+use crate::update::filter_input::UnseenErrors;
 
 /// Largest number of joined centres.
 const CENTRES_MAX: usize = 8;
@@ -31,8 +32,8 @@ pub(crate) struct TrackPublisher {
     pub(crate) accuracies: Accuracies,
     #[serde(skip)]
     weighed: Box<Weighed>,
-    /// Variance per axis added to states from the filter, m²: see [`Self::set_common_error`].
-    common_error_m2: f64,
+    /// See [`Self::set_unseen`].
+    unseen: UnseenErrors,
 }
 
 impl TrackPublisher {
@@ -42,7 +43,7 @@ impl TrackPublisher {
             rule,
             accuracies: Accuracies::new(sources),
             weighed: Box::default(),
-            common_error_m2: 0.0,
+            unseen: UnseenErrors::default(),
         }
     }
 
@@ -56,14 +57,13 @@ impl TrackPublisher {
         self.rule
     }
 
-    /// Adds a variance per axis to states of the filter, m², for errors invisible in innovations: common offsets of
-    /// the sources, and the unknown point of a target.
-    pub(crate) fn set_common_error(&mut self, variance_m2: f64) {
-        self.common_error_m2 = variance_m2;
+    /// Adds variances to states of the filter, for errors invisible in innovations.
+    pub(crate) fn set_unseen(&mut self, unseen: UnseenErrors) {
+        self.unseen = unseen;
     }
 
-    pub(crate) fn common_error_m2(&self) -> f64 {
-        self.common_error_m2
+    pub(crate) fn unseen(&self) -> UnseenErrors {
+        self.unseen
     }
 
     /// Weighs a system track after a report of a primary source, unless states come at uniform times.
@@ -227,11 +227,24 @@ impl TrackPublisher {
         for axis in 0..2 {
             let velocity = axis + AXES;
             let variances = &mut entry.state.covariance.upper;
-            variances[Covariance::index(axis, axis)] += self.common_error_m2;
+            variances[Covariance::index(axis, axis)] += self.unseen.per_axis_m2;
             variances[Covariance::index(velocity, velocity)] += motion.unnoticed_m2ps2();
         }
         let climb = 2 + AXES;
         entry.state.covariance.upper[Covariance::index(climb, climb)] += motion.unnoticed_climb_m2ps2();
+        if tracks.sources.has_coarse_stamps() {
+            self.widen_along_course(tracks, system);
+        }
+    }
+
+    /// Adds the errors of coarse time stamps to the covariance of a state.
+    #[cold]
+    fn widen_along_course(&self, tracks: &mut Tracks, system: SystemSlot) {
+        let shares = self.weighed.candidates().iter().zip(self.weighed.shares());
+        let weights = shares.map(|(candidate, share)| (candidate.source, share.weight[0]));
+        let course_s2 = tracks.sources.course_s2(weights);
+        let state = &mut tracks.systems.get_mut(system).state;
+        state.covariance.widen_along_course(state.velocity_mps, course_s2);
     }
 
     /// Sets the state to the result of `rule` for the contributions; `false` if the rule can use none.

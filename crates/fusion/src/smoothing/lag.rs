@@ -168,7 +168,7 @@ impl LaggingTrack {
                 smoothed.binary_search_by_key(&state.reference_time_ns, |smoothed: &SmoothedState| smoothed.time_ns);
             match (place, self.assumed) {
                 (Ok(place), Some(assumed)) => {
-                    out(&with_kinematics(&state, &smoothed[place], assumed.common_error_m2));
+                    out(&with_kinematics(&state, &smoothed[place], assumed.unseen));
                 }
                 // Without a measurement of its own, the state stays unchanged.
                 _ => out(&state),

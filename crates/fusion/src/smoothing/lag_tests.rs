@@ -88,7 +88,7 @@ fn of_the_whole(events: &[Emitted], wanted: &SystemTrack) -> Option<SystemTrack>
     Some(with_kinematics(
         wanted,
         states.iter().find(at)?,
-        assumed.common_error_m2,
+        assumed.unseen,
     ))
 }
 

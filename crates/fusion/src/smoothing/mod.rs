@@ -42,7 +42,7 @@ pub use lag::LagSmoother;
 
 use crate::Engine;
 use crate::update::filter::vertical_movement;
-use crate::update::filter_input::FilterInput;
+use crate::update::filter_input::{FilterInput, UnseenErrors};
 use errors_over_time::ErrorsOverTime;
 use knowledge::Afterwards;
 use likeliest::likeliest;
@@ -65,8 +65,8 @@ pub struct Trajectories {
 pub struct SmoothedTracks {
     /// By the track's number, in the order of time.
     tracks: BTreeMap<u32, Vec<SmoothedState>>,
-    /// Variance per axis of errors without evidence in measurements, m².
-    common_error_m2: f64,
+    /// Errors without evidence in measurements.
+    unseen: UnseenErrors,
 }
 
 impl Trajectories {
@@ -106,7 +106,7 @@ impl Trajectories {
     ) -> Result<SmoothedTracks, E> {
         let mut smoothed = SmoothedTracks {
             tracks: BTreeMap::new(),
-            common_error_m2: engine.publisher.common_error_m2(),
+            unseen: engine.publisher.unseen(),
         };
         let mut done = 0;
         self.errors.settle(engine.settings.registration.memory_s);
@@ -133,13 +133,12 @@ impl SmoothedTracks {
         let place = states
             .binary_search_by_key(&state.reference_time_ns, |smoothed| smoothed.time_ns)
             .ok()?;
-        Some(with_kinematics(state, &states[place], self.common_error_m2))
+        Some(with_kinematics(state, &states[place], self.unseen))
     }
 }
 
-/// A state with smoothed kinematics; `common_error_m2` is the variance per axis of errors without evidence in
-/// measurements.
-fn with_kinematics(state: &SystemTrack, smoothed: &SmoothedState, common_error_m2: f64) -> SystemTrack {
+/// A state with smoothed kinematics and these errors without evidence in measurements.
+fn with_kinematics(state: &SystemTrack, smoothed: &SmoothedState, unseen: UnseenErrors) -> SystemTrack {
     let mut message = *state;
     let [x, y, vx, vy] = smoothed.plane.mean;
     for (axis, (position, velocity)) in [(x, vx), (y, vy)].into_iter().enumerate() {
@@ -156,12 +155,17 @@ fn with_kinematics(state: &SystemTrack, smoothed: &SmoothedState, common_error_m
     }
     for axis in 0..2 {
         let variance = &mut message.covariance.upper[Covariance::index(axis, axis)];
-        *variance += common_error_m2;
+        *variance += unseen.per_axis_m2;
     }
     message.velocity_valid = u8::from(message.covariance.knows_velocity());
     [message.turn_rate_radps, message.turn_rate_sigma_radps] = smoothed.turn_rate.map(|value| value as f32);
     message.mode_probabilities[..5].copy_from_slice(&smoothed.plane_modes);
     set_vertical(&mut message, state, smoothed);
+    if unseen.course_s2 != 0.0 {
+        message
+            .covariance
+            .widen_along_course(message.velocity_mps, unseen.course_s2);
+    }
     let is_followed = [TrackState::Tentative as u8, TrackState::Confirmed as u8].contains(&state.state);
     message.movement = if is_followed {
         movement(&message)

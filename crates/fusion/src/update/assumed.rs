@@ -9,6 +9,6 @@ use crate::update::filter_input::Assumed;
 pub(crate) fn assumed_of(system: SystemSlot, tracks: &Tracks, publisher: &TrackPublisher) -> Assumed {
     Assumed {
         motion: *tracks.sources.motion(tracks.systems.get(system).filter.velocity_mps()),
-        common_error_m2: publisher.common_error_m2(),
+        unseen: publisher.unseen(),
     }
 }

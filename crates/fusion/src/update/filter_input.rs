@@ -2,6 +2,7 @@
 
 use estimation::Symmetric3;
 use messages::AXES;
+use serde::{Deserialize, Serialize};
 use source_models::{Correction, Motion};
 
 /// Input of the filter of a system track: a measurement, or the report at the start of the filter. The input still
@@ -48,8 +49,17 @@ pub struct FilterInput {
 pub(crate) struct Assumed {
     /// Motion of the target.
     pub(crate) motion: Motion,
-    /// Variance per axis of unobservable errors, m².
-    pub(crate) common_error_m2: f64,
+    /// Errors that no measurement shows.
+    pub(crate) unseen: UnseenErrors,
+}
+
+/// Errors of states that no measurement shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct UnseenErrors {
+    /// Variance per axis, m²: of the point that filters follow, and of common offsets of the sources.
+    pub(crate) per_axis_m2: f64,
+    /// Variance of the time, s²: of coarse time stamps, for a target that all sources see.
+    pub(crate) course_s2: f64,
 }
 
 impl FilterInput {

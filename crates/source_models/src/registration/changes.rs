@@ -39,7 +39,10 @@ impl Registration {
         self.recents[own] = Recent::default();
         self.ticks[own] = 0;
         self.solutions[own] = 0;
-        self.sources[own] = SourceErrors::unknown();
+        self.sources[own] = SourceErrors {
+            stamps: self.sources[own].stamps,
+            ..SourceErrors::unknown()
+        };
         self.seeds[own] = Seed::NONE;
         self.displacements[own] = Displacement::UNKNOWN;
         self.formers[own] = None;

@@ -14,6 +14,7 @@ use crate::measurement::{Correction, Measurement};
 use crate::registration::model::BiasModel;
 use crate::registration::rows::{ERRORS, Errors, TIME};
 use crate::registration::sensitivity::Sensitivity;
+use crate::stamps::StampError;
 
 /// Prior standard deviations of the errors.
 pub(crate) const PRIOR_SIGMA: [f64; ERRORS] = [1000.0, 1000.0, 1000.0, 1.0, 1000.0, 0.1];
@@ -116,6 +117,8 @@ kept! {
         pub removed: [bool; ERRORS],
         /// Model of the biases: the estimated kinds; all other biases are 0.
         pub(crate) model: BiasModel,
+        /// Time offset that the source's stamps imply.
+        pub(crate) stamps: StampError,
     }
 }
 
@@ -133,22 +136,45 @@ impl SourceErrors {
             samples: 0.0,
             removed: [false; ERRORS],
             model: BiasModel::OFFSET,
+            stamps: StampError::default(),
         }
     }
 
-    /// The displacement of a report by the removed errors, metres.
+    /// The displacement of a report by the removed errors, metres. Where no time offset is removed, the mean offset of
+    /// the stamps is.
     #[inline]
     pub fn shift(&self, position_m: [f64; AXES], velocity_mps: [f64; AXES], place_m: Option<[f64; 2]>) -> [f64; AXES] {
-        if self.removed == [false; ERRORS] {
+        if self.removed == [false; ERRORS] && self.stamps.mean_s == 0.0 {
             return [0.0; AXES];
         }
-        let removed = Errors::from_fn(|row, _| if self.removed[row] { self.errors[row] } else { 0.0 });
+        let mut removed = Errors::from_fn(|row, _| if self.removed[row] { self.errors[row] } else { 0.0 });
+        removed[TIME] = self.time_offset_s();
         (sensitivity(position_m, velocity_mps, place_m) * removed).into()
     }
 
     /// The removed time offset, seconds.
     pub(crate) fn time_offset_s(&self) -> f64 {
-        if self.removed[TIME] { self.errors[TIME] } else { 0.0 }
+        if self.removed[TIME] {
+            self.errors[TIME]
+        } else {
+            self.stamps.mean_s
+        }
+    }
+
+    /// The errors apart from what the stamps explain.
+    pub(crate) fn beside_stamps(&self) -> Errors {
+        let mut errors = self.errors;
+        if self.stamps.is_coarse() {
+            errors[TIME] = 0.0;
+        }
+        errors
+    }
+
+    /// Variance of the time offset that remains in the reports, beside the offset that all sources have in common, s².
+    pub(crate) fn time_left_s2(&self) -> f64 {
+        let variance_s2 = self.variances[TIME];
+        let apart_s = self.errors[TIME] - self.time_offset_s();
+        (apart_s * apart_s + variance_s2).min(self.stamps.variance_s2)
     }
 
     /// Mean square of the horizontal offset per axis, minus the part explained by chance, m².

@@ -9,7 +9,7 @@
 
 use crate::registration::displacement::{Displacement, MeanErrors, ROWS};
 use crate::registration::errors::{ClockError, SourceErrors, clock_of};
-use crate::registration::rows::{Errors, UP};
+use crate::registration::rows::{Errors, TIME, UP};
 use crate::settings::SOURCES_MAX;
 
 /// Subtracts the common part of the errors: one step towards the median (Weiszfeld).
@@ -26,6 +26,9 @@ pub(super) fn fix(sources: &mut [SourceErrors], displacements: &[Displacement], 
     };
     if is_anchored {
         middle.fixed_rows_mut::<2>(0).fill(0.0);
+    }
+    if !is_any_off && sources.iter().any(|source| source.stamps.is_coarse()) {
+        middle[TIME] = step_by_stamps(sources);
     }
     for source in sources.iter_mut().filter(|source| source.samples > 0.0) {
         source.errors -= middle;
@@ -63,6 +66,21 @@ fn step_to_median(sources: &[SourceErrors], displacements: &[Displacement], is_a
         middle[UP] = up / total;
     }
     middle
+}
+
+/// Returns a step from 0 towards the time offset that agrees best with the stamps of the compared sources: a fine clock
+/// decides against coarse clocks, and a clock far off counts less. A common time offset shows in no difference,
+/// whatever the offsets of the place are.
+fn step_by_stamps(sources: &[SourceErrors]) -> f64 {
+    let known = sources.iter().filter(|source| source.samples > 0.0);
+    let (sum, total) = known.fold((0.0, 0.0), |(sum, total), source| {
+        let weight = source.stamps.closeness(source.errors[TIME]);
+        (
+            sum + weight * (source.errors[TIME] - source.stamps.mean_s),
+            total + weight,
+        )
+    });
+    if total > 0.0 { sum / total } else { 0.0 }
 }
 
 /// Returns the median of each error over the compared sources; sources with wrong clocks weigh less.

@@ -40,7 +40,9 @@ pub(super) fn decide(known: &mut SourceErrors, points: &PointsVariance, displace
         true => displacement.squared_length(&known.errors, points.offset_m2),
         false => squared(0, points.offset_m2) + squared(1, points.offset_m2),
     };
-    let values = [horizontal, horizontal, squared(2, 0.0), squared(TIME, points.time_s2)];
+    let apart_s = known.errors[TIME] - known.stamps.mean_s;
+    let time = apart_s * apart_s / (known.variances[TIME] + points.time_s2);
+    let values = [horizontal, horizontal, squared(2, 0.0), time];
     for (row, (removed, value)) in known.removed.iter_mut().zip(values).enumerate() {
         let limit = match (row < 2, *removed) {
             (true, false) => SIGNIFICANT_2,

@@ -11,6 +11,7 @@ use crate::registration::recent::{Recent, SOLUTIONS_MIN};
 use crate::registration::rows::{Errors, NormalMatrix, TIME};
 use crate::registration::steps::MISLED_TICKS;
 use crate::registration::{Registration, SAMPLE_WEIGHT, gauge, partners};
+use crate::stamps::StampError;
 
 /// Sweeps of Gauss–Seidel per tick.
 const SWEEPS: usize = 4;
@@ -130,7 +131,7 @@ impl Registration {
     fn forget_and_factor(&mut self, own: usize, clock: ClockError) {
         let count = self.sources.len();
         self.seeds[own].fade(self.keep_drifting);
-        let (mut normal, _) = prior(clock);
+        let (mut normal, _) = prior(clock, self.sources[own].stamps);
         normal += self.seeds[own].normal;
         for other in partners(self.partners[own]) {
             let pair = &mut self.pairs[own * count + other];
@@ -157,7 +158,7 @@ impl Registration {
             return;
         };
         let count = self.sources.len();
-        let (_, mut right) = prior(clock);
+        let (_, mut right) = prior(clock, self.sources[own].stamps);
         right += self.seeds[own].right;
         for other in partners(self.partners[own]) {
             let pair = &self.pairs[own * count + other];
@@ -170,7 +171,7 @@ impl Registration {
     /// Returns the normal equations of a source without the comparisons with unsettled sources.
     fn settled_equations(&self, own: usize, clock: ClockError) -> (NormalMatrix, Errors) {
         let count = self.sources.len();
-        let (mut normal, mut right) = prior(clock);
+        let (mut normal, mut right) = prior(clock, self.sources[own].stamps);
         normal += self.seeds[own].normal;
         right += self.seeds[own].right;
         for other in partners(self.partners[own]) {
@@ -208,12 +209,16 @@ impl Registration {
     }
 }
 
-/// Returns the normal equations of a source before any comparison.
-fn prior(clock: ClockError) -> (NormalMatrix, Errors) {
+/// Returns the normal equations of a source before any comparison: a clock that deviates from the times of receipt has
+/// a prior of its own.
+fn prior(clock: ClockError, stamps: StampError) -> (NormalMatrix, Errors) {
     let mut normal =
         NormalMatrix::from_diagonal(&Errors::from_fn(|row, _| 1.0 / (PRIOR_SIGMA[row] * PRIOR_SIGMA[row])));
     let mut right = Errors::zeros();
-    let (information, offset_s) = clock.prior();
+    let (information, offset_s) = match stamps.is_coarse() && clock.excess_s == 0.0 {
+        true => (stamps.information(), stamps.mean_s),
+        false => clock.prior(),
+    };
     normal[(TIME, TIME)] = information;
     right[TIME] = information * offset_s;
     (normal, right)

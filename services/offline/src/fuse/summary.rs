@@ -147,6 +147,10 @@ impl FuseSummary<'_> {
                     });
                     sensor.insert("gross_error".to_owned(), told);
                 }
+                if let Some([step_s, sigma_s]) = self.engine.sources().learned(source).and_then(|known| known.stamps_s)
+                {
+                    sensor.insert("stamps_s".to_owned(), json!([step_s, sigma_s]));
+                }
                 if let Some(first) = self.engine.sources().counts_with(source) {
                     let first = self.setup.sensor_ids[usize::from(first)];
                     sensor.insert("counts_with".to_owned(), first.into());
@@ -223,6 +227,19 @@ impl FuseSummary<'_> {
                     text,
                     "sensor {id:<6} counts as one with sensor {first} because of equal errors; if it measures \
                      independently, set independent_of"
+                )?;
+            }
+        }
+        for (source, id) in (0u16..).zip(&self.setup.sensor_ids) {
+            let learned = self.engine.sources().learned(source).unwrap_or_default();
+            if let Some([step_s, sigma_s]) = learned.stamps_s {
+                let remedy = match self.engine.settings().sources[usize::from(source)].stamps {
+                    Some(_) => "",
+                    None => "; if the rounding is known, set stamps",
+                };
+                writeln!(
+                    text,
+                    "sensor {id:<6} has stamps that are multiples of {step_s} s (± {sigma_s:.2} s){remedy}"
                 )?;
             }
         }
