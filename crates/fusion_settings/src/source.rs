@@ -37,8 +37,9 @@ settings::settings! {
         /// Whether its biases and the points that it detects on targets are estimated by comparison with others. Errors
         /// of located emitters are neither: each persists for minutes and changes with the geometry.
         registered: Option<bool> = None, usually "true; with [source.locator] false";
-        /// Rounding of time stamps that are multiples of a coarse step, such as whole seconds: `down`, `nearest`, or
-        /// `unknown`. The step is learned; fine stamps are taken as they are.
+        /// Rounding of time stamps that are multiples of a coarse step, such as whole seconds: `down`, `nearest`,
+        /// `unknown`, or `exact` if the measurements are made at these times. The step is learned; fine stamps are
+        /// taken as they are.
         stamps: Option<StampRounding> = None, usually "unknown, if its stamps prove a coarse step";
         /// Sensor accuracy (TI-7).
         accuracy: Option<AccuracyTable> = None, usually "20 m; offline as it states";
@@ -127,6 +128,8 @@ settings::words! {
         Nearest = "nearest",
         /// Either way, or the measurements are made at these times.
         Unknown = "unknown",
+        /// None: the measurements are made at these times.
+        Exact = "exact",
     }
 }
 

@@ -9,6 +9,7 @@
 //! | `down` | t … t + T | T/2 later | T²/12 |
 //! | `nearest` | t − T/2 … t + T/2 | none | T²/12 |
 //! | `unknown` | t − T … t + T | none | T²/3 |
+//! | `exact` | t | none | 0 |
 //!
 //! The mean and the variance are the prior of the time offset in `registration`, which finds the differences between
 //! the sources. The common part shows in no difference: the sources decide by the inverse variances (a robust mean,
@@ -78,6 +79,7 @@ impl StampError {
             StampRounding::Down => (-0.5, 12.0),
             StampRounding::Nearest => (0.0, 12.0),
             StampRounding::Unknown => (0.0, 3.0),
+            StampRounding::Exact => return Self::default(),
         };
         Self {
             mean_s: mean * step_s,
@@ -228,18 +230,30 @@ impl Stamps {
 
 /// Decides which steps count; returns whether any does.
 pub(crate) fn look(all: &mut [Stamps], sources: &[SourceSettings]) -> bool {
-    let is_any_fine = all.iter().any(|stamps| stamps.step() == ClockStep::Fine);
-    let explained = all.iter().filter_map(|stamps| match stamps.step() {
-        ClockStep::Explained(step_ns) => Some(step_ns),
-        _ => None,
-    });
+    // Others show no offset: they are not compared, or a centre, which states the time that its states are for.
+    let is_compared = |source: &SourceSettings| source.is_registered && !source.is_centre;
+    let step = |stamps: &Stamps, source: &SourceSettings| match source.stamps {
+        Some(StampRounding::Exact) => ClockStep::Fine,
+        _ => stamps.step(),
+    };
+    let is_any_fine = all
+        .iter()
+        .zip(sources)
+        .any(|(stamps, source)| is_compared(source) && step(stamps, source) == ClockStep::Fine);
+    let explained = all
+        .iter()
+        .zip(sources)
+        .filter_map(|(stamps, source)| match step(stamps, source) {
+            ClockStep::Explained(step_ns) if is_compared(source) || source.stamps.is_some() => Some(step_ns),
+            _ => None,
+        });
     let smallest_ns = explained.min().unwrap_or_default();
     let mut is_any_coarse = false;
     for (stamps, source) in all.iter_mut().zip(sources) {
         let is_stated = source.stamps.is_some();
-        let step_ns = match stamps.step() {
-            ClockStep::Coarse(step_ns) => step_ns,
-            ClockStep::Explained(_) if is_stated || !is_any_fine => smallest_ns,
+        let step_ns = match step(stamps, source) {
+            ClockStep::Coarse(step_ns) if is_stated || !source.is_centre => step_ns,
+            ClockStep::Explained(_) if is_stated || (is_compared(source) && !is_any_fine) => smallest_ns,
             _ => 0,
         };
         let has_enough = stamps.count >= STAMPS_MIN[usize::from(!is_stated)];

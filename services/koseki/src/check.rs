@@ -403,7 +403,9 @@ fn stamps(stated: Option<StampRounding>, found: Option<&RecordingFindings>) -> S
     let rounding = stated.unwrap_or(StampRounding::Unknown).word();
     match found.and_then(|found| found.stamps.multiples_of_s()) {
         Some(step_s) => format!("; its stamps are multiples of {step_s} s, rounding {rounding}"),
-        None => stated.map_or_else(String::new, |_| format!("; coarse stamps: rounding {rounding}")),
+        None => stated.map_or_else(String::new, |_| {
+            format!("; of coarse stamps the rounding is {rounding}")
+        }),
     }
 }
 fn describe_world(world: &ScenarioSettings) -> String {

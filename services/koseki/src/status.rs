@@ -161,7 +161,10 @@ impl InstanceStatus {
                 status.refused = observed.refused_input();
                 status.picture = deployment::page_of(instance.root.path());
                 let sources = observed.sources().into_iter();
-                let compared = sources.filter(|source| source.registration.comparisons > 0.0);
+                let compared = sources.filter(|source| {
+                    let known = &source.registration;
+                    known.comparisons > 0.0 || known.stamp_step_s > 0.0
+                });
                 let config = Config::of_running(instance.root.path()).ok();
                 status.registrations = compared
                     .map(|source| RegistrationStatus {

@@ -85,11 +85,7 @@ fn of_the_whole(events: &[Emitted], wanted: &SystemTrack) -> Option<SystemTrack>
     let assumed = assumed?;
     let states = whole.smooth(&AsAssumed(assumed));
     let at = |smoothed: &&SmoothedState| smoothed.time_ns == wanted.reference_time_ns;
-    Some(with_kinematics(
-        wanted,
-        states.iter().find(at)?,
-        assumed.unseen,
-    ))
+    Some(with_kinematics(wanted, states.iter().find(at)?, assumed.unseen))
 }
 
 /// The models depend on speeds and courses, which stay as they were found, and on the motion that fusion assumes, which
