@@ -379,7 +379,10 @@ fn a_broken_up_target_stays_one_system_track() {
 
 #[test]
 fn a_wrong_join_is_split_and_a_target_started_twice_is_merged() {
-    let mut harness = Harness::new(test_settings(2));
+    let mut settings = test_settings(2);
+    let exact = Some(crate::settings::StampRounding::Exact);
+    settings.sources.iter_mut().for_each(|source| source.stamps = exact);
+    let mut harness = Harness::new(settings);
     // Side by side at first, they join; then source 1's target drives away.
     for step in 0..20 {
         let time = f64::from(step);

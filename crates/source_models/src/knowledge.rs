@@ -188,7 +188,7 @@ impl Sources {
             independent_s2 += weight * weight * own_s2;
             common += if is_settled { weight } else { 0.0 };
         }
-        independent_s2 + common * common * self.registration.common_time_s2().min(f64::MAX)
+        independent_s2 + common * common * self.registration.common_time_s2()
     }
 
     /// The same of a state to which all sources contribute alike, s².

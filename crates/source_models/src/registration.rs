@@ -392,13 +392,14 @@ impl Registration {
     }
 
     /// Returns the variance of the time offset that compared sources have in common, s²: the sources' stamps decide
-    /// about the offset by their inverse variances, or a reference source by its own.
+    /// about the offset by their inverse variances, or a reference source by its own. 0 without comparisons.
     pub(crate) fn common_time_s2(&self) -> f64 {
         if let Some(reference) = self.reference {
             return self.of(reference).stamps.variance_s2;
         }
         let compared = self.sources.iter().filter(|source| source.samples >= SAMPLES_MIN);
-        1.0 / compared.map(|source| source.stamps.information()).sum::<f64>()
+        let information: f64 = compared.map(|source| source.stamps.information()).sum();
+        if information > 0.0 { 1.0 / information } else { 0.0 }
     }
 
     /// Returns the mean square per axis of the remaining horizontal offsets, m²: not significant yet, or drifted away

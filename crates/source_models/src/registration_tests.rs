@@ -304,6 +304,19 @@ fn rounded_stamps_of_all_sources_leave_the_mean_rounding() {
     );
 }
 
+/// Along parallel traffic, the offsets of place and time are one: the sum is that of the mean rounding.
+#[test]
+fn in_parallel_traffic_the_mean_rounding_is_removed_too() {
+    let mut registration = Registration::new(3, None, 300.0, 1.0);
+    (0..3).for_each(|source| registration.set_stamps(source, DOWN));
+    let velocity = |_| [0.0, 200.0, 0.0];
+    let registration = continued_in(velocity, registration, 100, [-0.1, -0.4, -0.8], |_, _| [0.0; 2]);
+    let north_m = |source| registration.shift(source, [0.0; 3], [0.0, 200.0, 0.0], None)[1];
+    let mean_m = (0..3).map(north_m).sum::<f64>() / 3.0;
+    assert!((mean_m - 100.0).abs() < 10.0, "{mean_m}");
+    assert!((north_m(2) - north_m(0) - 140.0).abs() < 15.0);
+}
+
 #[test]
 fn a_reference_source_with_rounded_stamps_shows_the_others_its_own_time() {
     let registration = registered_by_stamps(Some(0), [DOWN, StampError::default(), DOWN], [-0.5, 0.0, -0.9]);
@@ -322,6 +335,7 @@ fn the_mean_offset_of_stamps_is_removed_without_comparisons() {
         registration.shift(0, [0.0; 3], [100.0, -40.0, 8.0], None),
         [50.0, -20.0, 4.0]
     );
+    assert_eq!(registration.common_time_s2(), 0.0, "nothing is compared");
     registration.forget(0);
     assert_eq!(registration.of(0).time_offset_s(), -0.5);
 }

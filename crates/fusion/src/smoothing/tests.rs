@@ -108,6 +108,8 @@ fn run(settings: Settings, offset_m: f64) -> (Vec<SystemTrack>, SmoothedTracks) 
 pub(super) fn settings() -> Settings {
     let mut settings = test_settings(2);
     settings.rule.name = RuleName(FusionRule::SystemFilter);
+    let exact = Some(crate::settings::StampRounding::Exact);
+    settings.sources.iter_mut().for_each(|source| source.stamps = exact);
     settings
 }
 

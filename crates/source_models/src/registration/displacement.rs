@@ -130,6 +130,18 @@ impl MeanErrors {
         }
         mean
     }
+
+    /// The same for a known time offset, seconds.
+    pub(super) fn mean_at(&self, time_s: f64) -> Errors {
+        let mut mean = Errors::zeros();
+        mean[TIME] = time_s;
+        let normal = self.normal.fixed_view::<2, 2>(0, 0).into_owned();
+        let right = self.right.fixed_rows::<2>(0) - self.normal.fixed_view::<2, 1>(0, 2) * time_s;
+        if let Some(factor) = normal.cholesky() {
+            mean.fixed_rows_mut::<2>(0).copy_from(&factor.solve(&right));
+        }
+        mean
+    }
 }
 
 fn of_rows(errors: &Errors) -> Vector3<f64> {

@@ -27,9 +27,6 @@ pub(super) fn fix(sources: &mut [SourceErrors], displacements: &[Displacement], 
     if is_anchored {
         middle.fixed_rows_mut::<2>(0).fill(0.0);
     }
-    if !is_any_off && sources.iter().any(|source| source.stamps.is_coarse()) {
-        middle[TIME] = step_by_stamps(sources);
-    }
     for source in sources.iter_mut().filter(|source| source.samples > 0.0) {
         source.errors -= middle;
     }
@@ -50,18 +47,23 @@ fn step_to_median(sources: &[SourceErrors], displacements: &[Displacement], is_a
         let weight = if are_two {
             1.0
         } else {
-            displacement.closeness(&source.errors)
+            displacement.closeness(&source.beside_stamps())
         };
+        let mut errors = source.errors;
+        errors[TIME] -= source.stamps.mean_s;
         // The offset of a rotation is the offset of the centre of rotation, except where two sources share a rotation.
         match is_anchored || source.model.is_polar() && !are_two {
-            true => horizontal.add(&displacement.by_time(), &source.errors, weight),
-            false => horizontal.add(displacement, &source.errors, weight),
+            true => horizontal.add(&displacement.by_time(), &errors, weight),
+            false => horizontal.add(displacement, &errors, weight),
         }
         let weight = 1.0 / (source.errors[UP] * source.errors[UP] + source.variances[UP]).sqrt();
         up += weight * source.errors[UP];
         total += weight;
     }
-    let mut middle = horizontal.mean();
+    let mut middle = match sources.iter().any(|source| source.stamps.is_coarse()) {
+        true => horizontal.mean_at(step_by_stamps(sources)),
+        false => horizontal.mean(),
+    };
     if total > 0.0 {
         middle[UP] = up / total;
     }
@@ -69,8 +71,7 @@ fn step_to_median(sources: &[SourceErrors], displacements: &[Displacement], is_a
 }
 
 /// Returns a step from 0 towards the time offset that agrees best with the stamps of the compared sources: a fine clock
-/// decides against coarse clocks, and a clock far off counts less. A common time offset shows in no difference,
-/// whatever the offsets of the place are.
+/// decides against coarse clocks, and a clock far off counts less.
 fn step_by_stamps(sources: &[SourceErrors]) -> f64 {
     let known = sources.iter().filter(|source| source.samples > 0.0);
     let (sum, total) = known.fold((0.0, 0.0), |(sum, total), source| {
