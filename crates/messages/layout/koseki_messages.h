@@ -19,7 +19,7 @@
 #define KOSEKI_SYSTEM_TRACK_SCHEMA UINT64_C(0x6be8ce0f5c65f69b) /* BatchHeader.schema of its slices. */
 #define KOSEKI_ALARM_SCHEMA UINT64_C(0x2f65dffd42e7c22b) /* BatchHeader.schema of its slices. */
 #define KOSEKI_DECISION_SCHEMA UINT64_C(0x9f26827141266f51) /* BatchHeader.schema of its slices. */
-#define KOSEKI_HEALTH_SCHEMA UINT64_C(0xdafeced042738418) /* BatchHeader.schema of its slices. */
+#define KOSEKI_HEALTH_SCHEMA UINT64_C(0xf1efa5cf6695293f) /* BatchHeader.schema of its slices. */
 #define KOSEKI_PROGRESS_SCHEMA UINT64_C(0x724a090fd5e41882) /* BatchHeader.schema of its slices. */
 #define KOSEKI_ORDER_STATE_SCHEMA UINT64_C(0x75a8ec42ae46cfc0) /* BatchHeader.schema of its slices. */
 #define KOSEKI_FRAME_ORIGIN_SCHEMA UINT64_C(0x7a0c5d4e9d39fa05) /* BatchHeader.schema of its slices. */
@@ -998,8 +998,10 @@ typedef struct KosekiRegistration {
     uint32_t error_model; /* Model of the source's error with the best evidence: an `ErrorModel` code. */
     uint16_t dependent_sources[4]; /* Sources with errors that depend on the errors of this source, if `dependence` is not 0. */
     float dependence[4]; /* Correlation of the errors of this source and of `dependent_sources`, in (0, 1]; 0: none. */
+    float stamp_step_s; /* Step of which all time stamps of the source are multiples, if it enters the states, seconds; 0: the stamps */
+    float stamp_sigma_s; /* Standard deviation of the time offset that the step implies, seconds. */
 } KosekiRegistration;
-static_assert(sizeof(KosekiRegistration) == 208, "size");
+static_assert(sizeof(KosekiRegistration) == 216, "size");
 static_assert(offsetof(KosekiRegistration, comparisons) == 0, "offset");
 static_assert(offsetof(KosekiRegistration, offset_m) == 8, "offset");
 static_assert(offsetof(KosekiRegistration, offset_sigma_m) == 32, "offset");
@@ -1025,6 +1027,8 @@ static_assert(offsetof(KosekiRegistration, detection_probability) == 176, "offse
 static_assert(offsetof(KosekiRegistration, error_model) == 180, "offset");
 static_assert(offsetof(KosekiRegistration, dependent_sources) == 184, "offset");
 static_assert(offsetof(KosekiRegistration, dependence) == 192, "offset");
+static_assert(offsetof(KosekiRegistration, stamp_step_s) == 208, "offset");
+static_assert(offsetof(KosekiRegistration, stamp_sigma_s) == 212, "offset");
 
 typedef struct KosekiCounters {
     uint64_t values[160]; /* Counts since the process started, indexed by the codes of `Counter`; a few are levels. */
@@ -1048,7 +1052,7 @@ typedef struct KosekiHealth {
     KosekiCounters counters; /* Values of the counters. */
     KosekiRegistration registration; /* Biases of the source, if estimated by fusion. */
 } KosekiHealth;
-static_assert(sizeof(KosekiHealth) == 1872, "size");
+static_assert(sizeof(KosekiHealth) == 1880, "size");
 static_assert(offsetof(KosekiHealth, said_ns) == 0, "offset");
 static_assert(offsetof(KosekiHealth, incarnation) == 8, "offset");
 static_assert(offsetof(KosekiHealth, progress_ns) == 16, "offset");

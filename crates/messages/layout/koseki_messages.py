@@ -21,7 +21,7 @@ CUE_SCHEMA = 0x628bf8748d0293cc  # BatchHeader.schema of its slices.
 SYSTEM_TRACK_SCHEMA = 0x6be8ce0f5c65f69b  # BatchHeader.schema of its slices.
 ALARM_SCHEMA = 0x2f65dffd42e7c22b  # BatchHeader.schema of its slices.
 DECISION_SCHEMA = 0x9f26827141266f51  # BatchHeader.schema of its slices.
-HEALTH_SCHEMA = 0xdafeced042738418  # BatchHeader.schema of its slices.
+HEALTH_SCHEMA = 0xf1efa5cf6695293f  # BatchHeader.schema of its slices.
 PROGRESS_SCHEMA = 0x724a090fd5e41882  # BatchHeader.schema of its slices.
 ORDER_STATE_SCHEMA = 0x75a8ec42ae46cfc0  # BatchHeader.schema of its slices.
 FRAME_ORIGIN_SCHEMA = 0x7a0c5d4e9d39fa05  # BatchHeader.schema of its slices.
@@ -1178,6 +1178,8 @@ class Registration(ctypes.Structure):
         ("error_model", ctypes.c_uint32),  # Model of the source's error with the best evidence: an `ErrorModel` code.
         ("dependent_sources", ctypes.c_uint16 * 4),  # Sources with errors that depend on the errors of this source, if `dependence` is not 0.
         ("dependence", ctypes.c_float * 4),  # Correlation of the errors of this source and of `dependent_sources`, in (0, 1]; 0: none.
+        ("stamp_step_s", ctypes.c_float),  # Step of which all time stamps of the source are multiples, if it enters the states, seconds; 0: the stamps
+        ("stamp_sigma_s", ctypes.c_float),  # Standard deviation of the time offset that the step implies, seconds.
     ]
 
     @staticmethod
@@ -1185,7 +1187,7 @@ class Registration(ctypes.Structure):
         return "Registration"
 
 
-assert ctypes.sizeof(Registration) == 208
+assert ctypes.sizeof(Registration) == 216
 assert Registration.comparisons.offset == 0
 assert Registration.offset_m.offset == 8
 assert Registration.offset_sigma_m.offset == 32
@@ -1211,6 +1213,8 @@ assert Registration.detection_probability.offset == 176
 assert Registration.error_model.offset == 180
 assert Registration.dependent_sources.offset == 184
 assert Registration.dependence.offset == 192
+assert Registration.stamp_step_s.offset == 208
+assert Registration.stamp_sigma_s.offset == 212
 
 
 class Counters(ctypes.Structure):
@@ -1250,7 +1254,7 @@ class Health(ctypes.Structure):
         return "Health"
 
 
-assert ctypes.sizeof(Health) == 1872
+assert ctypes.sizeof(Health) == 1880
 assert Health.said_ns.offset == 0
 assert Health.incarnation.offset == 8
 assert Health.progress_ns.offset == 16
