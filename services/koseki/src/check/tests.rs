@@ -162,3 +162,25 @@ fn figures_have_units_and_times_two_digits() {
     assert_eq!(time_of_day(Some(79_201 * NS)), "22:00:01");
     assert_eq!(time_of_day(None), "?");
 }
+
+#[test]
+fn a_coarse_clock_of_a_recording_is_named_with_its_rounding() {
+    let site = "name = \"t\"\n[frame]\nlatitude_deg = 41.0\nlongitude_deg = 2.0\n[time]\ndate = \"2016-05-10\"\n\
+                [[source]]\nname = \"radar\"\nSTAMPS[source.recorded]\nfile = \"x.csv\"\nformat = \"sensor-tracks\"\n";
+    let path = Path::new("t.toml");
+    let told = |stated: &str, step_ns: i64| {
+        let config = Config::parse(path, &site.replace("STAMPS", stated), &[]).unwrap();
+        let mut found = RecordingFindings::default();
+        (0..20).for_each(|look| found.stamps.learn(NS + look * step_ns));
+        summary(path, &config, &[found], None)
+    };
+    let whole = told("", NS);
+    assert!(
+        whole.contains("; its stamps are multiples of 1 s, rounding unknown"),
+        "{whole}"
+    );
+    assert!(told("stamps = \"down\"\n", NS / 2).contains("multiples of 0.5 s, rounding down"));
+    let fine = told("", 1_234_567_890);
+    assert!(!fine.contains("stamps"), "{fine}");
+    assert!(told("stamps = \"down\"\n", 1_234_567_890).contains("; of coarse stamps the rounding is down"));
+}
