@@ -12,9 +12,10 @@
 //! | `exact` | t | none | 0 |
 //!
 //! The mean and the variance are the prior of the time offset in `registration`, which finds the differences between
-//! the sources. The common part shows in no difference: the sources decide by the inverse variances (a robust mean,
-//! P. J. Huber, 1964), so a source with a fine clock decides against coarse clocks. The published covariance of a target contains the rest, along the course
-//! ([`Sources::course_s2`](crate::Sources::course_s2)).
+//! the sources. The common part shows in no difference: the sources decide by the inverse variances, so a source with
+//! a fine clock decides against coarse clocks. A clock far off counts less (a robust mean, by P. J. Huber, *Robust
+//! estimation of a location parameter*, Annals of Mathematical Statistics 35, 1964). The published covariance of a
+//! target contains the rest, along the course ([`Sources::course_s2`](crate::Sources::course_s2)).
 //!
 //! A step is a member of [`STEPS_NS`] of which nearly all stamps are multiples; a few odd stamps are allowed, and
 //! errors of a conversion through `f32` seconds of a day. Each stamp counts once, however many reports have it.
