@@ -30,6 +30,9 @@ pub(crate) const CHI2_MEDIAN_2: f64 = 1.386_294_361_119_890_6;
 pub const MEAN_GAIN: f64 = 0.25;
 /// Variance of such a mean relative to the variance of an innovation.
 pub const MEAN_VARIANCE: f64 = MEAN_GAIN / (2.0 - MEAN_GAIN);
+/// Part of the variance of a mean by which slow errors may enlarge it, a quarter of the largest part: of errors that do
+/// not change within the mean.
+const SLOW: f64 = 0.25 * (1.0 / MEAN_VARIANCE - 1.0);
 /// Number of reports with an implied process noise before the noise is used.
 const NOISE_SAMPLES_MIN: u32 = 8;
 /// Number of reports after which a filter of unknown noise counts as impossible to undo.
@@ -334,10 +337,12 @@ impl SourceModel {
     }
 
     /// Returns whether the detection points lie farther apart than `ratio` times the source's measurement error, but no
-    /// farther than the size of targets: points farther apart are no points of a target.
+    /// farther than the size of targets: points farther apart are no points of a target. Slow errors of the compared
+    /// sources look like points, so the points must also exceed the variance of single comparisons.
     pub(crate) fn sees_points(&self, ratio: f64) -> bool {
         let points_m2 = self.points_m2();
-        points_m2 > 0.0 && points_m2 > ratio * ratio * self.measured_m2.value()
+        let slow_m2 = SLOW * self.spread_noise_m2.value();
+        points_m2 > 0.0 && points_m2 > ratio * ratio * self.measured_m2.value().max(slow_m2)
     }
 
     /// Learns whether a scan detected a target tracked by the source.

@@ -110,26 +110,23 @@ impl Search<'_> {
     fn offset(&self, sensor: SensorSlot, compared: impl Fn(u16) -> bool) -> Option<([f64; 2], f64)> {
         let entry = self.tracks.sensors.get(sensor);
         let (system, now_ns) = (entry.system, entry.time_ns);
-        // Inaccurate sensor tracks must not hide the place shown by accurate ones; of several sensor tracks that are as
-        // accurate as this one, or more, none counts more than twice as much as another.
-        let (mut sum, mut total, mut variance) = ([0.0; 2], 0.0, 0.0);
+        let (mut sum, mut count, mut variance) = ([0.0; 2], 0.0, 0.0);
         for (member, other) in self.tracks.contributing_entries(system, now_ns) {
             if member != sensor && compared(other.source) && other.residuals >= MEAN_REPORTS_MIN {
                 let mean_m = self.mean_about_point(other);
-                let weight = 1.0 / (entry.residual_variance_m2 + other.residual_variance_m2);
                 for axis in 0..2 {
-                    sum[axis] += weight * mean_m[axis];
+                    sum[axis] += mean_m[axis];
                 }
-                variance += weight * weight * other.residual_variance_m2;
-                total += weight;
+                variance += other.residual_variance_m2;
+                count += 1.0;
             }
         }
-        if total == 0.0 || entry.residuals < MEAN_REPORTS_MIN {
+        if count == 0.0 || entry.residuals < MEAN_REPORTS_MIN {
             return None;
         }
         let mean_m = self.mean_about_point(entry);
-        let offset = std::array::from_fn(|axis| mean_m[axis] - sum[axis] / total);
-        let variance_m2 = MEAN_VARIANCE * (entry.residual_variance_m2 + variance / (total * total));
+        let offset = std::array::from_fn(|axis| mean_m[axis] - sum[axis] / count);
+        let variance_m2 = MEAN_VARIANCE * (entry.residual_variance_m2 + variance / (count * count));
         Some((offset, variance_m2))
     }
 
