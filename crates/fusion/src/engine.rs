@@ -507,6 +507,7 @@ impl Engine {
             self.publisher.set_unseen(UnseenErrors {
                 per_axis_m2: self.tracks.sources.common_error_m2(),
                 course_s2: self.tracks.sources.mean_course_s2(),
+                height_m2: self.tracks.sources.mean_height_m2(),
             });
             if has_new_period {
                 self.scans

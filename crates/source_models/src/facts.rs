@@ -4,6 +4,7 @@ use estimation::Gaussian;
 use messages::{AXES, SensorTrack};
 
 use crate::credibility::Judgement;
+use crate::height_errors::HeightApart;
 use crate::innovation::FilterInnovation;
 use crate::measurement::{Correction, Measurement, gaussian_of};
 use crate::tracker_gain::GainEvidence;
@@ -67,6 +68,8 @@ pub struct Innovation<'a> {
     pub steadiness: f64,
     /// The mean innovation of the sensor track beside the means of others.
     pub apart: Option<MeanApart>,
+    /// The same for the heights.
+    pub height: Option<HeightApart>,
 }
 
 /// Distance of the mean innovation of a sensor track from the means of the other tracks of the target.

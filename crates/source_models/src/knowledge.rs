@@ -170,6 +170,27 @@ impl Sources {
         self.has_coarse_stamps
     }
 
+    /// Whether the heights of some source have slow errors.
+    #[inline]
+    pub fn has_slow_heights(&self) -> bool {
+        self.has_slow_heights
+    }
+
+    /// Variance of a height to which sources contribute by these weights, with the sum 1, m²: slow errors of heights.
+    pub fn height_m2(&self, weights: impl Iterator<Item = (u16, f64)>) -> f64 {
+        let slow_m2 = |source: u16| self.models[usize::from(source)].heights.variance_m2();
+        weights.map(|(source, weight)| weight * weight * slow_m2(source)).sum()
+    }
+
+    /// The same of a state to which all sources contribute alike, m².
+    pub fn mean_height_m2(&self) -> f64 {
+        if !self.has_slow_heights {
+            return 0.0;
+        }
+        let weight = 1.0 / self.models.len() as f64;
+        self.height_m2((0..self.models.len() as u16).map(|source| (source, weight)))
+    }
+
     /// Variance of the time of a state to which sources contribute by these weights, with the sum 1, s²: the errors of
     /// coarse time stamps. The offset that registered sources have in common is one error; the others are independent.
     pub fn course_s2(&self, weights: impl Iterator<Item = (u16, f64)>) -> f64 {

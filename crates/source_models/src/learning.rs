@@ -170,6 +170,9 @@ impl Sources {
         if let Some(apart) = &shown.apart {
             self.models[index].learn_spread(apart.offset_m, 2.0 * apart.noise_m2, apart.measured_m2, apart.size_m);
         }
+        if let Some(apart) = &shown.height {
+            self.models[index].heights.learn(apart);
+        }
     }
 
     /// Learns from a measurement that other sources contradict: evidence of a step of the source's errors. The
@@ -253,6 +256,7 @@ impl Sources {
     /// a single point of each target. Returns whether a period has changed.
     pub fn tick(&mut self, settings: &mut Settings, now_ns: i64, may_keep_points: bool) -> bool {
         self.look_at_points(may_keep_points);
+        self.has_slow_heights = self.models.iter().any(|model| model.heights.variance_m2() > 0.0);
         self.look_at_motion();
         self.look_at_stamps(&settings.sources);
         self.lifetimes.follow(&settings.life, &mut settings.sources, now_ns)

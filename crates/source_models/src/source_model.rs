@@ -21,6 +21,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::corrections::Corrections;
 use crate::error_shape::ErrorShape;
+use crate::height_errors::HeightErrors;
 use crate::seeker::Seeker;
 use crate::tracker_gain::{Change, GainEvidence, TrackerGain, Undone};
 
@@ -75,6 +76,10 @@ impl Median {
             .copysign(logarithm - self.logarithm);
     }
 
+    pub(crate) fn samples(&self) -> u32 {
+        self.samples
+    }
+
     /// Whether no sample has been added yet.
     pub(crate) fn is_unknown(&self) -> bool {
         self.samples == 0
@@ -112,6 +117,8 @@ kept! {
         measured_m2: Median,
         /// Resulting variance per axis, m²: see [`SourceModel::spread_m2`].
         spread_m2: f64,
+        /// Slow errors of heights.
+        pub(crate) heights: HeightErrors,
         /// Mean size of the targets, by their types, metres.
         size_m: f64,
         /// Probability that a scan detects a target tracked by the source.
@@ -136,6 +143,7 @@ impl Default for SourceModel {
             spread_noise_m2: Median::default(),
             measured_m2: Median::default(),
             spread_m2: 0.0,
+            heights: HeightErrors::default(),
             size_m: 0.0,
             detection: 0.9,
         }

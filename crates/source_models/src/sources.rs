@@ -62,6 +62,8 @@ pub struct Sources {
     pub(crate) stamps: Vec<Stamps>,
     /// Whether some source's stamps are multiples of a coarse step.
     pub(crate) has_coarse_stamps: bool,
+    /// Whether the heights of some source have slow errors.
+    pub(crate) has_slow_heights: bool,
 }
 
 /// Number of cells of the learned coverage table, and their width.
@@ -104,6 +106,7 @@ impl Sources {
             before_step: StepMemory::new(count),
             stamps: vec![Stamps::default(); count],
             has_coarse_stamps: false,
+            has_slow_heights: false,
         }
     }
 

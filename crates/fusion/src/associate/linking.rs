@@ -218,11 +218,13 @@ impl Linking<'_> {
         let found = self.search().crossing(sensor).map(|crossing| {
             let number = self.tracks.systems.get(crossing.there).number;
             let before = self.tracks.sensors.get(sensor).crossed;
-            let sum = before.filter(|(last, _)| *last == number).map_or(0.0, |(_, sum)| sum);
+            let sum = before
+                .filter(|(last, _)| *last == number)
+                .map_or(0.0, |(_, sum)| f64::from(sum));
             (crossing, number, (sum + crossing.ratio).max(0.0))
         });
         let entry = self.tracks.sensors.get_mut(sensor);
-        entry.crossed = found.map(|(_, number, sum)| (number, sum));
+        entry.crossed = found.map(|(_, number, sum)| (number, sum as f32));
         let here = entry.system;
         let Some((crossing, _, sum)) = found.filter(|(_, _, sum)| *sum >= CROSSED) else {
             return false;

@@ -38,11 +38,11 @@ pub use kept::{Memory, MemoryRefusal};
 use crate::settings::{Capacity, SourceSettings};
 
 /// Version of the records; increase with each change of their contents.
-const FORMAT: u64 = 12;
+const FORMAT: u64 = 13;
 /// Word that names the report in work, as [`report_key`](super::suspects::report_key) does; 0 before the first report.
 pub const IN_WORK: usize = HEAD;
 /// Most words of a record's contents.
-const RECORD_MAX: usize = 128;
+const RECORD_MAX: usize = 144;
 /// Records that a kill can leave torn.
 const TORN_MAX: usize = 1;
 

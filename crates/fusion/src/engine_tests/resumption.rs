@@ -335,6 +335,7 @@ fn how_targets_turn_and_which_sources_copy_is_still_known() {
             shows_accuracy: false,
             steadiness: 0.0,
             apart: None,
+            height: None,
         })));
     }
     let known = |harness: &Harness| {

@@ -235,6 +235,18 @@ impl TrackPublisher {
         if tracks.sources.has_coarse_stamps() {
             self.widen_along_course(tracks, system);
         }
+        if tracks.sources.has_slow_heights() {
+            self.widen_height(tracks, system);
+        }
+    }
+
+    /// Adds slow errors of heights to the covariance of a state.
+    #[cold]
+    fn widen_height(&self, tracks: &mut Tracks, system: SystemSlot) {
+        let shares = self.weighed.candidates().iter().zip(self.weighed.shares());
+        let weights = shares.map(|(candidate, share)| (candidate.source, share.weight[2]));
+        let height_m2 = tracks.sources.height_m2(weights);
+        tracks.systems.get_mut(system).state.covariance.upper[Covariance::index(2, 2)] += height_m2;
     }
 
     /// Adds the errors of coarse time stamps to the covariance of a state.

@@ -157,6 +157,7 @@ fn with_kinematics(state: &SystemTrack, smoothed: &SmoothedState, unseen: Unseen
         let variance = &mut message.covariance.upper[Covariance::index(axis, axis)];
         *variance += unseen.per_axis_m2;
     }
+    message.covariance.upper[Covariance::index(2, 2)] += unseen.height_m2;
     message.velocity_valid = u8::from(message.covariance.knows_velocity());
     [message.turn_rate_radps, message.turn_rate_sigma_radps] = smoothed.turn_rate.map(|value| value as f32);
     message.mode_probabilities[..5].copy_from_slice(&smoothed.plane_modes);

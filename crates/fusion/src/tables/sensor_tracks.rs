@@ -93,6 +93,10 @@ pub(crate) struct SensorEntry {
     pub(crate) residual_mean_m: [f64; 2],
     pub(crate) residual_variance_m2: f64,
     pub(crate) residuals: u32,
+    /// Mean difference of the measured heights from the filter over the last reports, metres, and variance, m²; 0 before
+    /// the first height.
+    pub(crate) height_mean_m: f32,
+    pub(crate) height_variance_m2: f32,
     /// System track of this sensor track, or [`NO_SYSTEM`].
     pub(crate) system: u32,
     pub(crate) next: MemberLink,
@@ -123,7 +127,7 @@ pub(crate) struct SensorEntry {
     /// Number of another system track that fitted the last reports, and the number of successive fits.
     pub(crate) competing: Option<(u32, u32)>,
     /// Number of the possibly crossed system track, and the sum of log-likelihood ratios.
-    pub(crate) crossed: Option<(u32, f64)>,
+    pub(crate) crossed: Option<(u32, f32)>,
     /// Number of earlier changes of the correction of gross errors of the source: `Alignment::epoch_of`.
     pub(crate) epoch: u8,
     /// Whether this place of the table is taken.
@@ -209,6 +213,8 @@ impl Default for SensorEntry {
             residuals: 0,
             residual_mean_m: [0.0; 2],
             residual_variance_m2: 0.0,
+            height_mean_m: 0.0,
+            height_variance_m2: 0.0,
             point: DetectionPoint::default(),
             names: KnownNames::default(),
             verification: Verification::default(),
@@ -367,6 +373,7 @@ impl SensorEntry {
         self.residuals = 0;
         self.residual_mean_m = [0.0; 2];
         self.residual_variance_m2 = 0.0;
+        (self.height_mean_m, self.height_variance_m2) = (0.0, 0.0);
         self.point = DetectionPoint::default();
         self.is_displaced = false;
         self.is_led_off = false;

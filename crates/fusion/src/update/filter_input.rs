@@ -60,6 +60,8 @@ pub(crate) struct UnseenErrors {
     pub(crate) per_axis_m2: f64,
     /// Variance of the time, s²: of coarse time stamps, for a target that all sources see.
     pub(crate) course_s2: f64,
+    /// Variance of the height, m²: of slow errors, for a target that all sources see.
+    pub(crate) height_m2: f64,
 }
 
 impl FilterInput {

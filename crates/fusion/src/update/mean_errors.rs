@@ -4,9 +4,10 @@
 //! Each sensor track keeps the mean and the variance of the latest innovations. This module compares the means of the
 //! sensor tracks of a target. The results on a source are passed on to the models of the sources.
 
-use messages::TrackState;
+use messages::{AXES, TrackState};
 use source_models::{
-    Fact, FilterInnovation, Innovation, InnovationFact, MEAN_GAIN, MEAN_VARIANCE, MeanApart, Measurement, from_body,
+    Fact, FilterInnovation, HeightApart, Innovation, InnovationFact, MEAN_GAIN, MEAN_VARIANCE, MeanApart, Measurement,
+    from_body,
 };
 
 use crate::associate::association_step::Search;
@@ -36,6 +37,19 @@ impl SensorEntry {
     }
 }
 
+impl SensorEntry {
+    /// Adds the difference of a measured height from the filter, with the variance of the measurement, to the mean.
+    fn add_height(&mut self, off_m: f64, variance_m2: f64) {
+        let gain = if self.height_variance_m2 == 0.0 { 1.0 } else { MEAN_GAIN };
+        for (mean, value) in [
+            (&mut self.height_mean_m, off_m),
+            (&mut self.height_variance_m2, variance_m2),
+        ] {
+            *mean += (gain * (value - f64::from(*mean))) as f32;
+        }
+    }
+}
+
 impl Engine {
     /// Adds the innovation of a measurement, with the normalised square `nis`, to the sensor track's mean. The models
     /// of the sources learn from the innovation, unless a step of a source's errors has misled filters (`is_misled`).
@@ -47,7 +61,13 @@ impl Engine {
         moves_mps: Option<[f64; 3]>,
         is_misled: bool,
     ) {
-        let about_mean_m = self.tracks.sensors.get_mut(sensor).add_innovation(innovation);
+        let filter = &self.tracks.systems.get(self.tracks.sensors.get(sensor).system).filter;
+        let (height_m, filter_ns) = (filter.estimate.mean[2], filter.time_ns);
+        let entry = self.tracks.sensors.get_mut(sensor);
+        if measurement.axes == AXES && filter_ns == entry.time_ns {
+            entry.add_height(measurement.position_m[2] - height_m, measurement.covariance_m2[5]);
+        }
+        let about_mean_m = entry.add_innovation(innovation);
         if about_mean_m.is_some() {
             self.look_for_led_off(sensor);
         }
@@ -76,6 +96,7 @@ impl Engine {
             shows_errors: is_compared && !entry.point.has_leapt,
             shows_accuracy: !is_misled && !entry.is_led_off,
             steadiness: target.filter.steadiness(),
+            height: looks.then(|| search.height_apart(sensor)).flatten(),
             apart: apart.map(|(offset_m, noise_m2)| MeanApart {
                 offset_m,
                 noise_m2,
@@ -128,6 +149,26 @@ impl Search<'_> {
         let offset = std::array::from_fn(|axis| mean_m[axis] - sum[axis] / count);
         let variance_m2 = MEAN_VARIANCE * (entry.residual_variance_m2 + variance / (count * count));
         Some((offset, variance_m2))
+    }
+
+    /// Returns the difference of a sensor track's mean height from those of the other sensor tracks; `None` while data
+    /// are too few.
+    fn height_apart(&self, sensor: SensorSlot) -> Option<HeightApart> {
+        let entry = self.tracks.sensors.get(sensor);
+        let known = |entry: &SensorEntry| entry.residuals >= MEAN_REPORTS_MIN && entry.height_variance_m2 > 0.0;
+        let (mut sum_m, mut variance_m2, mut others) = (0.0, 0.0, 0.0);
+        for (member, other) in self.tracks.contributing_entries(entry.system, entry.time_ns) {
+            if member != sensor && known(other) {
+                sum_m += f64::from(other.height_mean_m);
+                variance_m2 += f64::from(other.height_variance_m2);
+                others += 1.0;
+            }
+        }
+        (known(entry) && others > 0.0).then(|| HeightApart {
+            offset_m: f64::from(entry.height_mean_m) - sum_m / others,
+            noise_m2: MEAN_VARIANCE * (f64::from(entry.height_variance_m2) + variance_m2 / (others * others)),
+            others,
+        })
     }
 
     /// Returns d² of a sensor track's offset from the others, given the noise and the spread of detection points;
