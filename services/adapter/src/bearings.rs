@@ -8,6 +8,7 @@ use anyhow::Context as _;
 use asterix::{Decoder, StatedTables, blocks};
 use deployment::{Asterix, Input};
 use formats::emitter_rows_csv::EmitterRowReader;
+use formats::observation::FinderReports;
 use formats::plane::Plane;
 use messages::Counter;
 use runtime::Process;
@@ -16,7 +17,7 @@ use runtime::{HealthEntry, Now};
 use crate::Processed;
 use crate::channel::SourceChannel;
 use crate::counted::decoded;
-use crate::finder_reports::FinderReports;
+use crate::finder::{finder_reports, in_words};
 use crate::receiver::{DatagramReader, ReceiptTime};
 use crate::tables::{TableCounts, utc_ns};
 
@@ -47,7 +48,7 @@ impl Bearings {
             channel: SourceChannel::open(process, source)?,
             plane: Plane::Given(process.config.frame),
             tables: TableCounts::default(),
-            reports: FinderReports::of(source.source, source.reading()),
+            reports: finder_reports(source.source, source.reading()),
             decoder: StatedTables::new(&stated.editions, stated.is_strict).decoder(),
             bytes_rejected: 0,
             blocks_rejected: 0,
@@ -81,7 +82,10 @@ impl Bearings {
                 match reports.take(&record, Some(received.utc_ns), 0) {
                     Ok(Some(measured)) => self.channel.emitter(&measured, received.mono_ns)?,
                     Ok(None) => {}
-                    Err((refusal, words)) => self.tables.note((refusal.label(), ""), received, words),
+                    Err(refusal) => {
+                        let said = in_words(refusal);
+                        self.tables.note((refusal.label(), ""), received, said);
+                    }
                 }
             }
         }

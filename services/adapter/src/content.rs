@@ -1,16 +1,16 @@
 //! Contents of a recorded file, read piece by piece.
 
-use std::collections::{BTreeSet, VecDeque};
+use std::collections::BTreeSet;
 use std::fmt;
 use std::io::Cursor;
 
-use asterix::{Block, Decoder, Error, StatedTables, blocks};
+use asterix::{Decoder, StatedTables};
 use csv_table::CsvError;
 use deployment::{FeedFormat, FeedOrigin, Recorded, RecordedFormat};
-use formats::containers::{Container, TimeStamp, datagrams};
+use formats::containers::RecordedPieces;
 use formats::feed::{Fed, FeedCounts, FeedReader};
 use formats::named_columns::{NamedTrackReader, RowSource, TableOutline};
-use formats::observation::{self, Reading};
+use formats::observation::{self, FinderReports, Reading};
 use formats::readsb::documents;
 use formats::sensor_tracks_csv::SensorTrackReader;
 use frames::SystemFrame;
@@ -19,7 +19,6 @@ use observations::Observation;
 
 use crate::counted::decoded;
 use crate::feed::{self, StatedReceiver};
-use crate::finder_reports::FinderReports;
 use crate::intake::Intake;
 
 /// Longest piece of a recorded feed without lines, bytes.
@@ -28,7 +27,7 @@ const PIECE_OCTETS_MAX: usize = 1 << 16;
 /// Data blocks of ASTERIX in a file.
 #[derive(Debug)]
 pub(crate) struct RecordedBlocks {
-    packed: Packed,
+    pieces: RecordedPieces,
     decoder: Decoder,
     /// Direction finder whose reports are located; `None` of a source of targets.
     finder: Option<FinderReports>,
@@ -63,7 +62,7 @@ impl RecordedContent {
             None if recorded.format == RecordedFormat::Asterix => {
                 let tables = StatedTables::new(&recorded.asterix.editions, recorded.asterix.is_strict);
                 Self::Asterix(Box::new(RecordedBlocks {
-                    packed: Packed::new(bytes),
+                    pieces: RecordedPieces::new(bytes),
                     decoder: tables.decoder(),
                     finder: None,
                     first_day_ns,
@@ -84,8 +83,8 @@ impl RecordedContent {
     /// Whether everything has been read.
     pub(crate) fn is_exhausted(&self) -> bool {
         match self {
-            Self::Asterix(blocks) => blocks.packed.is_exhausted(),
-            Self::Feed(feed, _) => feed.packed.is_exhausted(),
+            Self::Asterix(blocks) => blocks.pieces.is_exhausted(),
+            Self::Feed(feed, _) => feed.pieces.is_exhausted(),
             Self::Tracks(tracks) => tracks.reader.is_none(),
         }
     }
@@ -128,7 +127,7 @@ impl RecordedContent {
 
 impl RecordedBlocks {
     fn read_block(&mut self, intake: &mut Intake) {
-        let (block, length) = self.packed.next_block();
+        let (block, length) = self.pieces.next_block();
         for record in self.decoder.records_of(block.into_iter(), length).flatten() {
             match observation::read(&record) {
                 Reading::Target(observed) => intake.observe(&observed),
@@ -149,7 +148,7 @@ impl RecordedBlocks {
 /// Data of a feed in a file, or in the datagrams of a capture.
 #[derive(Debug)]
 pub(crate) struct RecordedFeed {
-    packed: Packed,
+    pieces: RecordedPieces,
     first_day_ns: i64,
     format: FeedFormat,
     /// Time of receipt of data that state none, UTC, nanoseconds.
@@ -163,7 +162,7 @@ impl RecordedFeed {
     pub(crate) fn open((format, receiver, first_day_ns): (FeedFormat, StatedReceiver, i64), bytes: Vec<u8>) -> Self {
         Self {
             received_ns: None,
-            packed: Packed::of_feed(bytes),
+            pieces: RecordedPieces::of_feed(bytes),
             format,
             reader: FeedReader::new(feed::settings(format, 0, receiver, first_day_ns)),
             first_day_ns,
@@ -173,7 +172,7 @@ impl RecordedFeed {
     /// Reads the next piece.
     fn read_piece(&mut self, out: &mut dyn FnMut(Fed<'_>)) {
         let (format, is_lines) = (self.format, self.format.is_lines());
-        let (piece, received_ns) = self.packed.next_piece(|rest| {
+        let (piece, received_ns) = self.pieces.next_piece(|rest| {
             let length = match format {
                 FeedFormat::Sbs | FeedFormat::Ais | FeedFormat::RadarTargets | FeedFormat::RemoteId => {
                     rest.iter().position(|octet| *octet == b'\n').map(|end| end + 1)
@@ -196,7 +195,7 @@ impl RecordedFeed {
             .or(has_receipt.then_some(self.first_day_ns));
         // Refused data are counted by reason.
         self.reader.take(piece, received_ns, out);
-        if self.packed.is_exhausted() {
+        if self.pieces.is_exhausted() {
             self.reader.end();
         }
     }
@@ -206,7 +205,7 @@ impl RecordedFeed {
     pub(crate) fn survey(mut self, received_ns: Option<i64>, observed: &mut dyn FnMut(&Observation)) -> FeedSurvey {
         self.received_ns = received_ns;
         let (mut refused, mut stations, mut station_deg) = (None, BTreeSet::new(), None);
-        while !self.packed.is_exhausted() {
+        while !self.pieces.is_exhausted() {
             self.read_piece(&mut |fed| match fed {
                 Fed::Target(_, report) => observed(report),
                 Fed::Refused(_, words) => refused = Some(words.to_string()),
@@ -303,83 +302,4 @@ pub fn rows_of_tracks(bytes: Vec<u8>, frame: SystemFrame, first_day_ns: i64) -> 
         }
     };
     Ok(reader)
-}
-
-/// Datagrams of a recording, in sequence.
-#[derive(Debug)]
-pub(crate) struct Packed {
-    bytes: Vec<u8>,
-    /// End of each datagram in order, and the time of receipt if known, UTC, nanoseconds.
-    ends: VecDeque<(usize, Option<i64>)>,
-    offset: usize,
-}
-
-impl Packed {
-    /// Unpacks the datagrams of the recording's container.
-    pub(crate) fn new(bytes: Vec<u8>) -> Self {
-        let (mut unpacked, mut ends) = (Vec::new(), VecDeque::new());
-        if Container::detect(&bytes) == Container::Raw {
-            unpacked = bytes;
-            ends.push_back((unpacked.len(), None));
-        } else {
-            for datagram in datagrams(&bytes).flatten() {
-                unpacked.extend_from_slice(&datagram.bytes);
-                let received_ns = match datagram.time_stamp {
-                    Some(TimeStamp::Utc { ns }) => Some(ns),
-                    _ => None,
-                };
-                ends.push_back((unpacked.len(), received_ns));
-            }
-        }
-        ends.retain(|(end, _)| *end > 0);
-        Self {
-            bytes: unpacked,
-            ends,
-            offset: 0,
-        }
-    }
-
-    /// Unpacks the datagrams of a capture of a feed. Anything else is a feed's own stream: lines of hexadecimal digits
-    /// may be frames.
-    fn of_feed(bytes: Vec<u8>) -> Self {
-        match Container::detect(&bytes) {
-            Container::Pcap | Container::PcapNg => Self::new(bytes),
-            _ => Self {
-                ends: VecDeque::from([(bytes.len(), None)]),
-                bytes,
-                offset: 0,
-            },
-        }
-    }
-
-    /// Whether every block has been returned.
-    pub(crate) fn is_exhausted(&self) -> bool {
-        self.ends.is_empty()
-    }
-
-    /// Returns the next data block and the number of bytes. Data that are no block end the datagram, and are an error
-    /// of that many bytes.
-    pub(crate) fn next_block(&mut self) -> (Option<Result<Block<'_>, Error>>, usize) {
-        let found = |rest| {
-            let block = blocks(rest).next();
-            let length = match &block {
-                Some(Ok(block)) => block.bytes.len(),
-                _ => rest.len(),
-            };
-            ((block, length), length)
-        };
-        self.next_piece(found).0
-    }
-
-    /// Returns the next piece of a datagram as `take` finds it, and the time of receipt; `take` also returns the
-    /// number of bytes of the piece.
-    fn next_piece<'a, T>(&'a mut self, take: impl FnOnce(&'a [u8]) -> (T, usize)) -> (T, Option<i64>) {
-        let (end, received_ns) = self.ends.front().copied().unwrap_or((self.offset, None));
-        let (piece, length) = take(&self.bytes[self.offset..end]);
-        self.offset += length;
-        if self.offset == end {
-            self.ends.pop_front();
-        }
-        (piece, received_ns)
-    }
 }

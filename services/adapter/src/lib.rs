@@ -20,7 +20,7 @@ mod content;
 mod continuity;
 mod counted;
 mod feed;
-mod finder_reports;
+mod finder;
 mod intake;
 mod misfits;
 mod outlet;
@@ -35,7 +35,6 @@ mod snapshots;
 mod statements;
 mod tables;
 mod tracker;
-mod transmissions;
 mod wide_area;
 
 pub use content::{FeedSurvey, TrackRows, rows_of_tracks};

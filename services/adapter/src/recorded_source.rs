@@ -16,7 +16,7 @@ use crate::Processed;
 use crate::beside::Beside;
 use crate::content::RecordedContent;
 use crate::feed::StatedReceiver;
-use crate::finder_reports::FinderReports;
+use crate::finder::finder_reports;
 use crate::intake::Intake;
 use crate::replay::{Published, ReplayAgent, Replayed};
 use crate::wide_area::recorded;
@@ -137,7 +137,7 @@ impl RecordedSource {
         let place = (reading.model.system, StatedReceiver::of(source, reading));
         let mut recording = Self {
             content: RecordedContent::open(bytes, recorded, place, first_day_ns)?
-                .with_finder(FinderReports::of(source, reading)),
+                .with_finder(finder_reports(source, reading)),
             intake: Intake::new(source.number, pipeline, recorded.reorder_ns),
             ready: VecDeque::with_capacity(2 * AHEAD),
             next_number: 0,

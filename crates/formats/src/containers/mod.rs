@@ -62,10 +62,12 @@ pub(crate) mod hexadecimal;
 mod packet;
 mod pcap;
 mod pcapng;
+mod pieces;
 mod skipped;
 
 pub use capture::{DatagramRoute, begin_capture, capture};
 pub use fragments::FRAGMENTED_MAX;
+pub use pieces::RecordedPieces;
 pub use skipped::{ContainerCounts, Reason, Skipped};
 
 use fragments::Fragments;

@@ -193,6 +193,11 @@ impl DirectionFinder {
 }
 
 impl FinderReport {
+    /// Whether the report may be of this sender (SAC and SIC): another one is not stated. Any report is of `None`.
+    pub fn may_be_of(&self, sac_sic: Option<(u8, u8)>) -> bool {
+        sac_sic.is_none() || self.sac_sic.is_none() || self.sac_sic == sac_sic
+    }
+
     /// The measurement in the system frame: a bearing, or a position found by the sender. The day is the one that
     /// brings the time of day nearest to `near_ns` (UTC, nanoseconds).
     ///

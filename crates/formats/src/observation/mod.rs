@@ -1,7 +1,7 @@
 //! ASTERIX target reports into observations.
 //!
 //! A file per category describes the meaning of the category's items. Reports of radio direction finders (CAT205) are
-//! no targets; [`finder_report`] makes bearings and fixes of them.
+//! no targets; [`FinderReports`] makes bearings and fixes of them.
 
 mod cat001;
 mod cat010;
@@ -12,11 +12,14 @@ mod cat021_v2;
 mod cat048;
 mod cat062;
 mod cat205;
+mod finder_reports;
 pub(crate) mod items;
 pub(crate) mod navigation;
 mod services;
+mod transmissions;
 
 pub use cat205::{DirectionFinder, FinderRefusal, FinderReport, FinderReportKind, finder_report};
+pub use finder_reports::FinderReports;
 
 use asterix::field::{Elements, Field, elements, field, item, whole};
 use asterix::{Frn, Record};

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use anyhow::Context as _;
 use deployment::{WideAreaInput, WideAreaSensor};
+use formats::containers::RecordedPieces;
 use formats::wide_area_csv::WideAreaReader;
 use messages::{Counter, Counters, StageTimes, WideArea};
 use observations::Sampled;
@@ -14,7 +15,6 @@ use tracking::wide_area::arrivals::order;
 
 use super::RejectedReports;
 use super::tracks::OtherSystemTracks;
-use crate::content::Packed;
 use crate::replay::Replayed;
 
 /// A recording's reports, in the order of arrival.
@@ -102,9 +102,9 @@ impl RecordedReports {
     }
 
     fn tracks(&mut self, mut tracks: OtherSystemTracks, path: &Path) -> anyhow::Result<()> {
-        let mut packed = Packed::new(std::fs::read(path)?);
-        while !packed.is_exhausted() {
-            let (block, length) = packed.next_block();
+        let mut pieces = RecordedPieces::new(std::fs::read(path)?);
+        while !pieces.is_exhausted() {
+            let (block, length) = pieces.next_block();
             tracks.take(block, length, None, &mut self.reports);
         }
         tracks.end(&mut self.reports);

@@ -7,25 +7,23 @@
 //! the sensor's own: the same transmission has another one at the next sensor. Unless the source is a single sender, by
 //! its SAC and SIC, the bearings of sensors are joined by their channel and time ([`Transmissions`]).
 
-use deployment::Source;
-use formats::observation::{DirectionFinder, FinderRefusal, FinderReport, FinderReportKind, finder_report};
 use frames::time::NS_PER_S;
 use messages::{Counter, Counters};
 use observations::{Bearing, EmitterMeasurement};
-use sources::SourceReading;
 
-use crate::transmissions::Transmissions;
+use super::cat205::{DirectionFinder, FinderRefusal, FinderReport, FinderReportKind, finder_report};
+use super::transmissions::Transmissions;
 
 /// Time after a bearing for which positions of the same sender are repetitions, nanoseconds.
 const BEARING_AGE_MAX_NS: u64 = 10 * NS_PER_S.unsigned_abs();
 /// Half a day, nanoseconds.
 const HALF_A_DAY_NS: i64 = 43_200 * NS_PER_S;
 
-/// Finder of a source, and counts of its reports.
+/// Finder, or system of finders, and counts of its reports.
 #[derive(Debug)]
-pub(crate) struct FinderReports {
+pub struct FinderReports {
     finder: DirectionFinder,
-    /// Whether the configuration states where the finder stands.
+    /// Whether the place of `finder` is stated.
     is_placed: bool,
     sac_sic: Option<(u8, u8)>,
     /// Time of the latest report, UTC, nanoseconds.
@@ -37,24 +35,22 @@ pub(crate) struct FinderReports {
 }
 
 impl FinderReports {
-    /// The finder of a source with a locator; `None` of another source.
-    pub(crate) fn of(source: &Source, reading: &SourceReading) -> Option<Self> {
-        let (model, locator) = (&reading.model, reading.processing.locator()?);
-        let place = model.system.to_geodetic(model.frame.cartesian([0.0; 3]));
-        let finder = DirectionFinder::new(&model.system, place, locator.bearing_sigma_deg.rad())?;
-        Some(Self {
+    /// The reports of a finder. `is_placed`: the place of `finder` is stated; otherwise reports without a position are
+    /// refused. With SAC and SIC, the reports of this sender alone.
+    pub fn new(finder: DirectionFinder, is_placed: bool, sac_sic: Option<(u8, u8)>) -> Self {
+        Self {
             finder,
-            is_placed: source.stated_place_deg.is_some(),
-            sac_sic: model.sac_sic,
+            is_placed,
+            sac_sic,
             latest_ns: None,
             bearing_ns: None,
             transmissions: Transmissions::default(),
             counters: Counters::default(),
-        })
+        }
     }
 
     /// Counts of reports without a measurement.
-    pub(crate) fn counters(&self) -> &Counters {
+    pub fn counters(&self) -> &Counters {
         &self.counters
     }
 
@@ -63,17 +59,17 @@ impl FinderReports {
     /// record without a measurement.
     ///
     /// # Errors
-    /// The reason, and the refusal in words. It is counted.
-    pub(crate) fn take(
+    /// The reason. It is counted.
+    pub fn take(
         &mut self,
         record: &asterix::Record<'_>,
         received_ns: Option<i64>,
         first_day_ns: i64,
-    ) -> Result<Option<EmitterMeasurement>, (FinderRefusal, String)> {
+    ) -> Result<Option<EmitterMeasurement>, FinderRefusal> {
         let Some(report) = finder_report(record) else {
             return Ok(None);
         };
-        if self.sac_sic.is_some() && report.sac_sic.is_some() && report.sac_sic != self.sac_sic {
+        if !report.may_be_of(self.sac_sic) {
             self.counters[Counter::RejectedSource] += 1;
             return Ok(None);
         }
@@ -85,23 +81,17 @@ impl FinderReports {
             return Ok(None);
         }
         let near_ns = received_ns.or(self.latest_ns).unwrap_or(first_day_ns + HALF_A_DAY_NS);
-        match self
-            .placed(&report)
-            .and_then(|report| report.measurement(&self.finder, near_ns))
-        {
+        let placed = self.placed(&report);
+        match placed.and_then(|report| report.measurement(&self.finder, near_ns)) {
             Ok(measured) => Ok(self.used(&report, measured)),
             Err(refusal) => {
                 self.counters[counter(refusal)] += 1;
-                let remedy = match refusal {
-                    FinderRefusal::Position => "; state [source.place]",
-                    _ => "",
-                };
-                Err((refusal, format!("{refusal}{remedy}")))
+                Err(refusal)
             }
         }
     }
 
-    /// The report, if every position that it needs is stated by the report or the configuration.
+    /// The report, if every position that it needs is stated, in the report or beside it.
     fn placed<'a>(&self, report: &'a FinderReport) -> Result<&'a FinderReport, FinderRefusal> {
         match self.is_placed || report.geodetic.is_some() {
             true => Ok(report),
@@ -148,30 +138,27 @@ fn counter(refusal: FinderRefusal) -> Counter {
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use asterix::StatedTables;
-    use configuration::Config;
+    use frames::{Geodetic, SystemFrame};
 
     use super::*;
 
-    /// A deployment whose only source has a locator, with these keys and tables of the source.
-    fn finder(keys: &str, tables: &str) -> FinderReports {
-        let text = format!(
-            "name = \"x\"\n[frame]\nlatitude_deg = 47.0\nlongitude_deg = 8.0\n[time]\ndate = \"2024-06-06\"\n[[source]]\n\
-             name = \"a\"\n[source.recorded]\nfile = \"a.ast\"\n{keys}\n{tables}\n[source.locator]\nbearing_sigma_deg = 3.0\n"
-        );
-        let config = Config::parse(Path::new("x.toml"), &text, &[]).unwrap();
-        FinderReports::of(&config.sources[0], &config.readings.sources[0]).unwrap()
+    /// A finder at 47° N, 8° E.
+    fn finder(is_placed: bool, sac_sic: Option<(u8, u8)>) -> FinderReports {
+        let place = Geodetic::from_degrees(47.0, 8.0, 0.0).unwrap();
+        let finder = DirectionFinder::new(&SystemFrame::at(place), place, 3f64.to_radians()).unwrap();
+        FinderReports::new(finder, is_placed, sac_sic)
     }
 
+    type Taken = Result<Option<EmitterMeasurement>, FinderRefusal>;
+
     /// What is made of the report with these items behind SAC 25 and SIC 9.
-    fn taken(reports: &mut FinderReports, fspec: &[u8], items: &[&[u8]]) -> Result<Option<EmitterMeasurement>, String> {
+    fn taken(reports: &mut FinderReports, fspec: &[u8], items: &[&[u8]]) -> Taken {
         let body = [fspec, &[25, 9], &items.concat()].concat();
         let block = [&[205, 0, body.len() as u8 + 3], &body[..]].concat();
         let mut decoder = StatedTables::new(&[], true).decoder();
         let record = decoder.records(&block).next().unwrap().unwrap();
-        reports.take(&record, None, 0).map_err(|(_, words)| words)
+        reports.take(&record, None, 0)
     }
 
     /// Time of day, so many seconds after midnight.
@@ -181,23 +168,22 @@ mod tests {
     }
 
     const PLACE: [u8; 8] = [0x00, 0x85, 0xB0, 0x5B, 0x00, 0x16, 0xC1, 0x6C]; // 47° N, 8° E
-    const TABLE: &str = "[source.place]\nlatitude_deg = 47.0\nlongitude_deg = 8.0";
 
     /// Type 5: a bearing of 45° at 47° N, 8° E, of the track number 7.
-    fn bearing(reports: &mut FinderReports, seconds: u32) -> Result<Option<EmitterMeasurement>, String> {
+    fn bearing(reports: &mut FinderReports, seconds: u32) -> Taken {
         let items: [&[u8]; 5] = [&[5], &time(seconds), &PLACE, &4500_u16.to_be_bytes(), &[0, 7]];
         taken(reports, &[0xB3, 0x41, 0x20], &items)
     }
 
     /// Type 1: a position with a radius of 500 m, of the track number 7.
-    fn fix(reports: &mut FinderReports, seconds: u32) -> Result<Option<EmitterMeasurement>, String> {
+    fn fix(reports: &mut FinderReports, seconds: u32) -> Taken {
         let items: [&[u8]; 5] = [&[1], &time(seconds), &PLACE, &[5], &[0, 7]];
         taken(reports, &[0xB3, 0x09, 0x20], &items)
     }
 
     #[test]
     fn positions_beside_bearings_are_repetitions() {
-        let mut reports = finder("", "");
+        let mut reports = finder(false, None);
         assert!(matches!(fix(&mut reports, 10), Ok(Some(EmitterMeasurement::Fix(_)))));
         let Ok(Some(EmitterMeasurement::Bearing(found))) = bearing(&mut reports, 20) else {
             panic!()
@@ -210,28 +196,27 @@ mod tests {
 
     #[test]
     fn numbers_of_sensors_are_those_of_one_sender_only() {
-        let number = |keys| match bearing(&mut finder(keys, ""), 0) {
+        let number = |sac_sic| match bearing(&mut finder(false, sac_sic), 0) {
             Ok(Some(EmitterMeasurement::Bearing(bearing))) => bearing.emitter_id,
             other => panic!("{other:?}"),
         };
-        assert_eq!((number(""), number("sac = 25\nsic = 9")), (None, Some(7)));
-        let mut other = finder("sac = 25\nsic = 8", "");
+        assert_eq!((number(None), number(Some((25, 9)))), (None, Some(7)));
+        let mut other = finder(false, Some((25, 8)));
         assert_eq!(bearing(&mut other, 0), Ok(None));
         assert_eq!(other.counters()[Counter::RejectedSource], 1);
     }
 
     #[test]
-    fn a_place_comes_from_the_report_or_the_source() {
+    fn a_place_comes_from_the_report_or_is_stated() {
         // Type 5 without a position.
         let unplaced = |reports: &mut FinderReports| {
             let items: [&[u8]; 3] = [&[5], &time(0), &4500_u16.to_be_bytes()];
             taken(reports, &[0xB1, 0x40], &items)
         };
-        let mut reports = finder("", "");
-        let refused = unplaced(&mut reports).unwrap_err();
-        assert!(refused.contains("state [source.place]"), "{refused}");
+        let mut reports = finder(false, None);
+        assert_eq!(unplaced(&mut reports), Err(FinderRefusal::Position));
         assert_eq!(reports.counters()[Counter::RejectedNoPosition], 1);
-        assert!(unplaced(&mut finder("", TABLE)).unwrap().is_some());
+        assert!(unplaced(&mut finder(true, None)).unwrap().is_some());
         // Type 4: the end of a transmission.
         assert_eq!(taken(&mut reports, &[0xB0], &[&[4], &time(0)]), Ok(None));
     }

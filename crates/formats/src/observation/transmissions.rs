@@ -29,11 +29,11 @@ const FIRST_NUMBER: u32 = 1 << 16;
 const NUMBERS: u32 = 900_000;
 
 /// A finder: SAC and SIC of the sender, and number of the sensor.
-pub(crate) type FinderKey = (Option<(u8, u8)>, Option<u8>);
+pub(super) type FinderKey = (Option<(u8, u8)>, Option<u8>);
 
 /// Transmissions, by channel.
 #[derive(Debug, Default)]
-pub(crate) struct Transmissions {
+pub(super) struct Transmissions {
     channels: Vec<Channel>,
     begun: u32,
 }
@@ -51,7 +51,7 @@ struct Channel {
 
 impl Transmissions {
     /// Number of the transmission on the channel called `name` of which a finder has this bearing.
-    pub(crate) fn number(&mut self, name: [u8; 7], finder: FinderKey, bearing: &Bearing) -> u32 {
+    pub(super) fn number(&mut self, name: [u8; 7], finder: FinderKey, bearing: &Bearing) -> u32 {
         let place = self.place(name);
         let channel = &mut self.channels[place];
         if !channel.goes_on(finder, bearing) {
@@ -73,7 +73,7 @@ impl Transmissions {
     }
 
     /// The transmission on a channel has ended.
-    pub(crate) fn end(&mut self, name: [u8; 7]) {
+    pub(super) fn end(&mut self, name: [u8; 7]) {
         let ended = self.channels.iter_mut().find(|channel| channel.name == name);
         ended.into_iter().for_each(|channel| channel.has_ended = true);
     }
