@@ -161,14 +161,18 @@ def track(
 
 def locate(
     bearings: Any, *, filter: str | None = None, select: str | None = None, config: Any = None,
-    origin: Origin | None = None, progress: Progress | None = None,
+    origin: Origin | None = None, bearing_sigma_deg: float | None = None, date: str | None = None,
+    progress: Progress | None = None,
 ) -> Table:
     """Places of emitters from a table of bearings (clockwise from north, at places in metres or degrees), as by `koseki locate`.
 
-    `filter` is "auto", "fixed" or "straight"; `select` is "auto", "none", "interval", "minimum" or "staged".
+    `filter` is "auto", "fixed" or "straight"; `select` is "auto", "none", "interval", "minimum" or "staged". `bearings` may
+    be the path of a recording of direction finders (ASTERIX), with a standard deviation of `bearing_sigma_deg` and the first
+    day `date`, as "2024-06-06".
     """
     command = _Command("locate", "--json").table(bearings=bearings).config(config).origin(origin)
-    return command.option(filter=filter, select=select).out(progress)
+    command.option(filter=filter, select=select, bearing_sigma_deg=bearing_sigma_deg, date=date)
+    return command.out(progress)
 
 
 def compare(

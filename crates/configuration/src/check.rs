@@ -183,24 +183,30 @@ pub(super) fn check(path: &Path, mut raw: DeploymentTable) -> Checked<CheckedDep
 fn first_day(raw: &DeploymentTable, sources: &[Source]) -> Checked<Option<i64>> {
     let recorded = sources.iter().any(|source| source.input.is_recorded());
     match &raw.time.date {
-        Some(date) => {
-            let day: jiff::civil::Date = date.parse().map_err(|_| {
-                SettingsError::new(
-                    "time.date",
-                    format!("\"{date}\" is not a date: write year-month-day, as in \"2016-05-10\""),
-                )
-            })?;
-            let midnight = day
-                .to_zoned(jiff::tz::TimeZone::UTC)
-                .map_err(|error| SettingsError::new("time.date", error.to_string()))?;
-            Ok(Some(midnight.timestamp().as_nanosecond() as i64))
-        }
+        Some(date) => day_ns(date)
+            .map(Some)
+            .map_err(|what| SettingsError::new("time.date", what)),
         None if recorded => Err(SettingsError::new(
             "time.date",
             "missing: recordings carry the time of day only, so give their first day (UTC)",
         )),
         None => Ok(None),
     }
+}
+
+/// Reads a date; UTC of its midnight, nanoseconds since 1970.
+///
+/// # Errors
+/// If `date` is none, or too far from 1970; the message has the remedy.
+pub fn day_ns(date: &str) -> Result<i64, String> {
+    let day: jiff::civil::Date = date
+        .parse()
+        .map_err(|_| format!("\"{date}\" is not a date: write year-month-day, as in \"2016-05-10\""))?;
+    let midnight = day
+        .to_zoned(jiff::tz::TimeZone::UTC)
+        .map_err(|error| error.to_string())?;
+    i64::try_from(midnight.timestamp().as_nanosecond())
+        .map_err(|_| format!("\"{date}\" is beyond the times that are computed: 1678 to 2261"))
 }
 
 /// The simulated world, and what observes it.

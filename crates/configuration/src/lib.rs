@@ -35,6 +35,7 @@ use settings::{Document, KeyTable, KeyValue, SettingsError, Shared};
 use sources::{Readings, SourceReading, TrackerSettings};
 use tables::DeploymentTable;
 
+pub use check::day_ns;
 pub use locating::locating_settings;
 pub use offline::{Offline, OfflineSettings, SeenSensor};
 pub use reference::{locating_help, reference, sensor_help, tracking_help};

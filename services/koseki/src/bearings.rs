@@ -12,7 +12,7 @@ use formats::bearings_csv::BearingWriter;
 use formats::snapshots_csv::{ArraySnapshot, SnapshotReader};
 use locating::music::{ArrayFinder, ArraySettings, Complex, Snapshots};
 use observations::Bearing;
-use offline::{InputError, OutputFile, SkippedRows, check_outputs, open};
+use offline::{InputError, OutputFile, RowPlace, SkippedRows, check_outputs, open};
 use serde_json::json;
 
 use crate::args::MeasureBearings;
@@ -93,8 +93,12 @@ impl<'a> Finder<'a> {
                 self.measure()?;
             } else if place(&snapshot) != place(first) {
                 let why = "it has the time of the row above, and another place, heading or frequency";
-                self.refusals
-                    .refused("two measurements with the same time", self.path, line, why);
+                self.refusals.refused(
+                    "two measurements with the same time",
+                    self.path,
+                    RowPlace::Line(line),
+                    why,
+                );
                 return Ok(());
             }
         }
@@ -131,7 +135,7 @@ impl<'a> Finder<'a> {
             }
             Err(error) => {
                 let reason = "a measurement that cannot be made";
-                self.refusals.refused(reason, self.path, line, error);
+                self.refusals.refused(reason, self.path, RowPlace::Line(line), error);
             }
         }
         self.samples.clear();

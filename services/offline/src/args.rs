@@ -442,7 +442,10 @@ Examples:
       both in one filter
   koseki locate --bearings bearings_a.csv --bearings arrivals_a.csv --out f.csv
       as a deployment has recorded them
+  koseki locate finders.pcap --bearing-sigma-deg 1.5 --out fixes.csv
+      a recording of direction finders (ASTERIX, category 205)
 
+FILE     as --bearings, before the files there
 --bearings time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz[,heading_rad,
          frequency_hz]
          a row per bearing, in the order of time. Radians clockwise from north,
@@ -472,6 +475,15 @@ Examples:
          such rows show how far the receivers' clocks are ahead and drift, and
          are not located. In a file with such a row, arrivals before the clocks
          are known are omitted; in others, clocks are exact.
+         A recording of ASTERIX, in any container of `koseki decode`, has the
+         reports of direction finders (category 205) in place of rows, as for a
+         recorded source with [source.locator]: bearings from true north at the
+         place in the report or at --place, and positions where no bearing has
+         come for 10 s. Without SAC and SIC, the reports of all senders locate
+         the same emitters.
+--date   of the first report of such recordings (UTC); otherwise that of the
+         container, and without any, times count from midnight, as in tables
+         without dates. 1970-01-01 always counts from midnight.
 --fixes  time_s,emitter_id,x,y,z and Pxx,Pxy,Pyy (m²), or variance_m2, the sum
          of both, or sigma_m along each axis; in place of x,y,z: latitude,
          longitude and altitude_m
@@ -518,9 +530,27 @@ fn locate_examples() -> String {
 /// `koseki locate`.
 #[derive(Debug, Args)]
 pub struct Locate {
-    /// Bearings and arrival times: a CSV file in the order of time (repeatable)
-    #[arg(long, value_name = "FILE", required_unless_present = "fixes")]
+    /// Files as for --bearings
+    #[arg(value_name = "FILE")]
+    pub(crate) files: Vec<PathBuf>,
+    /// Bearings and arrival times in the order of time: a CSV file, or a recording of direction finders (repeatable)
+    #[arg(long, value_name = "FILE", required_unless_present_any = ["fixes", "files"])]
     pub(crate) bearings: Vec<PathBuf>,
+    /// Standard deviation of bearings of recordings, degrees [default: bearing_sigma_deg in --config, else 2]
+    #[arg(long, value_name = "DEGREES", value_parser = above_zero)]
+    pub(crate) bearing_sigma_deg: Option<f64>,
+    /// Day of the first report of recordings, year-month-day (UTC) [default: as the container states, if it does]
+    #[arg(long, value_name = "DATE", value_parser = configuration::day_ns)]
+    pub(crate) date: Option<i64>,
+    /// Place of the finder of recordings, or reference point of its system, where reports need it
+    #[arg(long, value_name = "LAT,LON[,HEIGHT]", value_parser = place, allow_hyphen_values = true)]
+    pub(crate) place: Option<Geodetic>,
+    /// System area code of the only sender of recordings whose reports are used
+    #[arg(long, value_name = "SAC", requires = "sic")]
+    pub(crate) sac: Option<u8>,
+    /// System identification code of this sender
+    #[arg(long, value_name = "SIC", requires = "sac")]
+    pub(crate) sic: Option<u8>,
     /// Ready-made fixes of emitters: a CSV file in the order of time
     #[arg(long, value_name = "FILE")]
     pub(crate) fixes: Option<PathBuf>,

@@ -29,7 +29,7 @@ pub use files::{
     BUFFER_OCTETS, InputError, OutputFile, Usage, check_outputs, is_same_file, open, read, read_text, unwritable,
 };
 pub use host::{Host, TableInput, TableOutput};
-pub use reading::SkippedRows;
+pub use reading::{RowPlace, SkippedRows};
 pub use smooth::{BlockForm, SmoothTotals, TrackBlocks};
 pub use terminal::Terminal;
 

@@ -4,6 +4,7 @@
 //! file may hold any number of emitters; memory holds only the filters of each.
 
 mod decisions;
+mod finder_recording;
 mod input;
 mod picture;
 mod rows;
@@ -19,6 +20,7 @@ use locating::settings::{ClockChoice, FilterChoice, Settings};
 use locating::{BearingRejection, DroppedEmitter, EmitterReport, Locator};
 use observations::{ArrivalTime, Bearing, EmitterMeasurement};
 use platform::{Assumed, History, Mount, Refusal};
+use settings::Degrees;
 
 use crate::args::Locate;
 use crate::files::{InputError, OutputFile, Usage, check_answer, check_outputs};
@@ -26,6 +28,7 @@ use crate::host::{Host, TableOutput};
 use crate::locate_columns::{FIX_COLUMNS, PLACE_COLUMNS};
 use crate::reading::{FilePlane, Progress, SkippedRows, platform_states};
 use decisions::Decisions;
+use finder_recording::StatedFinder;
 use input::{MeasuredRow, MeasurementInput};
 use picture::Paths;
 use summary::LocateSummary;
@@ -45,16 +48,18 @@ pub(crate) fn run(locate: &Locate, host: &dyn Host) -> anyhow::Result<()> {
         ("--picture", locate.picture.as_ref()),
     ];
     let inputs = [&locate.fixes, &locate.config, &locate.platform].into_iter().flatten();
-    check_outputs(inputs.chain(&locate.bearings), &outputs)?;
+    let measurements = [&locate.files[..], &locate.bearings].concat();
+    check_outputs(inputs.chain(&measurements), &outputs)?;
     check_answer(locate.json, &outputs)?;
     let (mut settings, mut dropped) = settings(locate, host)?;
     dropped.extend_from_slice(&locate.dropped);
     let mut input = MeasurementInput::open(
         host,
-        &locate.bearings,
+        &measurements,
         locate.fixes.as_deref(),
-        FilePlane::new(locate.origin, None),
+        (&stated_finder(locate, &settings), FilePlane::new(locate.origin, None)),
     )?;
+    check_kinds(locate, input.has_recordings)?;
     if settings.arrivals.clocks == ClockChoice::Auto && input.has_references {
         settings.arrivals.clocks = ClockChoice::Estimated;
     }
@@ -89,7 +94,7 @@ pub(crate) fn run(locate: &Locate, host: &dyn Host) -> anyhow::Result<()> {
                 Err(refusal) => {
                     let why = format!("the platform's state at the time is not known: {refusal:?}");
                     let refusals = &mut input.refusals;
-                    refusals.refused("want of a platform state", row.path, row.line, why);
+                    refusals.refused("want of a platform state", row.path, row.row, why);
                     continue;
                 }
             }
@@ -202,9 +207,9 @@ fn refuse(refusal: BearingRejection, row: Option<&MeasuredRow<'_>>, is_earlier: 
     match row {
         Some(row) if is_earlier && !refusal.is_of_arrival() => {
             let why = format!("an arrival before {refusal}");
-            refusals.refused(reason, row.path, row.line, why);
+            refusals.refused(reason, row.path, row.row, why);
         }
-        Some(row) => refusals.refused(reason, row.path, row.line, refusal),
+        Some(row) => refusals.refused(reason, row.path, row.row, refusal),
         None => refusals.refused_at_end(reason, format!("the last arrival of an emitter {refusal}")),
     }
 }
@@ -244,14 +249,54 @@ fn settings(locate: &Locate, host: &dyn Host) -> anyhow::Result<(Settings, Vec<D
         let words = FilterChoice::ALL.map(FilterChoice::word);
         settings.motion.filter = FilterChoice::from_word(word).ok_or_else(|| not_known("--filter", word, &words))?;
     }
-    if locate.filter.is_none() && locate.bearings.is_empty() && settings.motion.filter == FilterChoice::Auto {
+    if locate.filter.is_none()
+        && locate.bearings.is_empty()
+        && locate.files.is_empty()
+        && settings.motion.filter == FilterChoice::Auto
+    {
         settings.motion.filter = FilterChoice::None;
     }
     if let Some(word) = &locate.select {
         let words = Select::ALL.map(Select::word);
         settings.selection.select = Select::from_word(word).ok_or_else(|| not_known("--select", word, &words))?;
     }
+    if let Some(sigma_deg) = locate.bearing_sigma_deg {
+        settings.bearing_sigma_deg = Degrees::of(sigma_deg);
+        settings::check(&settings).map_err(|error| Usage(format!("--bearing-sigma-deg: {error}")))?;
+    }
     Ok((settings, dropped))
+}
+
+/// Rejects options that do not apply to the files.
+fn check_kinds(locate: &Locate, has_recordings: bool) -> Result<(), Usage> {
+    let of_recordings = [
+        ("--bearing-sigma-deg", locate.bearing_sigma_deg.is_some()),
+        ("--date", locate.date.is_some()),
+        ("--place", locate.place.is_some()),
+        ("--sac", locate.sac.is_some()),
+    ];
+    let given = of_recordings.iter().find(|(_, is_given)| *is_given);
+    match (has_recordings, given, &locate.platform) {
+        (false, Some((option, _)), _) => Err(Usage(format!(
+            "{option} is for recordings of direction finders; the files are tables, which state it themselves: leave it \
+             out"
+        ))),
+        (true, _, Some(platform)) => Err(Usage(format!(
+            "--platform {} is for bearings from the nose; those of recordings are from north: leave it out",
+            platform.display()
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// What the command line and the settings state of the finder of a recording.
+fn stated_finder(locate: &Locate, settings: &Settings) -> StatedFinder {
+    StatedFinder {
+        sigma_rad: settings.bearing_sigma_deg.rad(),
+        place: locate.place,
+        sac_sic: locate.sac.zip(locate.sic),
+        first_day_ns: locate.date,
+    }
 }
 
 fn not_known(option: &str, word: &str, words: &[&str]) -> Usage {

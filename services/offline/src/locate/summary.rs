@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
+use locating::settings::Settings;
 use locating::{Decision, Locator, LocatorCounts, LocatorDecisionKind};
 use messages::NS_PER_S;
 use serde_json::{Value, json};
@@ -77,7 +78,7 @@ impl LocateSummary {
             "rows_refused": refusals.rows(),
             "refused": refusals.by_reason,
             "first_refused": refusals.first,
-            "assumed": input.plane.assumed.iter().collect::<Vec<_>>(),
+            "assumed": assumed(input, settings),
             "locator_s": self.locator_ns as f64 / NS_PER_S,
             "us_per_bearing": self.us_per_bearing(locator),
         })
@@ -85,7 +86,10 @@ impl LocateSummary {
 
     fn as_text(&self, locate: &Locate, locator: &Locator, input: &MeasurementInput<'_>) -> String {
         let (counts, settings) = (locator.counts(), locator.settings());
-        let mut text = input.refusals.as_text() + &input.plane.as_text();
+        let mut text = input.refusals.as_text();
+        for what in assumed(input, settings) {
+            let _ = writeln!(text, "assumed: {what}");
+        }
         let models: Vec<String> = (self.by_model().iter())
             .map(|(motion, emitters)| format!("{emitters} {motion}"))
             .collect();
@@ -137,6 +141,18 @@ impl LocateSummary {
     fn us_per_bearing(&self, locator: &Locator) -> f64 {
         self.locator_ns as f64 * 1e-3 / locator.counts().measurements().max(1) as f64
     }
+}
+
+/// What was assumed, a sentence each.
+fn assumed(input: &MeasurementInput<'_>, settings: &Settings) -> Vec<String> {
+    let sigma_deg = settings.bearing_sigma_deg.deg();
+    let is_default = input.has_recordings && settings.bearing_sigma_deg == Settings::default().bearing_sigma_deg;
+    let accuracy = format!(
+        "bearings of recordings have a standard deviation of {sigma_deg}°: no report states one; --bearing-sigma-deg \
+         sets another"
+    );
+    let of_plane = input.plane.assumed.iter().cloned();
+    of_plane.chain(is_default.then_some(accuracy)).collect()
 }
 
 /// Taken measurements, by kind.

@@ -14,7 +14,7 @@ use crate::host::{Host, TableInput};
 const HEAD_MAX: usize = 1 << 16;
 
 /// A file of which the begin has been read.
-pub(super) struct BegunFile {
+pub(crate) struct BegunFile {
     head: Vec<u8>,
     rest: TableInput,
 }
@@ -24,11 +24,16 @@ impl BegunFile {
     ///
     /// # Errors
     /// If the file cannot be read.
-    pub(super) fn of(host: &dyn Host, path: &Path) -> Result<Self, InputError> {
+    pub(crate) fn of(host: &dyn Host, path: &Path) -> Result<Self, InputError> {
         let (mut rest, mut head) = (host.open(path)?, Vec::with_capacity(HEAD_MAX));
         let read = rest.by_ref().take(HEAD_MAX as u64).read_to_end(&mut head);
         let failed = |reason| InputError::new(path, CsvError::Input { line: 1, reason });
         read.map_err(failed).map(|_| Self { head, rest })
+    }
+
+    /// The begin: the whole file, or more than any kind of file is recognised by.
+    pub(crate) fn head(&self) -> &[u8] {
+        &self.head
     }
 
     /// The begin, in whole lines.
@@ -39,9 +44,14 @@ impl BegunFile {
         &self.head[..end]
     }
 
+    /// Size of the whole file, bytes.
+    pub(crate) fn length(&self) -> u64 {
+        self.rest.length
+    }
+
     /// The whole file, and its size in bytes.
-    pub(super) fn whole(self) -> (Box<dyn Read>, u64) {
-        let length = self.rest.length;
+    pub(crate) fn whole(self) -> (Box<dyn Read>, u64) {
+        let length = self.length();
         (Box::new(Cursor::new(self.head).chain(self.rest)), length)
     }
 }

@@ -7,6 +7,9 @@ use formats::plane::{InPlane, Plane};
 use formats::rows::RowReader;
 use frames::{Geodetic, SystemFrame};
 
+use super::RowPlace;
+use crate::files::InputError;
+
 /// A plane that all files of a command have in common: of the given origin, or of the first place in degrees.
 #[derive(Debug, Default)]
 pub(crate) struct FilePlane {
@@ -37,9 +40,48 @@ impl FilePlane {
     pub(crate) fn take<R: Read, C: InPlane>(&mut self, path: &Path, reader: &mut RowReader<R, C>) {
         self.plane = *reader.plane();
         if let (None, Plane::FirstPlace(_, place, line)) = (&self.assumed, self.plane) {
-            self.assumed = Some(assumed_origin(place, path, line));
+            self.assumed = Some(assumed_origin(place, path, RowPlace::Line(line)));
             self.is_placed = true;
         }
+    }
+
+    /// The frame for a recording: of a finder at the place `stated`, or whose first place is `first`, of the record
+    /// with this number.
+    ///
+    /// # Errors
+    /// If files before have places in metres, or no place is known.
+    pub(crate) fn frame_of_recording(
+        &mut self,
+        path: &Path,
+        stated: Option<Geodetic>,
+        first: Option<(Geodetic, u64)>,
+    ) -> Result<SystemFrame, InputError> {
+        match self.plane {
+            Plane::Given(frame) | Plane::FirstPlace(frame, ..) => return Ok(frame),
+            Plane::Metres => {
+                let what = "has places in degrees, files before in metres; give --origin, from which the metres count";
+                return Err(InputError::new(path, what));
+            }
+            Plane::Open => {}
+        }
+        let (place, record, assumed) = match (stated, first) {
+            (Some(place), _) => {
+                let assumed = "origin of the plane: the place of --place, because none is given; --origin sets another";
+                (place, 0, assumed.to_owned())
+            }
+            (None, Some((place, record))) => (place, record, assumed_origin(place, path, RowPlace::Record(record))),
+            (None, None) => {
+                let what = "states no latitude and longitude (I205/050); give the finder's place, --place LAT,LON";
+                return Err(InputError::new(path, what));
+            }
+        };
+        let origin = Geodetic::from_degrees(place.latitude_deg(), place.longitude_deg(), 0.0);
+        let origin = origin.map_err(|error| InputError::new(path, error))?;
+        let frame = SystemFrame::at(origin);
+        self.plane = Plane::FirstPlace(frame, origin, record);
+        self.assumed = Some(assumed);
+        self.is_placed = true;
+        Ok(frame)
     }
 
     /// The frame in which outputs have places in degrees, too.
@@ -53,10 +95,10 @@ impl FilePlane {
     }
 }
 
-/// The sentence on an origin that was taken from a line of a file.
-pub(crate) fn assumed_origin(place: Geodetic, path: &Path, line: u64) -> String {
+/// The sentence on an origin that was taken from a row of a file.
+pub(crate) fn assumed_origin(place: Geodetic, path: &Path, row: RowPlace) -> String {
     format!(
-        "origin of the plane: latitude {:.6}, longitude {:.6}, the first position of {} (line {line}), because none is \
+        "origin of the plane: latitude {:.6}, longitude {:.6}, the first position of {} ({row}), because none is \
          given; --origin sets another",
         place.latitude_deg(),
         place.longitude_deg(),

@@ -14,6 +14,7 @@ use csv_table::TimeForm;
 use formats::named_columns::{NamedTrackReader, TableOutline, TargetNames};
 use frames::SystemFrame;
 
+use super::RowPlace;
 use super::begun::BegunFile;
 use super::file_plane::assumed_origin;
 use super::progress::CountingInput;
@@ -130,7 +131,7 @@ impl NamedTables {
             return Err(InputError::new(first, what).into());
         };
         self.frame = Some(SystemFrame::at(place));
-        self.assumptions.push(assumed_origin(place, path, line));
+        self.assumptions.push(assumed_origin(place, path, RowPlace::Line(line)));
         Ok(())
     }
 

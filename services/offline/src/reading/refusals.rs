@@ -1,6 +1,7 @@
 //! Skipped rows, and the reasons.
 
 use std::collections::BTreeMap;
+use std::fmt;
 use std::path::Path;
 
 use csv_table::CsvError;
@@ -15,6 +16,24 @@ const SHOWN_MAX: usize = 5;
 pub(crate) const MIDNIGHT_STEP_NS: i64 = NS_PER_DAY / 2;
 /// Remedy for such a step.
 pub(crate) const MIDNIGHT_REMEDY: &str = "times count on across midnight: add 86400 to the times of the next day";
+
+/// Place of a row in a file, each counted from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RowPlace {
+    /// Line of a table.
+    Line(u64),
+    /// Record of a recording.
+    Record(u64),
+}
+
+impl fmt::Display for RowPlace {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Line(line) => write!(f, "line {line}"),
+            Self::Record(record) => write!(f, "record {record}"),
+        }
+    }
+}
 
 /// Skipped rows.
 #[derive(Clone, Debug, Default)]
@@ -64,9 +83,9 @@ impl SkippedRows {
         self.add("order of time".to_owned(), file, said);
     }
 
-    /// Counts a readable row that was rejected later.
-    pub fn refused(&mut self, reason: &str, file: &Path, line: u64, why: impl std::fmt::Display) {
-        self.add(reason.to_owned(), file, format!("line {line}: {why}"));
+    /// Counts a readable row that was rejected later, with its place in the file.
+    pub fn refused(&mut self, reason: &str, file: &Path, place: RowPlace, why: impl std::fmt::Display) {
+        self.add(reason.to_owned(), file, format!("{place}: {why}"));
     }
 
     /// Counts rows that were rejected when all rows had been read.
@@ -82,7 +101,14 @@ impl SkippedRows {
 
     /// Counts a value that has no separate row.
     pub fn count(&mut self, reason: &str) {
-        *self.by_reason.entry(reason.to_owned()).or_default() += 1;
+        self.count_all(reason, 1);
+    }
+
+    /// Counts this number of values that have no separate rows.
+    pub(crate) fn count_all(&mut self, reason: &str, values: u64) {
+        if values > 0 {
+            *self.by_reason.entry(reason.to_owned()).or_default() += values;
+        }
     }
 
     /// Returns the number of skipped rows.

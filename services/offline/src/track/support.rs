@@ -14,7 +14,7 @@ use tracking::wide_area::Emission;
 
 use crate::files::InputError;
 use crate::host::Host;
-use crate::reading::{FileBases, FilePlane, SkippedRows};
+use crate::reading::{FileBases, FilePlane, RowPlace, SkippedRows};
 
 /// Input file and the outcome of the rows.
 #[derive(Debug)]
@@ -79,7 +79,9 @@ impl SupportInput {
                 Some(emission) => emissions.push(emission),
                 None => {
                     let why = "no frequency to identify a type; write frequency_hz";
-                    support.refusals.refused("no frequency", path, rows.line(), why);
+                    support
+                        .refusals
+                        .refused("no frequency", path, RowPlace::Line(rows.line()), why);
                 }
             }
         }
