@@ -24,6 +24,7 @@ mod identities;
 mod late;
 mod locate;
 mod locate_arrivals;
+mod locate_recordings;
 mod mistakes;
 mod named_columns;
 mod named_rows;

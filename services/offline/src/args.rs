@@ -536,21 +536,6 @@ pub struct Locate {
     /// Bearings and arrival times in the order of time: a CSV file, or a recording of direction finders (repeatable)
     #[arg(long, value_name = "FILE", required_unless_present_any = ["fixes", "files"])]
     pub(crate) bearings: Vec<PathBuf>,
-    /// Standard deviation of bearings of recordings, degrees [default: bearing_sigma_deg in --config, else 2]
-    #[arg(long, value_name = "DEGREES", value_parser = above_zero)]
-    pub(crate) bearing_sigma_deg: Option<f64>,
-    /// Day of the first report of recordings, year-month-day (UTC) [default: as the container states, if it does]
-    #[arg(long, value_name = "DATE", value_parser = configuration::day_ns)]
-    pub(crate) date: Option<i64>,
-    /// Place of the finder of recordings, or reference point of its system, where reports need it
-    #[arg(long, value_name = "LAT,LON[,HEIGHT]", value_parser = place, allow_hyphen_values = true)]
-    pub(crate) place: Option<Geodetic>,
-    /// System area code of the only sender of recordings whose reports are used
-    #[arg(long, value_name = "SAC", requires = "sic")]
-    pub(crate) sac: Option<u8>,
-    /// System identification code of this sender
-    #[arg(long, value_name = "SIC", requires = "sac")]
-    pub(crate) sic: Option<u8>,
     /// Ready-made fixes of emitters: a CSV file in the order of time
     #[arg(long, value_name = "FILE")]
     pub(crate) fixes: Option<PathBuf>,
@@ -566,6 +551,21 @@ pub struct Locate {
     /// Origin of the plane for tables in degrees, and for latitude and longitude in --out [default: the first place]
     #[arg(long, value_name = "LAT,LON[,HEIGHT]", value_parser = place, allow_hyphen_values = true)]
     pub(crate) origin: Option<Geodetic>,
+    /// Standard deviation of bearings of recordings, degrees [default: bearing_sigma_deg in --config, else 2]
+    #[arg(long, value_name = "DEGREES", value_parser = above_zero)]
+    pub(crate) bearing_sigma_deg: Option<f64>,
+    /// Day of the first report of recordings, year-month-day (UTC) [default: as the container states, if it does]
+    #[arg(long, value_name = "DATE", value_parser = configuration::day_ns)]
+    pub(crate) date: Option<i64>,
+    /// Place of the finder of recordings, or reference point of its system, where reports need it
+    #[arg(long, value_name = "LAT,LON[,HEIGHT]", value_parser = place, allow_hyphen_values = true)]
+    pub(crate) place: Option<Geodetic>,
+    /// System area code of the only sender of recordings whose reports are used
+    #[arg(long, value_name = "SAC", requires = "sic")]
+    pub(crate) sac: Option<u8>,
+    /// System identification code of this sender
+    #[arg(long, value_name = "SIC", requires = "sac")]
+    pub(crate) sic: Option<u8>,
     /// Emitter that the platform dropped, with time and place (repeatable)
     #[arg(long, value_name = "ID:TIME_S:EAST,NORTH[:SIGMA_M]", value_parser = dropped)]
     pub(crate) dropped: Vec<DroppedEmitter>,

@@ -29,6 +29,9 @@ use observations::EmitterMeasurement;
 use crate::files::InputError;
 use crate::reading::{BegunFile, FilePlane, RowPlace, SkippedRows};
 
+/// Shortest header of a table, octets: header and first items of a data block are no text of this length.
+const HEADER_MIN: usize = 12;
+
 /// What no report states of the finder.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StatedFinder {
@@ -56,11 +59,15 @@ pub(super) struct FinderRecording {
     octets_read: Rc<RefCell<u64>>,
 }
 
-/// Whether a file that begins so is to be read as a recording, and not as a table: every text is a table but the lines
-/// of a container.
+/// Whether a file that begins so is to be read as a recording, and not as a table: all text is a table but the lines of
+/// a container. Rows behind a header that are no text are refused row by row.
 pub(super) fn is_recording(head: &[u8]) -> bool {
     match Container::detect(head) {
-        Container::Raw => !head.is_empty() && Foreign::as_text(head).is_none(),
+        Container::Raw => {
+            let header = head.split(|octet| *octet == b'\n').next().unwrap_or_default();
+            let has_header = header.len() >= HEADER_MIN && Foreign::as_text(header).is_some();
+            !head.is_empty() && !has_header && Foreign::as_text(head).is_none()
+        }
         Container::Pcap | Container::PcapNg | Container::Final | Container::Gps | Container::Hex => true,
     }
 }
@@ -205,6 +212,7 @@ mod tests {
             (&b""[..], false),
             (b"time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz\n", false),
             (b"{\"_c\": 205}\n", false),
+            (b"time_s,emitter_id,bearing_rad\n1,1,\0\n", false),
             (&block, true),
             (hexadecimal.as_bytes(), true),
         ] {
