@@ -22,6 +22,7 @@
 
 #![forbid(unsafe_code)]
 
+mod backward;
 mod clock;
 mod combination;
 mod common_noise;
@@ -36,6 +37,7 @@ mod motion;
 mod plane;
 mod plane_pair;
 mod recovery;
+mod rows;
 mod smoother;
 #[cfg(test)]
 mod smoother_tests;

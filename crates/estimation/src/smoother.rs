@@ -20,6 +20,9 @@
 //!   keeps a model with an absurd state at a small weight.
 //! - The pairs that begin with the same model are merged into a single state, by moments.
 //!
+//! All matrices have a few rows, and are arrays in loops of constant length (module `rows`). The backward step meets a
+//! likelihood in square-root form (module `backward`).
+//!
 //! With a single model, both parts reduce to the exact filter and smoother. Memory is bounded by [`Smoother::smooth`],
 //! which gives up the first steps: states that lie a few minutes before the last measurement do not change any more.
 //!
@@ -32,16 +35,13 @@
 
 use std::collections::VecDeque;
 
-use nalgebra::{Cholesky, Const, SMatrix, SVector};
+use nalgebra::{SMatrix, SVector};
 
-/// Weight of a pair of models, relative to all, below which the pair is left out.
-const WEIGHT_MIN: f64 = 1e-9;
-/// Information relative to that of the filter below which there is none.
-const INFORMATION_MIN: f64 = 1e-9;
+use crate::backward::corrected;
+use crate::rows::{Pivots, Rows, add_rows, add_scaled, add_square, symmetric, times};
+
 /// Smallest probability of a model: each must be able to come back.
 const PROBABILITY_MIN: f64 = 1e-6;
-/// Largest logarithm of a ratio of likelihoods.
-const EXPONENT_MAX: f64 = 200.0;
 
 /// Mean and covariance of `N` components.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,33 +53,80 @@ pub struct Moment<const N: usize> {
 }
 
 impl<const N: usize> Moment<N> {
-    fn zero() -> Self {
-        Self {
-            mean: SVector::zeros(),
-            covariance: SMatrix::zeros(),
-        }
-    }
-
-    /// Mixture of states with weights that sum to 1.
-    fn mixture<'a>(states: impl Iterator<Item = (f64, &'a Self)> + Clone) -> Self {
-        let mut mixed = Self::zero();
-        for (weight, state) in states.clone() {
-            mixed.mean += state.mean * weight;
-        }
-        for (weight, state) in states {
-            let from_mean = state.mean - mixed.mean;
-            mixed.covariance += (state.covariance + from_mean * from_mean.transpose()) * weight;
-        }
-        mixed
-    }
-
     fn moved(&self, by: &LinearModel<N>) -> Self {
-        let covariance = by.transition * self.covariance * by.transition.transpose() + by.noise;
+        // The rows of the array are the columns of the matrix.
+        let columns = &by.transition.data.0;
+        let right = times(&self.covariance.data.0, columns);
+        let mut covariance = by.noise.data.0;
+        for (row, sum) in covariance.iter_mut().enumerate() {
+            for (column, right) in columns.iter().zip(&right) {
+                add_scaled(sum, right, column[row]);
+            }
+        }
+        symmetric(&mut covariance);
+        let mut mean = [0.0; N];
+        for (column, value) in columns.iter().zip(self.mean.iter()) {
+            add_scaled(&mut mean, column, *value);
+        }
         Self {
-            mean: by.transition * self.mean,
-            covariance: symmetric(&covariance),
+            mean: mean.into(),
+            covariance: covariance.into(),
         }
     }
+}
+
+/// Moments of the models about the mean of all of them: a mixture with any weights is then a single sum.
+struct Spread<const N: usize, const M: usize> {
+    centre: [f64; N],
+    /// Mean of each model relative to the centre, and its mean square there.
+    away: [[f64; N]; M],
+    square: [Rows<N>; M],
+}
+
+impl<const N: usize, const M: usize> Spread<N, M> {
+    fn new(probability: &[f64; M], models: &[Moment<N>; M]) -> Self {
+        let centre = mean_of(probability, models);
+        let mut spread = Self {
+            centre,
+            away: [[0.0; N]; M],
+            square: [[[0.0; N]; N]; M],
+        };
+        for ((away, square), model) in spread.away.iter_mut().zip(&mut spread.square).zip(models) {
+            *away = std::array::from_fn(|component| model.mean[component] - centre[component]);
+            *square = model.covariance.data.0;
+            add_square(square, away, 1.0);
+        }
+        spread
+    }
+
+    /// Mixture with weights that sum to 1.
+    fn mixed(&self, weights: &[f64; M]) -> Moment<N> {
+        let (mut away, mut covariance) = ([0.0; N], [[0.0; N]; N]);
+        for ((weight, of_model), square) in weights.iter().zip(&self.away).zip(&self.square) {
+            add_scaled(&mut away, of_model, *weight);
+            add_rows(&mut covariance, square, *weight);
+        }
+        add_square(&mut covariance, &away, -1.0);
+        add_scaled(&mut away, &self.centre, 1.0);
+        Moment {
+            mean: away.into(),
+            covariance: covariance.into(),
+        }
+    }
+}
+
+/// Mean of a mixture with weights that sum to 1.
+fn mean_of<const N: usize, const M: usize>(weights: &[f64; M], models: &[Moment<N>; M]) -> [f64; N] {
+    let mut mean = [0.0; N];
+    for (weight, model) in weights.iter().zip(models) {
+        add_scaled(&mut mean, &model.mean.data.0[0], *weight);
+    }
+    mean
+}
+
+/// Mixture with weights that sum to 1.
+fn mixture<const N: usize, const M: usize>(weights: &[f64; M], models: &[Moment<N>; M]) -> Moment<N> {
+    Spread::new(weights, models).mixed(weights)
 }
 
 /// Motion over one step: x ← transition · x + noise.
@@ -117,15 +164,16 @@ pub struct Smoother<const N: usize, const M: usize, const K: usize> {
     evidence: f64,
 }
 
+/// States and probabilities of the models at a step.
 #[derive(Clone, Copy, Debug)]
-struct FilteredStep<const N: usize, const M: usize> {
+pub(crate) struct FilteredStep<const N: usize, const M: usize> {
     /// Motion since the step before.
-    motion: Switching<N, M>,
-    /// States and probabilities of the models before the measurements of this step, and after these measurements.
-    predicted: [Moment<N>; M],
-    predicted_probability: [f64; M],
-    models: [Moment<N>; M],
-    probability: [f64; M],
+    pub(crate) motion: Switching<N, M>,
+    /// Before the measurements of this step, and after these measurements.
+    pub(crate) predicted: [Moment<N>; M],
+    pub(crate) predicted_probability: [f64; M],
+    pub(crate) models: [Moment<N>; M],
+    pub(crate) probability: [f64; M],
 }
 
 impl<const N: usize, const M: usize, const K: usize> Smoother<N, M, K> {
@@ -159,6 +207,11 @@ impl<const N: usize, const M: usize, const K: usize> Smoother<N, M, K> {
         }
     }
 
+    /// Gives up all steps but the last: predictions do not depend on them.
+    pub fn forget(&mut self) {
+        self.steps.drain(..self.steps.len() - 1);
+    }
+
     /// Logarithm of the likelihood of all measurements so far, but for a constant: the share explained by the models
     /// and the noise. Of several assumptions, the likeliest has the greatest.
     pub fn evidence(&self) -> f64 {
@@ -174,16 +227,29 @@ impl<const N: usize, const M: usize, const K: usize> Smoother<N, M, K> {
     /// The filtered state of the last step, all models together.
     pub fn filtered(&self) -> Moment<N> {
         let step = self.last();
-        Moment::mixture(step.probability.iter().copied().zip(&step.models))
+        mixture(&step.probability, &step.models)
+    }
+
+    /// The mean of [`Self::filtered`].
+    pub fn mean(&self) -> SVector<f64, N> {
+        let step = self.last();
+        mean_of(&step.probability, &step.models).into()
     }
 
     /// The expected measurement at the last step and the covariance, without the measurement's covariance.
     pub fn expected(&self) -> (SVector<f64, K>, SMatrix<f64, K, K>) {
-        let state = self.filtered();
-        (
-            state.mean.fixed_rows::<K>(0).into_owned(),
-            state.covariance.fixed_view::<K, K>(0, 0).into_owned(),
-        )
+        let step = self.last();
+        let mean: [f64; N] = mean_of(&step.probability, &step.models);
+        let mut spread = SMatrix::<f64, K, K>::zeros();
+        for (weight, model) in step.probability.iter().zip(&step.models) {
+            let away: [f64; K] = std::array::from_fn(|axis| model.mean[axis] - mean[axis]);
+            for row in 0..K {
+                for column in 0..K {
+                    spread[(row, column)] += weight * (model.covariance[(row, column)] + away[row] * away[column]);
+                }
+            }
+        }
+        (SVector::from_fn(|axis, _| mean[axis]), spread)
     }
 
     fn last(&self) -> &FilteredStep<N, M> {
@@ -193,21 +259,15 @@ impl<const N: usize, const M: usize, const K: usize> Smoother<N, M, K> {
     /// Goes on to the next step.
     pub fn advance(&mut self, motion: Switching<N, M>) {
         let before = self.last();
+        let spread = Spread::new(&before.probability, &before.models);
         let mut probability = [0.0; M];
-        let mut models = [Moment::zero(); M];
-        for (after, moment) in models.iter_mut().enumerate() {
+        let models = std::array::from_fn(|after| {
             let joint: [f64; M] = std::array::from_fn(|from| before.probability[from] * motion.switches[(from, after)]);
             let sum: f64 = joint.iter().sum();
             probability[after] = sum;
             let weights = joint.map(|value| if sum > 0.0 { value / sum } else { 1.0 / M as f64 });
-            let mixed = Moment::mixture(
-                weights
-                    .into_iter()
-                    .zip(&before.models)
-                    .filter(|(weight, _)| *weight > 0.0),
-            );
-            *moment = mixed.moved(&motion.models[after]);
-        }
+            spread.mixed(&weights).moved(&motion.models[after])
+        });
         self.steps.push_back(FilteredStep {
             motion,
             predicted: models,
@@ -220,25 +280,27 @@ impl<const N: usize, const M: usize, const K: usize> Smoother<N, M, K> {
     /// Updates the last step with a measurement of covariance `r`. `None`, and no change, if the measurement is
     /// unusable.
     pub fn update(&mut self, measured: &SVector<f64, K>, r: &SMatrix<f64, K, K>) -> Option<()> {
-        let mut updated = *self.last();
-        let mut logarithms = [0.0; M];
-        for (model, logarithm) in updated.models.iter_mut().zip(&mut logarithms) {
-            let s = model.covariance.fixed_view::<K, K>(0, 0) + r;
-            let factored = Cholesky::<f64, Const<K>>::new(s)?;
-            let residual = measured - model.mean.fixed_rows::<K>(0);
-            let cross = model.covariance.fixed_rows::<K>(0).into_owned();
-            let gain = factored.solve(&cross).transpose();
-            let squared = residual.dot(&factored.solve(&residual));
-            *logarithm = -0.5 * (squared + logarithm_of_determinant(&factored));
-            if !logarithm.is_finite() {
+        let step = self.steps.back_mut()?;
+        let mut models = step.models;
+        let (mut squares, mut densities) = ([0.0; M], [0.0; M]);
+        for ((model, squared), density) in models.iter_mut().zip(&mut squares).zip(&mut densities) {
+            let covariance = &mut model.covariance.data.0;
+            let cross: [[f64; N]; K] = std::array::from_fn(|row| covariance[row]);
+            let spread = std::array::from_fn(|row| std::array::from_fn(|column| cross[row][column] + r[(row, column)]));
+            let pivots = Pivots::of(spread)?;
+            let residual = pivots.eliminated(std::array::from_fn(|axis| measured[axis] - model.mean[axis]));
+            (*squared, *density) = (pivots.squared(&residual), 1.0 / pivots.determinant.sqrt());
+            if !(squared.is_finite() && density.is_finite()) {
                 return None;
             }
-            model.mean += gain * residual;
-            model.covariance = symmetric(&(model.covariance - gain * cross));
+            let (white, residual) = pivots.whitened(cross, residual);
+            for (row, value) in white.iter().zip(residual) {
+                add_square(covariance, row, -1.0);
+                add_scaled(&mut model.mean.data.0[0], row, value);
+            }
         }
-        let gained;
-        (updated.probability, gained) = weighed(&updated.probability, &logarithms);
-        *self.steps.back_mut()? = updated;
+        let (probability, gained) = weighed(&step.probability, &squares, &densities);
+        (step.models, step.probability) = (models, probability);
         self.evidence += gained;
         Some(())
     }
@@ -257,7 +319,7 @@ impl<const N: usize, const M: usize, const K: usize> Smoother<N, M, K> {
             }
             if place < given_up {
                 smoothed.push(Smoothed {
-                    state: Moment::mixture(probability.iter().copied().zip(&models)),
+                    state: mixture(&probability, &models),
                     probability,
                 });
             }
@@ -268,149 +330,17 @@ impl<const N: usize, const M: usize, const K: usize> Smoother<N, M, K> {
     }
 }
 
-/// The smoothed states of the models at a step, from the smoothed states at the following step.
-fn corrected<const N: usize, const M: usize>(
-    step: &FilteredStep<N, M>,
-    after: &FilteredStep<N, M>,
-    (smoothed, smoothed_probability): (&[Moment<N>; M], &[f64; M]),
-) -> ([Moment<N>; M], [f64; M]) {
-    let mut pairs = [[Moment::zero(); M]; M];
-    let mut weights = [[0.0; M]; M];
-    for (to, share) in smoothed_probability.iter().enumerate() {
-        let future = Future::new(&after.predicted[to], &smoothed[to]);
-        let Some(future) = future.filter(|_| *share > WEIGHT_MIN) else {
-            continue;
-        };
-        let mut logarithms = [f64::NEG_INFINITY; M];
-        for (from, model) in step.models.iter().enumerate() {
-            let prior = step.probability[from] * after.motion.switches[(from, to)];
-            if prior < WEIGHT_MIN * after.predicted_probability[to] {
-                continue;
-            }
-            if let Some((pair, met)) = future.pair(model, &after.motion.models[to]) {
-                (pairs[from][to], logarithms[from]) = (pair, prior.ln() + met);
-            }
-        }
-        let best = logarithms.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        if best > f64::NEG_INFINITY {
-            let likelihoods = logarithms.map(|logarithm| (logarithm - best).exp());
-            let sum: f64 = likelihoods.iter().sum();
-            for (from, likelihood) in likelihoods.into_iter().enumerate() {
-                weights[from][to] = share * likelihood / sum;
-            }
-        }
-    }
-    let probability = weights.map(|of_model| of_model.iter().sum::<f64>());
-    let all: f64 = probability.iter().sum();
-    if all <= 0.0 {
-        return (step.models, step.probability);
-    }
-    let mut models = step.models;
-    for (from, model) in models.iter_mut().enumerate() {
-        let sum = probability[from];
-        if sum > 0.0 {
-            let parts = weights[from].iter().map(|weight| weight / sum).zip(&pairs[from]);
-            *model = Moment::mixture(parts.filter(|(weight, _)| *weight > 0.0));
-        }
-    }
-    (models, probability.map(|value| value / all))
-}
-
-/// Information of the measurements of a step and of later steps on the state at this step, if a model holds there: a
-/// likelihood in the form of a Gaussian. Coordinates are relative to the state that the filter predicted.
-struct Future<const N: usize> {
-    origin: SVector<f64, N>,
-    information: SMatrix<f64, N, N>,
-    vector: SVector<f64, N>,
-}
-
-impl<const N: usize> Future<N> {
-    /// The likelihood that makes `smoothed` of `predicted`. `None` if a covariance has no inverse.
-    fn new(predicted: &Moment<N>, smoothed: &Moment<N>) -> Option<Self> {
-        let root = Cholesky::<f64, Const<N>>::new(predicted.covariance)?.l();
-        let unroot = root.solve_lower_triangular(&SMatrix::identity())?;
-        let inverse = Cholesky::<f64, Const<N>>::new(smoothed.covariance)?.inverse();
-        // In coordinates in which the prediction has a covariance of 1.
-        let gained = root.transpose() * inverse * root - SMatrix::identity();
-        let vector = root.transpose() * (inverse * (smoothed.mean - predicted.mean));
-        let (gained, vector) = positive_part(symmetric(&gained), vector);
-        Some(Self {
-            origin: predicted.mean,
-            information: symmetric(&(unroot.transpose() * gained * unroot)),
-            vector: unroot.transpose() * vector,
-        })
-    }
-
-    /// A model before a step and this model after the step: the smoothed state before the step, and the logarithm of
-    /// the mean likelihood under the prediction of the pair. `None` if a covariance has no inverse.
-    fn pair(&self, before: &Moment<N>, motion: &LinearModel<N>) -> Option<(Moment<N>, f64)> {
-        let predicted = before.moved(motion);
-        let factored = Cholesky::<f64, Const<N>>::new(predicted.covariance)?;
-        let away = predicted.mean - self.origin;
-        let prior = factored.solve(&away);
-        let sum = prior + self.vector;
-        let together = Cholesky::<f64, Const<N>>::new(symmetric(&(factored.inverse() + self.information)))?;
-        let (there, covariance) = (together.solve(&sum), together.inverse());
-        // The recursion of Rauch, Tung and Striebel.
-        let gain = factored.solve(&(motion.transition * before.covariance)).transpose();
-        let smoothed = Moment {
-            mean: before.mean + gain * (there - away),
-            covariance: symmetric(&(before.covariance + gain * (covariance - predicted.covariance) * gain.transpose())),
-        };
-        let determinants = logarithm_of_determinant(&factored) + logarithm_of_determinant(&together);
-        let met = 0.5 * (there.dot(&sum) - away.dot(&prior) - determinants);
-        met.is_finite().then_some((smoothed, met))
-    }
-}
-
-/// The part of an information matrix and vector that is positive. Merged states may contradict each other a little:
-/// where the future would take information away, the future has none.
-fn positive_part<const N: usize>(
-    mut matrix: SMatrix<f64, N, N>,
-    mut vector: SVector<f64, N>,
-) -> (SMatrix<f64, N, N>, SVector<f64, N>) {
-    let (mut kept, mut kept_vector) = (SMatrix::zeros(), SVector::zeros());
-    for _ in 0..N {
-        let diagonal = matrix.diagonal();
-        let (place, pivot) = diagonal.argmax();
-        if pivot < INFORMATION_MIN {
-            break;
-        }
-        let direction = matrix.column(place) / pivot;
-        let (square, along) = (direction * direction.transpose() * pivot, direction * vector[place]);
-        kept += square;
-        kept_vector += along;
-        matrix -= square;
-        vector -= along;
-    }
-    (kept, kept_vector)
-}
-
-fn logarithm_of_determinant<const N: usize>(factored: &Cholesky<f64, Const<N>>) -> f64 {
-    2.0 * factored
-        .l_dirty()
-        .diagonal()
-        .iter()
-        .map(|value| value.ln())
-        .sum::<f64>()
-}
-
-/// Probabilities after a measurement with these logarithms of likelihoods, and that of all models together.
-fn weighed<const M: usize>(probability: &[f64; M], logarithms: &[f64; M]) -> ([f64; M], f64) {
-    let best = logarithms.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let mut weighed: [f64; M] = std::array::from_fn(|model| {
-        let likelihood = (logarithms[model] - best).max(-EXPONENT_MAX).exp();
-        probability[model] * likelihood
-    });
+/// Probabilities after a measurement with these squared innovations of the models, and densities without the
+/// exponential; and the logarithm of the likelihood of all models together.
+fn weighed<const M: usize>(probability: &[f64; M], squares: &[f64; M], densities: &[f64; M]) -> ([f64; M], f64) {
+    let nearest = squares.iter().copied().fold(f64::INFINITY, f64::min);
+    let mut weighed: [f64; M] =
+        std::array::from_fn(|model| probability[model] * densities[model] * (0.5 * (nearest - squares[model])).exp());
     let sum: f64 = weighed.iter().sum();
     let mut possible = 0.0;
     for value in &mut weighed {
         *value = (*value / sum).max(PROBABILITY_MIN);
         possible += *value;
     }
-    (weighed.map(|value| value / possible), best + sum.ln())
-}
-
-fn symmetric<const N: usize>(matrix: &SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {
-    (matrix + matrix.transpose()) * 0.5
+    (weighed.map(|value| value / possible), sum.ln() - 0.5 * nearest)
 }

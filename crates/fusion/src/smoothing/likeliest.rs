@@ -17,9 +17,9 @@ use super::trajectory::Trajectory;
 
 /// Number of inputs in the sample.
 const INPUTS_MAX: usize = 20_000;
-/// Compared factors.
-const STEADY: [f64; 5] = [1.0, 4.0, 0.25, 0.0625, 0.015625];
-const STRAIGHT: [f64; 5] = [1.0, 0.5, 2.0, 4.0, 8.0];
+/// Factors compared with 1.
+const STEADY: [f64; 4] = [4.0, 0.25, 0.0625, 0.015625];
+const STRAIGHT: [f64; 4] = [0.5, 2.0, 4.0, 8.0];
 
 /// The likeliest factors; `with` gives the knowledge for given factors.
 pub(super) fn likeliest<'a, K: Knowledge>(
@@ -34,24 +34,29 @@ pub(super) fn likeliest<'a, K: Knowledge>(
         let known = with(factors);
         stretches.iter().map(|stretch| evidence(&known, stretch)).sum()
     };
-    let steady = STEADY.map(|steady| MotionFactors {
-        steady,
-        ..MotionFactors::ONE
-    });
-    let found = best(steady, of);
-    best(STRAIGHT.map(|straight| MotionFactors { straight, ..found }), of)
+    let one = MotionFactors::ONE;
+    let known = (of(one), one);
+    let steady = STEADY.map(|steady| MotionFactors { steady, ..one });
+    let (evidence, found) = best(known, steady, of);
+    let straight = STRAIGHT.map(|straight| MotionFactors { straight, ..found });
+    best((evidence, found), straight, of).1
 }
 
-/// The candidate with the greatest evidence; among equal candidates the first.
-fn best<const N: usize>(candidates: [MotionFactors; N], of: impl Fn(MotionFactors) -> f64) -> MotionFactors {
-    let mut found = (f64::NEG_INFINITY, MotionFactors::ONE);
+/// The factors with the greatest evidence, among those `known` so far with theirs, and candidates; among equal ones the
+/// first.
+fn best<const N: usize>(
+    known: (f64, MotionFactors),
+    candidates: [MotionFactors; N],
+    of: impl Fn(MotionFactors) -> f64,
+) -> (f64, MotionFactors) {
+    let mut found = known;
     for factors in candidates {
         let evidence = of(factors);
         if evidence > found.0 {
             found = (evidence, factors);
         }
     }
-    found.1
+    found
 }
 
 /// Stretches of the first tracks, without wanted states.

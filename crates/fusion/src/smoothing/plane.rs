@@ -133,7 +133,7 @@ fn run(
                 let velocity_mps = match (smoothed, place.checked_sub(1), base) {
                     (Some(smoothed), Some(before), _) => velocity(&smoothed[before].state),
                     (Some(_), None, Some(base)) => base.velocity_mps,
-                    _ => velocity(&filter.filtered()),
+                    _ => filtered_velocity(filter),
                 };
                 filter.advance(switching(
                     (known.motion(velocity_mps), known.factors()),
@@ -167,14 +167,14 @@ pub(super) fn evidence(known: &impl Knowledge, stretch: &Stretch) -> f64 {
     let mut filter: Option<Filter> = None;
     for (place, moment) in stretch.moments.iter().enumerate() {
         filter = Some(match filter {
-            Some(before) => {
-                let mut filter = before.last_alone();
-                let velocity_mps = velocity(&filter.filtered());
+            Some(mut filter) => {
+                let velocity_mps = filtered_velocity(&filter);
                 filter.advance(switching(
                     (known.motion(velocity_mps), known.factors()),
                     velocity_mps,
                     moment.passed_s,
                 ));
+                filter.forget();
                 filter
             }
             None => begun(stretch),
@@ -225,6 +225,11 @@ fn measure(filter: &mut Filter, stretch: &Stretch, moment: &Event, is_first: boo
         // An unusable measurement leaves the state unchanged.
         let _ = filter.update(&z, &r);
     }
+}
+
+fn filtered_velocity(filter: &Filter) -> [f64; 2] {
+    let mean = filter.mean();
+    [mean[2], mean[3]]
 }
 
 fn velocity(state: &Moment<COMPONENTS>) -> [f64; 2] {
