@@ -158,8 +158,10 @@ impl Cells<'_> {
     /// If the value is something else.
     pub fn number_or_empty(&self, column: impl Into<Option<Column>>) -> Result<Option<f64>, CsvError> {
         let Some(column) = column.into() else { return Ok(None) };
-        match number::simple(self.value(column)) {
+        let value = self.value(column);
+        match number::simple(value) {
             Some(number) => Ok(Some(column.in_unit(number))),
+            None if value.is_empty() => Ok(None),
             None => self.unusual_number(column),
         }
     }

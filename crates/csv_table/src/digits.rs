@@ -3,7 +3,8 @@
 //! A row of tracks has some forty numbers with fixed decimals. `core::fmt` writes each correctly, but works with
 //! numbers of any length, and its traits cost more than the digits. A finite `f64` is `m * 2^-s` with a whole `m` below
 //! 2^53. Below 2^52, its decimals are therefore the rounded quotient of the fraction's bits times a power of ten, and
-//! 2^s: one product of 128 bits and a shift. Halves go to the even neighbour, as `core::fmt` does.
+//! 2^s: one product of 128 bits and a shift. Halves go to the even neighbour, as `core::fmt` does. Most products of a
+//! number and the power of ten are small, and far enough from a half that one rounding of an `f64` changes nothing.
 
 use std::io::{self, Write};
 
@@ -39,6 +40,9 @@ const PAIRS: [[u8; 2]; 100] = {
     }
     pairs
 };
+/// Most decimals that fit a text in registers, and zero with as many.
+const SHORT_DECIMALS_MAX: usize = 9;
+const ZERO: [u8; SHORT_DECIMALS_MAX + 2] = *b"0.000000000";
 /// Bits of the fraction of an `f64`.
 const FRACTION_BITS: u32 = f64::MANTISSA_DIGITS - 1;
 /// Most octets of a text, a power of two: sign, 20 digits, point and decimals are 39.
@@ -111,6 +115,11 @@ impl Text {
 /// # Errors
 /// If the writer fails.
 pub fn write_whole(out: &mut impl Write, number: u64) -> io::Result<()> {
+    if number < TENS[16] {
+        let mut text = ShortText::EMPTY;
+        text.whole(number);
+        return text.write(out);
+    }
     let mut text = Text::new();
     text.whole(number);
     text.write(out)
@@ -121,6 +130,14 @@ pub fn write_whole(out: &mut impl Write, number: u64) -> io::Result<()> {
 /// # Errors
 /// If the writer fails.
 pub fn write_decimals(out: &mut impl Write, value: f64, decimals: usize) -> io::Result<()> {
+    // Of a covariance, often more than half.
+    if value.to_bits() == 0 && (1..=SHORT_DECIMALS_MAX).contains(&decimals) {
+        return out.write_all(&ZERO[..decimals + 2]);
+    }
+    if let Some(number) = quickly_rounded(value, decimals) {
+        let text = short_text(number, decimals, value.is_sign_negative());
+        return text.write(out);
+    }
     let Some((whole, parts)) = rounded(value, decimals) else {
         return write!(out, "{value:.decimals$}");
     };
@@ -151,13 +168,26 @@ pub fn write_plain(out: &mut impl Write, value: f64, decimals: usize) -> io::Res
 /// If the writer fails.
 pub fn write_time(out: &mut impl Write, ns: i64) -> io::Result<()> {
     let (whole, mut rest) = (ns.unsigned_abs() / 1_000_000_000, ns.unsigned_abs() % 1_000_000_000);
+    let mut width = 9;
+    while rest > 0 && rest % 10 == 0 {
+        rest /= 10;
+        width -= 1;
+    }
+    // Nine decimals, a point, five digits and a sign: all times of a day.
+    if whole < TENS[5] {
+        let mut text = ShortText::EMPTY;
+        if rest > 0 {
+            text.padded(rest, width);
+            text.octet(b'.');
+        }
+        text.whole(whole);
+        if ns < 0 {
+            text.octet(b'-');
+        }
+        return text.write(out);
+    }
     let mut text = Text::new();
     if rest > 0 {
-        let mut width = 9;
-        while rest % 10 == 0 {
-            rest /= 10;
-            width -= 1;
-        }
         text.padded(rest, width);
         text.octet(b'.');
     }
@@ -166,6 +196,106 @@ pub fn write_time(out: &mut impl Write, ns: i64) -> io::Result<()> {
         text.octet(b'-');
     }
     text.write(out)
+}
+
+/// Returns the value in units of its last decimal, without its sign, below 2^42; `None` for greater numbers, others than
+/// numbers, more decimals than 9, and near halves.
+#[inline]
+fn quickly_rounded(value: f64, decimals: usize) -> Option<(u64, u64)> {
+    /// Products below this are off by less than 2^-11.
+    const PRODUCT_MAX: f64 = (1_u64 << 42) as f64;
+    /// Products farther from halves than this round as the exact ones do.
+    const SURE: f64 = 0.499;
+    let ten = *TENS.get(..=SHORT_DECIMALS_MAX)?.get(decimals)?;
+    let product = value.abs() * ten as f64;
+    // Written so that NaN takes the other way.
+    if !(product < PRODUCT_MAX) {
+        return None;
+    }
+    let parts = product as u64;
+    let rest = product - parts as f64;
+    let up = u64::from(rest > 0.5);
+    ((rest - up as f64).abs() < SURE).then_some((parts + up, ten))
+}
+
+/// Quotient and remainder; by the usual powers of ten, without a division.
+#[inline(always)]
+fn divided(number: u64, ten: u64) -> (u64, u64) {
+    match ten {
+        1_000 => (number / 1_000, number % 1_000),
+        10_000 => (number / 10_000, number % 10_000),
+        _ => (number / ten, number % ten),
+    }
+}
+
+/// Text of up to 16 octets, in registers; it grows from its end to its beginning.
+#[derive(Clone, Copy)]
+struct ShortText {
+    octets: u128,
+    len: usize,
+}
+
+impl ShortText {
+    const EMPTY: Self = Self { octets: 0, len: 0 };
+
+    #[inline(always)]
+    fn octet(&mut self, octet: u8) {
+        self.octets = self.octets << 8 | u128::from(octet);
+        self.len += 1;
+    }
+
+    /// Two digits of a number below 100.
+    #[inline(always)]
+    fn pair(&mut self, number: u64) {
+        self.octets = self.octets << 16 | u128::from(u16::from_le_bytes(PAIRS[number as usize]));
+        self.len += 2;
+    }
+
+    #[inline(always)]
+    fn whole(&mut self, mut number: u64) {
+        while number >= 100 {
+            self.pair(number % 100);
+            number /= 100;
+        }
+        if number >= 10 {
+            self.pair(number);
+        } else {
+            self.octet(b'0' + number as u8);
+        }
+    }
+
+    /// The number with leading zeros, `width` digits in all, of which it has no more.
+    #[inline(always)]
+    fn padded(&mut self, mut number: u64, width: usize) {
+        for _ in 0..width / 2 {
+            self.pair(number % 100);
+            number /= 100;
+        }
+        if width % 2 == 1 {
+            self.octet(b'0' + number as u8);
+        }
+    }
+
+    #[inline(always)]
+    fn write(&self, out: &mut impl Write) -> io::Result<()> {
+        out.write_all(&self.octets.to_le_bytes()[..self.len])
+    }
+}
+
+/// The text of a number in units of its last decimal, below 2^42: at most 13 digits, a point and a sign.
+#[inline]
+fn short_text((number, ten): (u64, u64), decimals: usize, is_negative: bool) -> ShortText {
+    let (whole, parts) = divided(number, ten);
+    let mut text = ShortText::EMPTY;
+    if decimals > 0 {
+        text.padded(parts, decimals);
+        text.octet(b'.');
+    }
+    text.whole(whole);
+    if is_negative {
+        text.octet(b'-');
+    }
+    text
 }
 
 /// Returns the whole part of the rounded value, without its sign, and the decimals as a whole number. `None` for

@@ -14,11 +14,65 @@ const TENS: [f64; OCTETS_MAX] = [
 
 /// Returns the value of digits with an optional minus sign and an optional point; `None` for other texts, and for
 /// numbers whose value needs more care.
+#[inline]
 pub(crate) fn simple(text: &[u8]) -> Option<f64> {
+    // Half of a covariance.
+    if text == b"0.0000" {
+        return Some(0.0);
+    }
     let (is_negative, text) = match text {
         [b'-', text @ ..] => (true, text),
         _ => (false, text),
     };
+    let (whole, decimals) = match text.len() {
+        4..=8 => short(text)?,
+        _ => long(text)?,
+    };
+    let value = whole as f64 / TENS[decimals];
+    Some(if is_negative { -value } else { value })
+}
+
+/// Digits with an optional point, of 4 to 8 octets, as a whole number and its decimals: all octets at once.
+#[inline]
+fn short(text: &[u8]) -> Option<(u64, usize)> {
+    const POINTS: u64 = u64::from_le_bytes([b'.'; 8]);
+    const LOW: u64 = u64::from_le_bytes([0x7f; 8]);
+    const ZEROS: u64 = u64::from_le_bytes([b'0'; 8]);
+    const UPPER: u64 = u64::from_le_bytes([0xf0; 8]);
+    const SIX: u64 = u64::from_le_bytes([6; 8]);
+    let (first, last) = (text.first_chunk()?, text.last_chunk()?);
+    let [first, last] = [first, last].map(|octets| u64::from(u32::from_le_bytes(*octets)));
+    // The last octet highest, zeros below the first: the halves overlap where there are less than eight.
+    let missing = 8 * (8 - text.len());
+    let mut octets = last << 32 | first << missing;
+    // An octet is now zero where a point was; adding to its lower bits carries into its highest bit unless they are.
+    let others = (octets ^ POINTS) | ((1 << missing) - 1);
+    let points = !(((others & LOW) + LOW) | others | LOW);
+    let mut decimals = 0;
+    if points != 0 {
+        // Octets below the point move up into its place.
+        let at = points.trailing_zeros() / 8;
+        let above = (u64::MAX << (8 * at)) << 8;
+        octets = octets & above | (octets << 8) & !above;
+        decimals = 7 - at as usize;
+    }
+    let empty = missing + if points == 0 { 0 } else { 8 };
+    let octets = octets | (ZEROS & ((1 << empty) - 1));
+    // A digit has the upper bits of zero, as it is and with 6 added; a carry comes from an octet that has others.
+    let uppers = [octets, octets.wrapping_add(SIX)].map(|octets| octets & UPPER ^ ZEROS);
+    if uppers != [0; 2] {
+        return None;
+    }
+    let digits = octets - ZEROS;
+    // Neighbours to numbers of two digits, of four, of eight; the first octet has the highest place.
+    let pairs = (digits * 10 + (digits >> 8)) & 0x00ff_00ff_00ff_00ff;
+    let fours = (pairs * 100 + (pairs >> 16)) & 0x0000_ffff_0000_ffff;
+    let whole = (fours * 10_000 + (fours >> 32)) & 0xffff_ffff;
+    Some((whole, decimals))
+}
+
+/// Digits with an optional point, of any length, as a whole number and its decimals.
+fn long(text: &[u8]) -> Option<(u64, usize)> {
     if text.len() > OCTETS_MAX {
         return None;
     }
@@ -32,11 +86,7 @@ pub(crate) fn simple(text: &[u8]) -> Option<f64> {
         _ => return None,
     };
     let has_digits = text.len() > usize::from(!rest.is_empty());
-    if !has_digits || whole > EXACT_MAX {
-        return None;
-    }
-    let value = whole as f64 / TENS[decimals];
-    Some(if is_negative { -value } else { value })
+    (has_digits && whole <= EXACT_MAX).then_some((whole, decimals))
 }
 
 /// Returns the whole number that the digits are; `None` for other texts, and for more digits than fit.
@@ -102,6 +152,13 @@ mod tests {
             "9007199254740993",
             "1_0",
             "12345678901234567890",
+            "1.2.3",
+            "....",
+            "12:4",
+            "12/4567",
+            "1.23-5",
+            "\u{ff}1234",
+            "1234\u{e9}",
         ];
         for text in left {
             assert_eq!(simple(text.as_bytes()), None, "{text}");
@@ -112,6 +169,17 @@ mod tests {
         #[test]
         fn values_are_those_of_the_standard_library(text in "-?[0-9]{0,12}[.]?[0-9]{0,12}") {
             prop_assert!(agrees(&text));
+        }
+
+        #[test]
+        fn short_texts_are_read_if_they_are_digits(octets in prop::collection::vec(any::<u8>(), 1..9), text in "[0-9.:/-]{1,9}") {
+            for octets in [&octets[..], text.as_bytes()] {
+                let unsigned = octets.strip_prefix(b"-").unwrap_or(octets);
+                let points = unsigned.iter().filter(|octet| **octet == b'.').count();
+                let digits = unsigned.iter().filter(|octet| octet.is_ascii_digit()).count();
+                let is_number = digits > 0 && points <= 1 && digits + points == unsigned.len();
+                prop_assert_eq!(simple(octets).is_some(), is_number, "{:?}", octets);
+            }
         }
 
         #[test]

@@ -157,6 +157,7 @@ impl Row {
     }
 
     /// The value at a place from 0.
+    #[inline]
     pub(crate) fn value(&self, place: usize) -> &[u8] {
         let begin = if place == 0 { 0 } else { self.ends[place - 1] + 1 };
         &self.octets[begin..self.ends[place]]

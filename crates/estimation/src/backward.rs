@@ -33,33 +33,38 @@ pub(crate) fn corrected<const N: usize, const M: usize>(
     (smoothed, smoothed_probability): (&[Moment<N>; M], &[f64; M]),
 ) -> ([Moment<N>; M], [f64; M]) {
     let mut sums: [PairSum<N>; M] = [PairSum::default(); M];
+    // In one place for all models after the step: clearing them takes longer than a pair.
+    let mut pairs: [Option<Pair<N>>; M] = [None; M];
     for (to, share) in smoothed_probability.iter().enumerate() {
         let future = Future::new(&after.predicted[to], &smoothed[to]);
         let Some(future) = future.filter(|_| *share > WEIGHT_MIN) else {
             continue;
         };
-        let motion = &after.motion.models[to];
-        let measured = future.before(motion);
-        let mut pairs: [Option<Pair<N>>; M] = [const { None }; M];
-        let mut nearest = f64::INFINITY;
-        for (from, (pair, model)) in pairs.iter_mut().zip(&step.models).enumerate() {
+        let measured = future.before(&after.motion.models[to]);
+        let mut weights = [0.0; M];
+        let mut squares = [f64::INFINITY; M];
+        for from in 0..M {
             let prior = step.probability[from] * after.motion.switches[(from, to)];
             if prior < WEIGHT_MIN * after.predicted_probability[to] {
                 continue;
             }
-            *pair = measured.pair(model, prior);
-            nearest = nearest.min(pair.as_ref().map_or(f64::INFINITY, |pair| pair.squared));
+            pairs[from] = measured.pair(&step.models[from]);
+            if let Some(pair) = &pairs[from] {
+                (squares[from], weights[from]) = (pair.squared, prior / pair.pivots.determinant.sqrt());
+            }
         }
-        let weight = |pair: &Pair<N>| pair.density * (0.5 * (nearest - pair.squared)).exp();
-        let weights = pairs.each_ref().map(|pair| pair.as_ref().map_or(0.0, weight));
+        let nearest = squares.iter().copied().fold(f64::INFINITY, f64::min);
+        for (weight, squared) in weights.iter_mut().zip(squares).filter(|(weight, _)| **weight > 0.0) {
+            *weight *= (0.5 * (nearest - squared)).exp();
+        }
         let all: f64 = weights.iter().sum();
         if !(all > 0.0 && all.is_finite()) {
             continue;
         }
-        for ((pair, weight), sum) in pairs.into_iter().zip(weights).zip(&mut sums) {
+        for ((pair, weight), sum) in pairs.iter().zip(weights).zip(&mut sums) {
             let weight = share * weight / all;
             sum.probability += weight;
-            if let Some(pair) = pair.filter(|_| weight > PAIR_MIN) {
+            if let Some(pair) = pair.as_ref().filter(|_| weight > PAIR_MIN) {
                 sum.add(pair, weight);
             }
         }
@@ -163,41 +168,38 @@ struct MeasuredBefore<const N: usize> {
 }
 
 /// A model before a step that meets the future of a model after the step.
+#[derive(Clone, Copy)]
 struct Pair<const N: usize> {
     pivots: Pivots<N>,
     cross: Rows<N>,
     eliminated: [f64; N],
-    /// Squared length of the innovation, and the probability density without the exponential of that.
+    /// Squared length of the innovation.
     squared: f64,
-    density: f64,
 }
 
 impl<const N: usize> MeasuredBefore<N> {
-    /// Meets a state of this prior probability; `None` if the innovation has no covariance.
+    /// Meets a state; `None` if the innovation has no covariance.
     #[inline(always)]
-    fn pair(&self, before: &Moment<N>, prior: f64) -> Option<Pair<N>> {
+    fn pair(&self, before: &Moment<N>) -> Option<Pair<N>> {
+        let mean = &before.mean.data.0[0];
         let cross = times(&self.of_state, &before.covariance.data.0);
-        let mut spread = self.noise;
-        let mut innovation = self.measured;
-        let mean: [f64; N] = before.mean.into();
-        for ((spread, cross), (innovation, row)) in
-            (spread.iter_mut().zip(&cross)).zip(innovation.iter_mut().zip(&self.of_state))
-        {
-            for (value, transposed) in cross.iter().zip(&self.transposed) {
-                add_scaled(spread, transposed, *value);
+        let spread = std::array::from_fn(|row| {
+            let mut sum = self.noise[row];
+            for (value, transposed) in cross[row].iter().zip(&self.transposed) {
+                add_scaled(&mut sum, transposed, *value);
             }
-            *innovation -= dot(row, &mean);
-        }
+            sum
+        });
         let pivots = Pivots::of(spread)?;
-        let eliminated = pivots.eliminated(innovation);
+        let eliminated = pivots.eliminated(std::array::from_fn(|row| {
+            self.measured[row] - dot(&self.of_state[row], mean)
+        }));
         let squared = pivots.squared(&eliminated);
-        let density = prior / pivots.determinant.sqrt();
-        (squared.is_finite() && density.is_finite()).then_some(Pair {
+        squared.is_finite().then_some(Pair {
             pivots,
             cross,
             eliminated,
             squared,
-            density,
         })
     }
 }
@@ -221,7 +223,7 @@ impl<const N: usize> Default for PairSum<N> {
 }
 
 impl<const N: usize> PairSum<N> {
-    fn add(&mut self, pair: Pair<N>, weight: f64) {
+    fn add(&mut self, pair: &Pair<N>, weight: f64) {
         let (white, residual) = pair.pivots.whitened(pair.cross, pair.eliminated);
         let mut away = [0.0; N];
         for (row, value) in white.iter().zip(residual) {

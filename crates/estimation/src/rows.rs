@@ -48,13 +48,14 @@ pub(crate) fn times<const R: usize, const N: usize, const C: usize>(
     left: &[[f64; N]; R],
     right: &[[f64; C]; N],
 ) -> [[f64; C]; R] {
-    let mut product = [[0.0; C]; R];
-    for (sum, row) in product.iter_mut().zip(left) {
+    // A row at a time, so that sums stay in registers.
+    left.map(|row| {
+        let mut sum = [0.0; C];
         for (value, right) in row.iter().zip(right) {
-            add_scaled(sum, right, *value);
+            add_scaled(&mut sum, right, *value);
         }
-    }
-    product
+        sum
+    })
 }
 
 /// Makes a matrix that is symmetric up to rounding exactly symmetric.
@@ -70,6 +71,7 @@ pub(crate) fn symmetric<const N: usize>(matrix: &mut Rows<N>) {
 }
 
 /// Factors L and D of S = L·D·Lᵀ, with the diagonal of L left out.
+#[derive(Clone, Copy)]
 pub(crate) struct Pivots<const R: usize> {
     lower: Rows<R>,
     /// Inverse of each element of D.
@@ -86,7 +88,7 @@ impl<const R: usize> Pivots<R> {
         for place in 0..R {
             let pivot = rest[place][place];
             // Written so that NaN is refused.
-            if !(pivot > 0.0 && pivot.is_finite()) {
+            if !(pivot > 0.0) {
                 return None;
             }
             inverse[place] = 1.0 / pivot;
@@ -99,7 +101,7 @@ impl<const R: usize> Pivots<R> {
                 }
             }
         }
-        Some(Self {
+        determinant.is_finite().then_some(Self {
             lower,
             inverse,
             determinant,

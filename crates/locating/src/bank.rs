@@ -182,7 +182,7 @@ impl Bank {
             }
             parts[MODELS_MAX] = part(self.drifting, (drift.mean, drift.covariance));
         }
-        let (mean, covariance) = matched(parts.into_iter().flatten())?;
+        let (mean, covariance) = matched(&parts)?;
         Some(RawFix {
             position_m: [mean[0], mean[1]],
             velocity_mps: [mean[2], mean[3]],

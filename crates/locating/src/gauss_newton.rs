@@ -165,15 +165,16 @@ impl<const D: usize> LeastSquaresProblem<'_, D> {
             outliers: [0; 2],
             cost_of_others: 0.0,
         };
+        // In arrays, whose elements stay in registers from line to line.
+        let (information, gradient) = (&mut system.information.data.0, &mut system.gradient.data.0[0]);
         for line in self.lines.iter().filter(|line| line.is_used) {
             let after_s = line.after_s(self.reference_ns);
             let Some(residual) = line.residual(position(at, after_s)) else {
                 continue;
             };
-            let h = sensitivity::<D>(residual.gradient, after_s);
+            let h = sensitivity::<D>(residual.gradient, after_s).data.0[0];
             let squared = residual.innovation_rad * residual.innovation_rad * line.information;
             let (cost, weight) = robust(squared, knee);
-            let information = weight * line.information;
             system.cost += cost;
             let kind = usize::from(line.has_outliers());
             system.lines[kind] += 1;
@@ -181,15 +182,33 @@ impl<const D: usize> LeastSquaresProblem<'_, D> {
                 true => system.outliers[kind] += 1,
                 false => system.cost_of_others += cost,
             }
-            system.gradient += h * (information * residual.innovation_rad);
-            let scaled = h * information;
-            for column in 0..D {
-                for row in 0..D {
-                    system.information[(row, column)] += scaled[row] * h[column];
+            let weighted = weight * line.information;
+            let innovation = weighted * residual.innovation_rad;
+            let scaled = h.map(|value| value * weighted);
+            for (sum, value) in gradient.iter_mut().zip(h) {
+                *sum += value * innovation;
+            }
+            for (column, value) in information.iter_mut().zip(h) {
+                for (sum, scaled) in column.iter_mut().zip(scaled) {
+                    *sum += scaled * value;
                 }
             }
         }
         system
+    }
+
+    /// Cost of prior and lines at a state, as that of [`Self::linearised`].
+    pub(crate) fn cost(&self, at: &SVector<f64, D>) -> f64 {
+        let offset = self.prior.mean - at;
+        let mut cost = offset.dot(&(self.prior.information * offset));
+        for line in self.lines.iter().filter(|line| line.is_used) {
+            let place = position(at, line.after_s(self.reference_ns));
+            if let Some(residual) = line.residual(place) {
+                let squared = residual.innovation_rad * residual.innovation_rad * line.information;
+                cost += robust(squared, KNEE).0;
+            }
+        }
+        cost
     }
 }
 

@@ -14,27 +14,36 @@ pub(crate) struct Weighted<const D: usize> {
 
 /// Mean and covariance of a mixture of beliefs (moment matching); `None` for a mixture of nothing. Weights need not be
 /// normalised.
-pub(crate) fn matched<const D: usize>(
-    beliefs: impl Iterator<Item = Weighted<D>> + Clone,
+pub(crate) fn matched<const D: usize, const N: usize>(
+    beliefs: &[Option<Weighted<D>>; N],
 ) -> Option<(SVector<f64, D>, SMatrix<f64, D, D>)> {
-    let greatest = (beliefs.clone()).fold(f64::NEG_INFINITY, |most, belief| most.max(belief.log_weight));
-    let shares = || {
-        beliefs
-            .clone()
-            .map(|belief| ((belief.log_weight - greatest).exp(), belief))
-    };
-    let total: f64 = shares().map(|(share, _)| share).sum();
+    let weights = beliefs.iter().flatten().map(|belief| belief.log_weight);
+    let greatest = weights.fold(f64::NEG_INFINITY, f64::max);
+    // By reference: a belief of four components is 168 octets.
+    let shares = beliefs.each_ref().map(|belief| {
+        let belief = belief.as_ref();
+        belief.map_or(0.0, |belief| (belief.log_weight - greatest).exp())
+    });
+    let total: f64 = shares.iter().sum();
     if !(total > 0.0 && total.is_finite()) {
         return None;
     }
+    let shared = || {
+        let shares = beliefs.iter().zip(&shares);
+        shares.filter_map(|(belief, share)| Some((belief.as_ref()?, share / total)))
+    };
     let mut mean = SVector::zeros();
-    for (share, belief) in shares() {
-        mean += belief.mean * (share / total);
+    for (belief, share) in shared() {
+        mean += belief.mean * share;
     }
     let mut covariance = SMatrix::zeros();
-    for (share, belief) in shares() {
+    for (belief, share) in shared() {
         let apart = belief.mean - mean;
-        covariance += (belief.covariance + apart * apart.transpose()) * (share / total);
+        for column in 0..D {
+            for row in 0..D {
+                covariance[(row, column)] += (belief.covariance[(row, column)] + apart[row] * apart[column]) * share;
+            }
+        }
     }
     Some((mean, covariance))
 }
@@ -90,11 +99,11 @@ mod tests {
             covariance: SMatrix::identity() * variance,
         };
         let parts = [part(1e4, 0.0, 1.0), part(1e4 + 3f64.ln(), 4.0, 2.0)];
-        let (mean, covariance) = matched(parts.into_iter()).unwrap();
+        let (mean, covariance) = matched(&parts.map(Some)).unwrap();
         assert!((mean[0] - 3.0).abs() < 1e-9);
         // 0.25·1 + 0.75·2, and 0.25·9 + 0.75·1 for the means.
         assert!((covariance[(0, 0)] - 4.75).abs() < 1e-9 && (covariance[(1, 1)] - 1.75).abs() < 1e-9);
-        assert!(matched(std::iter::empty::<Weighted<2>>()).is_none());
+        assert!(matched::<2, 1>(&[None]).is_none());
     }
 
     #[test]

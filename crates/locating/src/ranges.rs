@@ -111,7 +111,7 @@ impl<const D: usize> RangeHypotheses<D> {
                 (*state, *belief) = (None, None);
             }
         }
-        let (mean, covariance) = matched(beliefs.into_iter().flatten())?;
+        let (mean, covariance) = matched(&beliefs)?;
         Some(RangeBelief {
             mean,
             covariance,

@@ -400,7 +400,7 @@ impl<const D: usize> Smoother<D> {
         let mut at = SVector::zeros();
         at[0] = position_m[0];
         at[1] = position_m[1];
-        let cost = |at| self.problem(self.window.all()).linearised(at).cost;
+        let cost = |at| self.problem(self.window.all()).cost(at);
         let lead = cost(&at) - cost(&self.estimate);
         self.lead_over_rest = Some(lead);
         if lead < 0.0 {

@@ -74,6 +74,7 @@ pub(crate) fn run(locate: &Locate, host: &dyn Host) -> anyhow::Result<()> {
         locate,
         locator,
         out,
+        row: Vec::new(),
         frame,
         decisions: explained.map(|path| Decisions::begin(host, path)).transpose()?,
         paths: locate.picture.as_ref().map(|_| Paths::new(locate.emitter)),
@@ -116,6 +117,8 @@ struct Location<'a> {
     locate: &'a Locate,
     locator: Locator,
     out: Box<dyn TableOutput>,
+    /// The row being written: the output gets each row in a single call.
+    row: Vec<u8>,
     /// The frame of the plane, if its origin is known.
     frame: Option<SystemFrame>,
     decisions: Option<Decisions>,
@@ -162,7 +165,9 @@ impl Location<'_> {
         match taken {
             Ok(report) => {
                 if let Some(report) = &report {
-                    rows::write(&mut self.out, report, self.frame.as_ref()).with_context(|| unwritten(self.locate))?;
+                    self.row.clear();
+                    rows::append(&mut self.row, report, self.frame.as_ref());
+                    self.out.write_all(&self.row).with_context(|| unwritten(self.locate))?;
                     self.summary.emitters.insert(report.number);
                 }
                 if let Some(paths) = &mut self.paths {

@@ -1,47 +1,57 @@
 //! Fixes as rows (FM-7).
 
-use std::io::{self, Write};
-
+use csv_table::{write_decimals, write_time, write_whole};
 use frames::SystemFrame;
 use locating::EmitterReport;
 
-/// Writes a row: positions in millimetres, and velocities precise enough for the same accuracy over an hour; with a
-/// frame the output in degrees, too, in centimetres.
-///
-/// # Errors
-/// If the writer fails.
-pub(super) fn write(out: &mut impl Write, report: &EmitterReport, frame: Option<&SystemFrame>) -> io::Result<()> {
+/// Decimals of positions and their variances, of velocities, and of degrees: millimetres; the same accuracy over an
+/// hour; centimetres.
+const METRES: usize = 3;
+const VELOCITY: usize = 6;
+const DEGREES: usize = 7;
+
+/// Appends a row; with a frame, the output in degrees, too.
+pub(super) fn append(row: &mut Vec<u8>, report: &EmitterReport, frame: Option<&SystemFrame>) {
+    // A vector takes everything.
+    let _ = write(row, report, frame);
+}
+
+fn write(row: &mut Vec<u8>, report: &EmitterReport, frame: Option<&SystemFrame>) -> std::io::Result<()> {
     let (raw, output) = (&report.raw, &report.output);
-    let [x, y, z] = output.position_m;
-    let [vx, vy, vz] = output.velocity_mps;
-    csv_table::write_time(out, report.time_ns)?;
-    write!(out, ",{},{x:.3},{y:.3},{z:.3},{vx:.6},{vy:.6},{vz:.6}", report.number)?;
-    write!(
-        out,
-        ",{:.3},{},{}",
-        raw.variance_m2(),
-        output.stage.word(),
-        u8::from(output.is_selected)
-    )?;
-    let [raw_x, raw_y] = raw.position_m;
-    let [raw_vx, raw_vy] = raw.velocity_mps;
+    write_time(row, report.time_ns)?;
+    row.push(b',');
+    write_whole(row, report.number.into())?;
+    numbers(row, &output.position_m, METRES)?;
+    numbers(row, &output.velocity_mps, VELOCITY)?;
+    numbers(row, &[raw.variance_m2()], METRES)?;
+    word(row, output.stage.word());
+    word(row, digit(output.is_selected));
+    numbers(row, &raw.position_m, METRES)?;
     let p = &raw.covariance;
-    write!(
-        out,
-        ",{raw_x:.3},{raw_y:.3},{:.3},{:.3},{:.3}",
-        p[(0, 0)],
-        p[(0, 1)],
-        p[(1, 1)]
-    )?;
-    write!(
-        out,
-        ",{raw_vx:.6},{raw_vy:.6},{},{}",
-        raw.motion.word(),
-        u8::from(raw.is_agreed)
-    )?;
+    numbers(row, &[p[(0, 0)], p[(0, 1)], p[(1, 1)]], METRES)?;
+    numbers(row, &raw.velocity_mps, VELOCITY)?;
+    word(row, raw.motion.word());
+    word(row, digit(raw.is_agreed));
     if let Some(frame) = frame {
         let place = frame.to_geodetic(output.position_m);
-        write!(out, ",{:.7},{:.7}", place.latitude_deg(), place.longitude_deg())?;
+        numbers(row, &[place.latitude_deg(), place.longitude_deg()], DEGREES)?;
     }
-    writeln!(out)
+    row.push(b'\n');
+    Ok(())
+}
+
+fn numbers(row: &mut Vec<u8>, values: &[f64], decimals: usize) -> std::io::Result<()> {
+    values.iter().try_for_each(|value| {
+        row.push(b',');
+        write_decimals(row, *value, decimals)
+    })
+}
+
+fn word(row: &mut Vec<u8>, word: &str) {
+    row.push(b',');
+    row.extend_from_slice(word.as_bytes());
+}
+
+fn digit(is_set: bool) -> &'static str {
+    if is_set { "1" } else { "0" }
 }
