@@ -4,15 +4,18 @@
 //! numbers of any length, and its traits cost more than the digits. A finite `f64` is `m * 2^-s` with a whole `m` below
 //! 2^53. Below 2^52, its decimals are therefore the rounded quotient of the fraction's bits times a power of ten, and
 //! 2^s: one product of 128 bits and a shift. Halves go to the even neighbour, as `core::fmt` does. Most products of a
-//! number and the power of ten are small, and far enough from a half that one rounding of an `f64` changes nothing.
+//! number and the power of ten are small, and far enough from a half that one rounding of an `f64` changes nothing. The
+//! text grows in registers, from its end to its beginning, and leaves them at once.
+//!
+//! Limits: texts beyond 16 octets, and more than nine decimals, are left to `core::fmt`.
 
 use std::io::{self, Write};
 
 /// Most decimals that the fast path writes.
-const DECIMALS_MAX: usize = 17;
+const DECIMALS_MAX: usize = 9;
 /// Powers of ten.
-const TENS: [u64; DECIMALS_MAX + 1] = {
-    let mut tens = [1; DECIMALS_MAX + 1];
+const TENS: [u64; 18] = {
+    let mut tens = [1; 18];
     let mut place = 1;
     while place < tens.len() {
         tens[place] = 10 * tens[place - 1];
@@ -21,8 +24,8 @@ const TENS: [u64; DECIMALS_MAX + 1] = {
     tens
 };
 /// Half of the last decimal, by number of decimals.
-const HALVES: [f64; DECIMALS_MAX + 1] = {
-    let mut halves = [0.0; DECIMALS_MAX + 1];
+const HALVES: [f64; TENS.len()] = {
+    let mut halves = [0.0; TENS.len()];
     let mut decimals = 0;
     while decimals < halves.len() {
         halves[decimals] = 0.5 / TENS[decimals] as f64;
@@ -40,202 +43,31 @@ const PAIRS: [[u8; 2]; 100] = {
     }
     pairs
 };
-/// Most decimals that fit a text in registers, and zero with as many.
-const SHORT_DECIMALS_MAX: usize = 9;
-const ZERO: [u8; SHORT_DECIMALS_MAX + 2] = *b"0.000000000";
+/// Zero with as many decimals.
+const ZERO: [u8; DECIMALS_MAX + 2] = *b"0.000000000";
 /// Bits of the fraction of an `f64`.
 const FRACTION_BITS: u32 = f64::MANTISSA_DIGITS - 1;
-/// Most octets of a text, a power of two: sign, 20 digits, point and decimals are 39.
-const TEXT_MAX: usize = 64;
-const _: () = assert!(22 + DECIMALS_MAX <= TEXT_MAX && TEXT_MAX.is_power_of_two());
-
-/// Text that grows from its end to its beginning.
-struct Text {
-    octets: [u8; TEXT_MAX],
-    begin: usize,
-}
-
-impl Text {
-    const fn new() -> Self {
-        Self {
-            octets: [0; TEXT_MAX],
-            begin: TEXT_MAX,
-        }
+/// Most octets of a text in registers.
+const TEXT_MAX: usize = u128::BITS as usize / 8;
+/// End of the whole parts that fit a text beside a sign, a point and so many decimals.
+const WHOLES: [u64; DECIMALS_MAX + 1] = {
+    let mut wholes = [0; DECIMALS_MAX + 1];
+    let mut decimals = 0;
+    while decimals < wholes.len() {
+        wholes[decimals] = TENS[TEXT_MAX - 2 - decimals];
+        decimals += 1;
     }
-
-    #[inline(always)]
-    fn octet(&mut self, octet: u8) {
-        self.begin -= 1;
-        // The remainder is the place itself, and spares the check of the place at each digit.
-        self.octets[self.begin % TEXT_MAX] = octet;
-    }
-
-    /// Two digits of a number below 100.
-    #[inline(always)]
-    fn pair(&mut self, number: u64) {
-        let [tens, ones] = PAIRS[number as usize];
-        self.octet(ones);
-        self.octet(tens);
-    }
-
-    #[inline]
-    fn whole(&mut self, mut number: u64) {
-        while number >= 100 {
-            self.pair(number % 100);
-            number /= 100;
-        }
-        if number >= 10 {
-            self.pair(number);
-        } else {
-            self.octet(b'0' + number as u8);
-        }
-    }
-
-    /// The number with leading zeros, `width` digits in all, of which it has no more.
-    #[inline]
-    fn padded(&mut self, mut number: u64, mut width: usize) {
-        while width >= 2 {
-            self.pair(number % 100);
-            number /= 100;
-            width -= 2;
-        }
-        if width == 1 {
-            self.octet(b'0' + number as u8);
-        }
-    }
-
-    #[inline]
-    fn write(&self, out: &mut impl Write) -> io::Result<()> {
-        out.write_all(&self.octets[self.begin..])
-    }
-}
-
-/// Writes a whole number.
-///
-/// # Errors
-/// If the writer fails.
-pub fn write_whole(out: &mut impl Write, number: u64) -> io::Result<()> {
-    if number < TENS[16] {
-        let mut text = ShortText::EMPTY;
-        text.whole(number);
-        return text.write(out);
-    }
-    let mut text = Text::new();
-    text.whole(number);
-    text.write(out)
-}
-
-/// Writes a number with this many decimals, as `{:.decimals$}` does.
-///
-/// # Errors
-/// If the writer fails.
-pub fn write_decimals(out: &mut impl Write, value: f64, decimals: usize) -> io::Result<()> {
-    // Of a covariance, often more than half.
-    if value.to_bits() == 0 && (1..=SHORT_DECIMALS_MAX).contains(&decimals) {
-        return out.write_all(&ZERO[..decimals + 2]);
-    }
-    if let Some(number) = quickly_rounded(value, decimals) {
-        let text = short_text(number, decimals, value.is_sign_negative());
-        return text.write(out);
-    }
-    let Some((whole, parts)) = rounded(value, decimals) else {
-        return write!(out, "{value:.decimals$}");
-    };
-    let mut text = Text::new();
-    if decimals > 0 {
-        text.padded(parts, decimals);
-        text.octet(b'.');
-    }
-    text.whole(whole);
-    if value.is_sign_negative() {
-        text.octet(b'-');
-    }
-    text.write(out)
-}
-
-/// Writes a number as [`write_decimals`] does, but without a minus sign before zero.
-///
-/// # Errors
-/// If the writer fails.
-pub fn write_plain(out: &mut impl Write, value: f64, decimals: usize) -> io::Result<()> {
-    let half = HALVES.get(decimals).copied().unwrap_or_default();
-    write_decimals(out, if value.abs() < half { 0.0 } else { value }, decimals)
-}
-
-/// Writes a time in seconds, with as few decimals as are exact.
-///
-/// # Errors
-/// If the writer fails.
-pub fn write_time(out: &mut impl Write, ns: i64) -> io::Result<()> {
-    let (whole, mut rest) = (ns.unsigned_abs() / 1_000_000_000, ns.unsigned_abs() % 1_000_000_000);
-    let mut width = 9;
-    while rest > 0 && rest % 10 == 0 {
-        rest /= 10;
-        width -= 1;
-    }
-    // Nine decimals, a point, five digits and a sign: all times of a day.
-    if whole < TENS[5] {
-        let mut text = ShortText::EMPTY;
-        if rest > 0 {
-            text.padded(rest, width);
-            text.octet(b'.');
-        }
-        text.whole(whole);
-        if ns < 0 {
-            text.octet(b'-');
-        }
-        return text.write(out);
-    }
-    let mut text = Text::new();
-    if rest > 0 {
-        text.padded(rest, width);
-        text.octet(b'.');
-    }
-    text.whole(whole);
-    if ns < 0 {
-        text.octet(b'-');
-    }
-    text.write(out)
-}
-
-/// Returns the value in units of its last decimal, without its sign, below 2^42; `None` for greater numbers, others than
-/// numbers, more decimals than 9, and near halves.
-#[inline]
-fn quickly_rounded(value: f64, decimals: usize) -> Option<(u64, u64)> {
-    /// Products below this are off by less than 2^-11.
-    const PRODUCT_MAX: f64 = (1_u64 << 42) as f64;
-    /// Products farther from halves than this round as the exact ones do.
-    const SURE: f64 = 0.499;
-    let ten = *TENS.get(..=SHORT_DECIMALS_MAX)?.get(decimals)?;
-    let product = value.abs() * ten as f64;
-    // Written so that NaN takes the other way.
-    if !(product < PRODUCT_MAX) {
-        return None;
-    }
-    let parts = product as u64;
-    let rest = product - parts as f64;
-    let up = u64::from(rest > 0.5);
-    ((rest - up as f64).abs() < SURE).then_some((parts + up, ten))
-}
-
-/// Quotient and remainder; by the usual powers of ten, without a division.
-#[inline(always)]
-fn divided(number: u64, ten: u64) -> (u64, u64) {
-    match ten {
-        1_000 => (number / 1_000, number % 1_000),
-        10_000 => (number / 10_000, number % 10_000),
-        _ => (number / ten, number % ten),
-    }
-}
+    wholes
+};
 
 /// Text of up to 16 octets, in registers; it grows from its end to its beginning.
 #[derive(Clone, Copy)]
-struct ShortText {
+struct Text {
     octets: u128,
     len: usize,
 }
 
-impl ShortText {
+impl Text {
     const EMPTY: Self = Self { octets: 0, len: 0 };
 
     #[inline(always)]
@@ -282,24 +114,116 @@ impl ShortText {
     }
 }
 
-/// The text of a number in units of its last decimal, below 2^42: at most 13 digits, a point and a sign.
-#[inline]
-fn short_text((number, ten): (u64, u64), decimals: usize, is_negative: bool) -> ShortText {
-    let (whole, parts) = divided(number, ten);
-    let mut text = ShortText::EMPTY;
+/// Writes a whole number.
+///
+/// # Errors
+/// If the writer fails.
+pub fn write_whole(out: &mut impl Write, number: u64) -> io::Result<()> {
+    if number >= TENS[TEXT_MAX] {
+        return write!(out, "{number}");
+    }
+    let mut text = Text::EMPTY;
+    text.whole(number);
+    text.write(out)
+}
+
+/// Writes a number with this many decimals, as `{:.decimals$}` does.
+///
+/// # Errors
+/// If the writer fails.
+pub fn write_decimals(out: &mut impl Write, value: f64, decimals: usize) -> io::Result<()> {
+    // Of a covariance, often more than half.
+    if value.to_bits() == 0 && (1..=DECIMALS_MAX).contains(&decimals) {
+        return out.write_all(&ZERO[..decimals + 2]);
+    }
+    let number = quickly_rounded(value, decimals).or_else(|| rounded(value, decimals));
+    let wholes = WHOLES.get(decimals).copied().unwrap_or_default();
+    let Some((whole, parts)) = number.filter(|(whole, _)| *whole < wholes) else {
+        return write!(out, "{value:.decimals$}");
+    };
+    let mut text = Text::EMPTY;
     if decimals > 0 {
         text.padded(parts, decimals);
         text.octet(b'.');
     }
     text.whole(whole);
-    if is_negative {
+    if value.is_sign_negative() {
         text.octet(b'-');
     }
-    text
+    text.write(out)
+}
+
+/// Writes a number as [`write_decimals`] does, but without a minus sign before zero.
+///
+/// # Errors
+/// If the writer fails.
+pub fn write_plain(out: &mut impl Write, value: f64, decimals: usize) -> io::Result<()> {
+    let half = HALVES.get(decimals).copied().unwrap_or_default();
+    write_decimals(out, if value.abs() < half { 0.0 } else { value }, decimals)
+}
+
+/// Writes a time in seconds, with as few decimals as are exact.
+///
+/// # Errors
+/// If the writer fails.
+pub fn write_time(out: &mut impl Write, ns: i64) -> io::Result<()> {
+    let (whole, mut rest) = (ns.unsigned_abs() / 1_000_000_000, ns.unsigned_abs() % 1_000_000_000);
+    let mut width = 9;
+    while rest > 0 && rest % 10 == 0 {
+        rest /= 10;
+        width -= 1;
+    }
+    let mut text = Text::EMPTY;
+    if rest > 0 {
+        text.padded(rest, width);
+        text.octet(b'.');
+    }
+    // Nine decimals, a point, five digits and a sign: all times of a day.
+    if whole < TENS[5] {
+        text.whole(whole);
+        if ns < 0 {
+            text.octet(b'-');
+        }
+        return text.write(out);
+    }
+    if ns < 0 {
+        out.write_all(b"-")?;
+    }
+    write_whole(out, whole)?;
+    text.write(out)
+}
+
+/// As [`rounded`], for products with the power of ten below 2^42 that are not near a half.
+#[inline]
+fn quickly_rounded(value: f64, decimals: usize) -> Option<(u64, u64)> {
+    /// Products below this are off by less than 2^-11.
+    const PRODUCT_MAX: f64 = (1_u64 << 42) as f64;
+    /// Products farther from halves than this round as the exact ones do.
+    const SURE: f64 = 0.499;
+    let ten = *TENS.get(decimals)?;
+    let product = value.abs() * ten as f64;
+    // Written so that NaN takes the other way.
+    if !(product < PRODUCT_MAX) {
+        return None;
+    }
+    let parts = product as u64;
+    let rest = product - parts as f64;
+    let up = u64::from(rest > 0.5);
+    ((rest - up as f64).abs() < SURE).then(|| divided(parts + up, ten))
+}
+
+/// Quotient and remainder; by the usual powers of ten, without a division.
+#[inline(always)]
+fn divided(number: u64, ten: u64) -> (u64, u64) {
+    match ten {
+        1_000 => (number / 1_000, number % 1_000),
+        10_000 => (number / 10_000, number % 10_000),
+        _ => (number / ten, number % ten),
+    }
 }
 
 /// Returns the whole part of the rounded value, without its sign, and the decimals as a whole number. `None` for
-/// numbers from 2^52 on, others than numbers, and more decimals than 17.
+/// numbers from 2^52 on, others than numbers, and more decimals than 9.
 fn rounded(value: f64, decimals: usize) -> Option<(u64, u64)> {
     let ten = *TENS.get(decimals)?;
     let bits = value.to_bits() & !(1 << 63);

@@ -1,17 +1,16 @@
 //! The backward step of the smoother: the states of the models at a step, from the smoothed states at the next step.
 //!
-//! The obvious form of the recursion inverts three covariances for each pair of models: of the prediction, of the
-//! smoothed state, and of both together. With ten models, a hundred pairs take nine tenths of a smoother's time, and
-//! nearly all pairs turn out to have no weight.
+//! The obvious form of the recursion inverts two covariances for each pair of models: of the prediction, and of the
+//! prediction together with the future. With ten models there are a hundred pairs at each step.
 //!
 //! Here the future of each model after the step is a measurement: the likelihood that makes the smoothed state of the
 //! predicted state is exp(−½·|Lᵀ·(x − origin) − y|²), with as many columns of L as the future has information. A pair
-//! is then a Kalman update of the state before the step, by a measurement with unit covariance of Lᵀ·F·x. Weights need
-//! the innovation and the determinant of its covariance; states are computed for pairs with weight only. The mixture of
-//! the pairs is summed relative to the filtered state, so that each covariance enters once.
+//! is then a Kalman update of the state before the step, by a measurement with unit covariance of Lᵀ·F·x: without an
+//! inverse, with one decomposition. The mixture of the pairs is summed relative to the filtered state, so that each
+//! covariance enters once.
 //!
-//! Limits: a pair below [`PAIR_MIN`] of all probability is left out; the sum of those left out changes no digit of a
-//! result in single precision.
+//! Limits: a pair that no filter expects (below [`WEIGHT_MIN`]) is left out. A pair that the measurements make
+//! improbable is not: a model without its future would be wrong when it becomes probable again, by tens of metres.
 //!
 //! Sources: those of [`crate::smoother`]; for the measurement that stands for the future, M. Briers, A. Doucet, S.
 //! Maskell, *Smoothing algorithms for state–space models*, Annals of the Institute of Statistical Mathematics 62 (2010).
@@ -21,8 +20,8 @@ use crate::smoother::{FilteredStep, LinearModel, Moment};
 
 /// Weight of a pair of models, relative to the model after the step, below which the pair is not looked at.
 const WEIGHT_MIN: f64 = 1e-9;
-/// Probability of a pair below which its state is left out.
-const PAIR_MIN: f64 = 1e-14;
+/// Probability of a pair below which sums over pairs have no digits left.
+const PAIR_MIN: f64 = 1e-200;
 /// Information relative to that of the filter below which there is none.
 const INFORMATION_MIN: f64 = 1e-9;
 
@@ -64,6 +63,7 @@ pub(crate) fn corrected<const N: usize, const M: usize>(
         for ((pair, weight), sum) in pairs.iter().zip(weights).zip(&mut sums) {
             let weight = share * weight / all;
             sum.probability += weight;
+            // However small: a model without its future would be wrong when it comes back.
             if let Some(pair) = pair.as_ref().filter(|_| weight > PAIR_MIN) {
                 sum.add(pair, weight);
             }
@@ -236,7 +236,7 @@ impl<const N: usize> PairSum<N> {
 
     /// Moves the filtered state to the mean of the pairs.
     fn correct(&self, model: &mut Moment<N>) {
-        if self.probability <= 0.0 {
+        if self.probability <= PAIR_MIN {
             return;
         }
         let share = 1.0 / self.probability;

@@ -48,14 +48,16 @@ pub(crate) fn times<const R: usize, const N: usize, const C: usize>(
     left: &[[f64; N]; R],
     right: &[[f64; C]; N],
 ) -> [[f64; C]; R] {
-    // A row at a time, so that sums stay in registers.
-    left.map(|row| {
+    let mut product = [[0.0; C]; R];
+    for (product, left) in product.iter_mut().zip(left) {
+        // A sum apart stays in registers.
         let mut sum = [0.0; C];
-        for (value, right) in row.iter().zip(right) {
+        for (value, right) in left.iter().zip(right) {
             add_scaled(&mut sum, right, *value);
         }
-        sum
-    })
+        *product = sum;
+    }
+    product
 }
 
 /// Makes a matrix that is symmetric up to rounding exactly symmetric.
