@@ -202,8 +202,7 @@ fn quickly_rounded(value: f64, decimals: usize) -> Option<(u64, u64)> {
     const SURE: f64 = 0.499;
     let ten = *TENS.get(decimals)?;
     let product = value.abs() * ten as f64;
-    // Written so that NaN takes the other way.
-    if !(product < PRODUCT_MAX) {
+    if product.is_nan() || product >= PRODUCT_MAX {
         return None;
     }
     let parts = product as u64;

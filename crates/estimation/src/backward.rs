@@ -15,6 +15,8 @@
 //! Sources: those of [`crate::smoother`]; for the measurement that stands for the future, M. Briers, A. Doucet, S.
 //! Maskell, *Smoothing algorithms for state–space models*, Annals of the Institute of Statistical Mathematics 62 (2010).
 
+#![expect(clippy::needless_range_loop, reason = "rows and columns, as in the formulas")]
+
 use crate::rows::{Pivots, Rows, add_scaled, add_square, dot, root, symmetric, times};
 use crate::smoother::{FilteredStep, LinearModel, Moment};
 
@@ -266,8 +268,7 @@ fn positive_part<const N: usize>(mut matrix: Rows<N>, mut vector: [f64; N]) -> (
             }
         }
         let pivot = matrix[place][place];
-        // Written so that NaN ends it.
-        if !(pivot >= INFORMATION_MIN) {
+        if pivot.is_nan() || pivot < INFORMATION_MIN {
             break;
         }
         let scale = 1.0 / pivot.sqrt();

@@ -9,6 +9,8 @@
 //!
 //! Source: G. H. Golub, C. F. Van Loan, *Matrix Computations* (Johns Hopkins, 2013), sections 4.1 and 4.2.
 
+#![expect(clippy::needless_range_loop, reason = "rows and columns, as in the formulas")]
+
 /// Rows of a square matrix.
 pub(crate) type Rows<const N: usize> = [[f64; N]; N];
 
@@ -89,8 +91,7 @@ impl<const R: usize> Pivots<R> {
         let (mut lower, mut inverse, mut determinant) = ([[0.0; R]; R], [0.0; R], 1.0);
         for place in 0..R {
             let pivot = rest[place][place];
-            // Written so that NaN is refused.
-            if !(pivot > 0.0) {
+            if pivot.is_nan() || pivot <= 0.0 {
                 return None;
             }
             inverse[place] = 1.0 / pivot;
