@@ -73,13 +73,14 @@ fn means(squares: &[(u32, [f64; 2])], chosen: impl Fn(u32) -> bool) -> ([f64; 2]
     ([0, 1].map(|place| sum(place) / chosen.len() as f64), chosen.len())
 }
 
-/// Tables of sensor tracks and system tracks of a deployment with this source in a recording.
+/// Tables of sensor tracks and system tracks of a deployment with this source in a recording. The targets are measured
+/// at the times in the lines, which are multiples of half a second.
 fn tables(home: &Home, place_deg: [f64; 2], source: &str) -> [String; 2] {
     let [latitude, longitude] = place_deg;
     let config = format!(
         "name = \"test\"\n[frame]\nlatitude_deg = {latitude:?}\nlongitude_deg = {longitude:?}\n\
          [time]\ndate = \"2020-01-01\"\norder = \"time\"\n[recorder]\nformat = [\"csv\"]\n\
-         [[source]]\nname = \"own\"\n{source}"
+         [[source]]\nname = \"own\"\nstamps = \"exact\"\n{source}"
     );
     home.write("test.toml", config);
     let up = "up test.toml --data . --speed max --instance test --out out";

@@ -12,13 +12,14 @@
 //! Limits: a pair that no filter expects (below [`WEIGHT_MIN`]) is left out. A pair that the measurements make
 //! improbable is not: a model without its future would be wrong when it becomes probable again, by tens of metres.
 //!
-//! Sources: those of [`crate::smoother`]; for the measurement that stands for the future, M. Briers, A. Doucet, S.
-//! Maskell, *Smoothing algorithms for state–space models*, Annals of the Institute of Statistical Mathematics 62 (2010).
+//! Sources: those of [`crate::smoother`]; for the measurement that stands for the future, M. Briers, A. Doucet,
+//! S. Maskell, *Smoothing algorithms for state–space models*, Annals of the Institute of Statistical Mathematics 62
+//! (2010).
 
 #![expect(clippy::needless_range_loop, reason = "rows and columns, as in the formulas")]
 
+use crate::filtered_step::{FilteredStep, LinearModel, Moment};
 use crate::rows::{Pivots, Rows, add_scaled, add_square, dot, root, symmetric, times};
-use crate::smoother::{FilteredStep, LinearModel, Moment};
 
 /// Weight of a pair of models, relative to the model after the step, below which the pair is not looked at.
 const WEIGHT_MIN: f64 = 1e-9;

@@ -38,19 +38,11 @@ use std::collections::VecDeque;
 use nalgebra::{SMatrix, SVector};
 
 use crate::backward::corrected;
+use crate::filtered_step::{FilteredStep, LinearModel, Moment, Switching};
 use crate::rows::{Pivots, Rows, add_rows, add_scaled, add_square, symmetric, times};
 
 /// Smallest probability of a model: each must be able to come back.
 const PROBABILITY_MIN: f64 = 1e-6;
-
-/// Mean and covariance of `N` components.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Moment<const N: usize> {
-    /// Expected value.
-    pub mean: SVector<f64, N>,
-    /// Covariance.
-    pub covariance: SMatrix<f64, N, N>,
-}
 
 impl<const N: usize> Moment<N> {
     fn moved(&self, by: &LinearModel<N>) -> Self {
@@ -129,24 +121,6 @@ fn mixture<const N: usize, const M: usize>(weights: &[f64; M], models: &[Moment<
     Spread::new(weights, models).mixed(weights)
 }
 
-/// Motion over one step: x ← transition · x + noise.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LinearModel<const N: usize> {
-    /// Transition matrix.
-    pub transition: SMatrix<f64, N, N>,
-    /// Covariance of the noise.
-    pub noise: SMatrix<f64, N, N>,
-}
-
-/// How a target moves between two times, under each of `M` models, and switches among the models.
-#[derive(Clone, Copy, Debug)]
-pub struct Switching<const N: usize, const M: usize> {
-    /// The models.
-    pub models: [LinearModel<N>; M],
-    /// Probability that the model of the row is followed by the model of the column; each row sums to 1.
-    pub switches: SMatrix<f64, M, M>,
-}
-
 /// State at a single step from all measurements.
 #[derive(Clone, Copy, Debug)]
 pub struct Smoothed<const N: usize, const M: usize> {
@@ -162,18 +136,6 @@ pub struct Smoother<const N: usize, const M: usize, const K: usize> {
     steps: VecDeque<FilteredStep<N, M>>,
     /// Logarithm of the likelihood of all measurements so far.
     evidence: f64,
-}
-
-/// States and probabilities of the models at a step.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct FilteredStep<const N: usize, const M: usize> {
-    /// Motion since the step before.
-    pub(crate) motion: Switching<N, M>,
-    /// Before the measurements of this step, and after these measurements.
-    pub(crate) predicted: [Moment<N>; M],
-    pub(crate) predicted_probability: [f64; M],
-    pub(crate) models: [Moment<N>; M],
-    pub(crate) probability: [f64; M],
 }
 
 impl<const N: usize, const M: usize, const K: usize> Smoother<N, M, K> {

@@ -3,7 +3,8 @@
 use nalgebra::{DMatrix, DVector, Matrix1, Matrix2, Matrix4, SMatrix, Vector1, Vector2, Vector4};
 use proptest::prelude::*;
 
-use crate::smoother::{LinearModel, Moment, Smoothed, Smoother, Switching};
+use crate::smoother::{Smoothed, Smoother};
+use crate::{LinearModel, Moment, Switching};
 
 /// One model with nearly constant velocity on two axes.
 fn straight(seconds: f64, density: f64) -> LinearModel<4> {

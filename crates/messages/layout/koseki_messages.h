@@ -654,7 +654,7 @@ typedef struct KosekiTargetStatement {
     float length_m; /* Length, metres. */
     float width_m; /* Width, metres. */
     float selected_altitude_m; /* Altitude selected in the autopilot, metres of the standard atmosphere. */
-    uint32_t track_number; /* Number of the target's track at its source; the MMSI of a station. */
+    uint32_t track_number; /* Number of the target's track at its source; of a station, the number of its transponder. */
     uint16_t source; /* Source: its number in the configuration (TI-2). */
     uint8_t category; /* Category: a `TargetCategory` code. */
     uint8_t navigation; /* Navigation status: a `NavigationStatus` code. */

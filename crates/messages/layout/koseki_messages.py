@@ -762,7 +762,7 @@ class TargetStatement(ctypes.Structure):
         ("length_m", ctypes.c_float),  # Length, metres.
         ("width_m", ctypes.c_float),  # Width, metres.
         ("selected_altitude_m", ctypes.c_float),  # Altitude selected in the autopilot, metres of the standard atmosphere.
-        ("track_number", ctypes.c_uint32),  # Number of the target's track at its source; the MMSI of a station.
+        ("track_number", ctypes.c_uint32),  # Number of the target's track at its source; of a station, the number of its transponder.
         ("source", ctypes.c_uint16),  # Source: its number in the configuration (TI-2).
         ("category", ctypes.c_uint8),  # Category: a `TargetCategory` code.
         ("navigation", ctypes.c_uint8),  # Navigation status: a `NavigationStatus` code.

@@ -258,7 +258,7 @@ sample! {
         width_m: f32,
         /// Altitude selected in the autopilot, metres of the standard atmosphere.
         selected_altitude_m: f32,
-        /// Number of the target's track at its source; the MMSI of a station.
+        /// Number of the target's track at its source; of a station, the number of its transponder.
         track_number: u32,
         /// Source: its number in the configuration (TI-2).
         source: u16,
