@@ -15,7 +15,7 @@
 use kept::kept;
 use serde::{Deserialize, Serialize};
 
-use crate::source_model::Median;
+use crate::median::Median;
 
 /// Median of chi-square with one degree of freedom.
 const CHI2_MEDIAN_1: f64 = 0.454_936_423_119_572_8;

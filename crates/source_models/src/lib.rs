@@ -50,6 +50,7 @@ mod lifetimes;
 mod manoeuvres;
 mod mean_innovation;
 mod measurement;
+mod median;
 mod motion;
 mod moving_sources;
 mod points;

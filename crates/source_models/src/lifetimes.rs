@@ -14,10 +14,10 @@ use messages::NS_PER_S;
 use serde::{Deserialize, Serialize};
 
 use crate::gaps::Gaps;
+use crate::median::Median;
 use crate::restarts::Restarts;
 use crate::rhythm::Rhythm;
 use crate::settings::{FRESH_PERIODS, LifeSettings, SourceSettings};
-use crate::source_model::Median;
 
 /// Time allowed for a source's second report of a track, nanoseconds: slower sources are rare.
 const PATIENCE_NS: i64 = 60_000_000_000;

@@ -22,6 +22,7 @@ use serde::{Deserialize, Serialize};
 use crate::corrections::Corrections;
 use crate::error_shape::ErrorShape;
 use crate::height_errors::HeightErrors;
+use crate::median::Median;
 use crate::seeker::Seeker;
 use crate::tracker_gain::{Change, GainEvidence, TrackerGain, Undone};
 
@@ -53,42 +54,6 @@ const COMMON_GAIN: f64 = 1.0 / 64.0;
 const SPREAD_SAMPLES_MIN: u32 = 30;
 /// Variance per axis of detection points on a target before the spread is used, m².
 const SPREAD_PRIOR_M2: f64 = 6.0 * 6.0;
-
-kept! {
-    /// A median that follows samples by steps of the logarithm.
-    #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-    pub(crate) struct Median {
-        logarithm: f64,
-        samples: u32,
-    }
-}
-
-impl Median {
-    pub(crate) fn add(&mut self, sample: f64) {
-        let logarithm = sample.max(f64::MIN_POSITIVE).ln();
-        if self.samples == 0 {
-            self.logarithm = logarithm;
-        }
-        self.samples = self.samples.saturating_add(1);
-        let step = (2.0 / f64::from(self.samples)).clamp(0.02, 0.5);
-        self.logarithm += step
-            .min((logarithm - self.logarithm).abs())
-            .copysign(logarithm - self.logarithm);
-    }
-
-    pub(crate) fn samples(&self) -> u32 {
-        self.samples
-    }
-
-    /// Whether no sample has been added yet.
-    pub(crate) fn is_unknown(&self) -> bool {
-        self.samples == 0
-    }
-
-    pub(crate) fn value(&self) -> f64 {
-        self.logarithm.exp()
-    }
-}
 
 kept! {
     /// Learned properties of a source.
@@ -181,10 +146,10 @@ impl SourceModel {
         }
         let filtered = f64::from(u8::from(horizontal.is_some()));
         self.filtered_share += (filtered - self.filtered_share) / 16.0;
-        let known = self.horizontal_noise.samples >= NOISE_SAMPLES_MIN && self.filtered_share > 0.5;
+        let known = self.horizontal_noise.samples() >= NOISE_SAMPLES_MIN && self.filtered_share > 0.5;
         self.process_noise = known.then(|| {
             let horizontal = self.horizontal_noise.value();
-            let vertical = match self.vertical_noise.samples {
+            let vertical = match self.vertical_noise.samples() {
                 0 => horizontal,
                 _ => self.vertical_noise.value(),
             };
@@ -290,13 +255,13 @@ impl SourceModel {
     /// Whether enough targets were seen for a known spread of the detection points.
     #[inline]
     pub(crate) fn knows_spread(&self) -> bool {
-        self.spread_ratio.samples >= SPREAD_SAMPLES_MIN
+        self.spread_ratio.samples() >= SPREAD_SAMPLES_MIN
     }
 
     /// Whether so many targets were seen that further targets matter little.
     #[inline]
     pub(crate) fn knows_spread_well(&self) -> bool {
-        self.spread_ratio.samples >= 16 * SPREAD_SAMPLES_MIN
+        self.spread_ratio.samples() >= 16 * SPREAD_SAMPLES_MIN
     }
 
     /// Variance per axis of this source's detection points on targets, m².

@@ -93,8 +93,8 @@ pub(crate) struct SensorEntry {
     pub(crate) residual_mean_m: [f64; 2],
     pub(crate) residual_variance_m2: f64,
     pub(crate) residuals: u32,
-    /// Mean difference of the measured heights from the filter over the last reports, metres, and variance, m²; 0 before
-    /// the first height.
+    /// Mean difference of the measured heights from the filter over the last reports, metres, and variance, m²; 0
+    /// before the first height.
     pub(crate) height_mean_m: f32,
     pub(crate) height_variance_m2: f32,
     /// System track of this sensor track, or [`NO_SYSTEM`].
