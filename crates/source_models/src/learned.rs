@@ -27,8 +27,8 @@ pub struct Learned {
     pub target_share: Option<f64>,
     /// Delay of the source's reports, exceeded by a tenth of the reports, seconds.
     pub lateness_s: f64,
-    /// Step of which all time stamps are multiples, and the standard deviation of the time offset that the step implies,
-    /// seconds; `None` if the stamps are fine.
+    /// Step of which all time stamps are multiples, and the standard deviation of the time offset that the step
+    /// implies, seconds; `None` if the stamps are fine.
     pub stamps_s: Option<[f64; 2]>,
     /// Probability that a scan detects a target tracked by the source.
     pub detection_probability: f64,

@@ -1,7 +1,7 @@
 //! A median over all samples, without the samples.
 //!
-//! Each sample moves the logarithm of the median by a step towards the sample, so that half of the samples lie on either
-//! side. Single samples, however wrong, move the median by no more than a step.
+//! Each sample moves the logarithm of the median by a step towards the sample, so that half of the samples lie on
+//! either side. Single samples, however wrong, move the median by no more than a step.
 
 use kept::kept;
 use serde::{Deserialize, Serialize};

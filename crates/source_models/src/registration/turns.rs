@@ -69,8 +69,8 @@ impl Registration {
         [errors[0] - turn * north_m, errors[1] + turn * east_m]
     }
 
-    /// Expresses the errors of a source in a frame turned by `turn` about the origin and displaced by `middle`. A source
-    /// that `agrees` with the rotation is not turned in this frame.
+    /// Expresses the errors of a source in a frame turned by `turn` about the origin and displaced by `middle`. A
+    /// source that `agrees` with the rotation is not turned in this frame.
     fn turn(&mut self, own: usize, (turn, middle): (f64, [f64; 2]), agrees: bool) {
         let offset = self.offset_in_turned_frame(own, turn);
         let source = &mut self.sources[own];
