@@ -527,6 +527,18 @@ fn a_rotation_is_of_the_minority_whatever_was_compared_first() {
     }
 }
 
+/// After a step, a source has an estimate, and has been compared with nothing.
+#[test]
+fn a_turned_source_without_comparisons_leaves_the_common_error_finite() {
+    let mut registration = new_registration();
+    let errors = (0.1f64.to_radians(), 0.0, [0.0; 2]);
+    register_polar_among(&[0, 1], &mut registration, 0..40, false, errors);
+    let turned = registration.sources[1];
+    registration.forget(1);
+    registration.sources[1] = turned;
+    assert!(registration.common_error_m2().is_finite());
+}
+
 /// Sensors of known position with a common rotation about their own positions, and without an offset, are turned: the
 /// rotation of the frame would give an offset to each of them.
 #[test]

@@ -7,8 +7,8 @@
 use messages::{Bias, BiasKind};
 
 use crate::registration::progress::SETTLED_MIN;
-use crate::registration::rows::{AZIMUTH, NormalMatrix, RANGE, TIME};
-use crate::registration::{MAJORITY, NEAR_2, Registration, partners};
+use crate::registration::rows::{AZIMUTH, RANGE, TIME};
+use crate::registration::{MAJORITY, NEAR_2, Registration};
 
 /// Least root mean square displacement of a source that is off, and of two contradicting sources, metres.
 const OFF_M: f64 = 25.0;
@@ -56,16 +56,8 @@ impl Registration {
     /// Returns the root mean square displacement of the compared reports by the errors of a source, metres; 0 within
     /// chance, `None` if the source is not settled.
     fn settled_size_m(&self, own: usize) -> Option<f64> {
-        let pairs = || partners(self.partners[own]).map(|other| &self.pairs[own * self.sources.len() + other].own);
-        let normal = pairs().fold(NormalMatrix::zeros(), |sum, pair| sum + pair);
-        let information = 0.5 * (normal[(0, 0)] + normal[(1, 1)]);
         let is_known = self.sources[own].samples >= SETTLED_MIN && self.solutions[own] >= SOLUTIONS;
-        if !is_known || information <= 0.0 {
-            return None;
-        }
-        let mut plane = self.sources[own].errors;
-        plane[2] = 0.0;
-        let squared_m2 = plane.dot(&(normal * plane)) / information;
+        let squared_m2 = if is_known { self.squared_m2(own)? } else { return None };
         let is_by_chance = squared_m2 < SIGNIFICANT * self.displacements[own].variance_m2();
         Some(if is_by_chance { 0.0 } else { squared_m2.max(0.0).sqrt() })
     }

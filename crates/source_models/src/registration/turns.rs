@@ -93,12 +93,17 @@ impl Registration {
         if !is_undecided {
             return 0.0;
         }
-        let squares_m2 = compared().map(|own| {
-            let form = self.form(own);
-            let information = 0.5 * (form[(0, 0)] + form[(1, 1)]);
-            squared(&form, self.sources[own].errors) / information
-        });
+        // A source that has just changed has been compared with nothing.
+        let squares_m2 = compared().filter_map(|own| self.squared_m2(own));
         FEW * 0.5 * squares_m2.sum::<f64>()
+    }
+
+    /// Returns the mean square of the displacement of the compared targets in the plane by the errors of a source, sum
+    /// over both axes, m²; `None` without comparisons.
+    pub(super) fn squared_m2(&self, own: usize) -> Option<f64> {
+        let form = self.form(own);
+        let information = 0.5 * (form[(0, 0)] + form[(1, 1)]);
+        (information > 0.0).then(|| squared(&form, self.sources[own].errors) / information)
     }
 
     /// Returns the sum of the normal equations over the partners of a source.
@@ -122,11 +127,12 @@ impl Registration {
         if !self.is_compared(own) {
             return Vote::None;
         }
-        if let Some(turn) = self.turn_of(own) {
-            return match self.sources[own].model.has_offset() {
-                true => Vote::Free(turn),
-                false => Vote::Fixed(turn),
-            };
+        let own_turn = self.turn_of(own);
+        if !self.sources[own].model.has_offset() {
+            return Vote::Fixed(own_turn.unwrap_or(0.0));
+        }
+        if let Some(turn) = own_turn {
+            return Vote::Free(turn);
         }
         let (form, errors) = (self.form(own), self.sources[own].errors);
         let from_frame = squared(&form, errors);
@@ -147,7 +153,7 @@ pub(super) enum Vote {
     None,
     /// A rotation, and an offset.
     Free(f64),
-    /// A rotation about the known position of the sensor alone.
+    /// No offset: a rotation about the known position of the sensor alone, or none.
     Fixed(f64),
 }
 
