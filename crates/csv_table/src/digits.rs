@@ -132,7 +132,7 @@ pub fn write_whole(out: &mut impl Write, number: u64) -> io::Result<()> {
 /// # Errors
 /// If the writer fails.
 pub fn write_decimals(out: &mut impl Write, value: f64, decimals: usize) -> io::Result<()> {
-    // Of a covariance, often more than half.
+    // More than half of the elements of a covariance are often 0.
     if value.to_bits() == 0 && (1..=DECIMALS_MAX).contains(&decimals) {
         return out.write_all(&ZERO[..decimals + 2]);
     }

@@ -99,7 +99,7 @@ impl Source {
         matches!(self.delivers, SampleDelivery::Bearings { .. })
     }
 
-    /// Whether the source publishes its bearings and the finder's places; a recording publishes the tracks only.
+    /// Returns whether the source publishes bearings and the places of its finder; a recording publishes tracks only.
     pub fn publishes_bearings(&self) -> bool {
         self.has_bearings() && !self.input.is_recorded()
     }

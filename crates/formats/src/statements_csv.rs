@@ -1,4 +1,4 @@
-//! What targets, and stations that are none, state beside motion, as CSV rows.
+//! Statements of targets and of fixed stations beside motion, as CSV rows.
 
 use messages::{AidKind, Emergency, NavigationStatus, TargetCategory, TargetStatement, target_statement_bits as bits};
 

@@ -263,7 +263,7 @@ sample! {
 bits! {
     /// Bits of [`PictureStation::flags`].
     picture_station_bits: u8 {
-        /// It is a base station; else an aid to navigation.
+        /// The station is a base station; else an aid to navigation.
         BASE = 1;
         /// The aid is not there: a station ashore sends for it.
         VIRTUAL = 1 << 1;

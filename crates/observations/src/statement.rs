@@ -1,11 +1,11 @@
-//! What a target, or a station that is none, states beside motion, by one message.
+//! Statement of a target, or of a fixed station, beside motion, by one message.
 
 use messages::{
     AidKind, Emergency, NAME_MAX, NavigationStatus, StageTimes, TargetCategory, TargetStatement,
     target_statement_bits as bits,
 };
 
-/// Station that is no target: a base station ashore, or an aid to navigation.
+/// Fixed station, no target: a base station ashore, or an aid to navigation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FixedStation {
     /// Latitude and longitude, radians.
@@ -14,13 +14,13 @@ pub struct FixedStation {
     pub name: [u8; NAME_MAX],
     /// Kind of an aid to navigation; unknown of a base station.
     pub aid: AidKind,
-    /// The aid is not there: a station ashore sends for it.
+    /// The aid does not exist at its place: a station ashore transmits for the aid.
     pub is_virtual: bool,
     /// The aid, which floats, is off its position.
     pub is_off_position: bool,
 }
 
-/// Statement of a target beside its motion. What is `None` or unknown was not stated, and stays what it was.
+/// Statement of a target beside its motion. A value that is `None` or unknown was not stated: the former value holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Statement {
     /// Number of the track at its source, as in the target's reports; the MMSI of a station.
@@ -37,7 +37,7 @@ pub struct Statement {
     pub selected_altitude_m: Option<f32>,
     /// Latitude and longitude of the operator of an unmanned aircraft, radians.
     pub operator_rad: Option<[f64; 2]>,
-    /// The sender is no target but this station.
+    /// The station, if the sender is a fixed station.
     pub station: Option<FixedStation>,
 }
 

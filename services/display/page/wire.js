@@ -36,7 +36,7 @@ export const PICTURE_TRACK = Object.freeze({
 
 /** Bits. */
 export const PICTURE_STATION = Object.freeze({
-  /** It is a base station; else an aid to navigation. */
+  /** The station is a base station; else an aid to navigation. */
   BASE: 1,
   /** The aid is not there: a station ashore sends for it. */
   VIRTUAL: 2,

@@ -83,7 +83,7 @@ pub enum AisOutput {
     Target(Observation),
     /// The position of the ship that carries the receiver.
     OwnShip(Observation),
-    /// What a target states beside its motion, or a station that is none.
+    /// Statement of a target beside its motion, or of a fixed station.
     Statement(Statement),
 }
 

@@ -81,7 +81,7 @@ impl RecordedPieces {
         }
     }
 
-    /// Whether every piece has been returned.
+    /// Returns whether all pieces have been taken.
     pub fn is_exhausted(&self) -> bool {
         self.datagrams.is_empty()
     }

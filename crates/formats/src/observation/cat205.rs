@@ -193,7 +193,7 @@ impl DirectionFinder {
 }
 
 impl FinderReport {
-    /// Whether the report may be of this sender (SAC and SIC): another one is not stated. Any report is of `None`.
+    /// Returns whether the report states this sender (SAC and SIC), or no sender; true of every report for `None`.
     pub fn may_be_of(&self, sac_sic: Option<(u8, u8)>) -> bool {
         sac_sic.is_none() || self.sac_sic.is_none() || self.sac_sic == sac_sic
     }

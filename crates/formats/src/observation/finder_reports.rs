@@ -23,7 +23,7 @@ const HALF_A_DAY_NS: i64 = 43_200 * NS_PER_S;
 #[derive(Debug)]
 pub struct FinderReports {
     finder: DirectionFinder,
-    /// Whether the place of `finder` is stated.
+    /// The place of `finder` is stated.
     is_placed: bool,
     sac_sic: Option<(u8, u8)>,
     /// Time of the latest report, UTC, nanoseconds.
