@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::registration::errors::{SAMPLES_MIN, SourceErrors};
 use crate::registration::model::BiasModel;
 use crate::registration::rows::ERRORS;
+use crate::registration::turns::Vote;
 
 /// Least number of samples of a source for the judgement of other sources' models by comparison.
 pub(super) const SETTLED_MIN: f64 = 2.0 * SAMPLES_MIN;
@@ -20,6 +21,8 @@ pub(super) struct SolutionProgress {
     pub(super) factors: Vec<Option<Cholesky<f64, Const<ERRORS>>>>,
     /// Change of a model with the greatest gain of evidence, and this gain.
     pub(super) best: Option<(f64, usize, BiasModel)>,
+    /// Rotation for which each source votes, set with the comparison of its models.
+    pub(super) votes: Vec<Vote>,
 }
 
 impl SolutionProgress {
@@ -29,6 +32,7 @@ impl SolutionProgress {
             sources: vec![SourceErrors::unknown(); sources],
             factors: vec![None; sources],
             best: None,
+            votes: vec![Vote::None; sources],
         }
     }
 }

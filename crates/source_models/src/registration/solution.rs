@@ -79,7 +79,8 @@ impl Registration {
             }
             if sweep == SWEEPS + 1 {
                 self.compare_models(own, clock_of(clocks, own));
-                work += SELECT_WORK + self.partners[own].count_ones() as usize;
+                self.solution.votes[own] = self.vote(own);
+                work += SELECT_WORK + 2 * self.partners[own].count_ones() as usize;
                 own += 1;
                 if own == self.sources.len() {
                     sweep += 1;

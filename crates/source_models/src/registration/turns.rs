@@ -12,7 +12,9 @@
 //!
 //! Limits: with a reference source, and with a source known to have no offset, the frame is fixed.
 
-use crate::registration::errors::SAMPLES_MIN;
+use serde::{Deserialize, Serialize};
+
+use crate::registration::errors::{SAMPLES_MIN, SourceErrors};
 use crate::registration::rows::{AZIMUTH, Errors, NormalMatrix};
 use crate::registration::{MAJORITY, Registration, partners};
 use crate::settings::SOURCES_MAX;
@@ -31,30 +33,31 @@ const SIGNIFICANT: f64 = 13.8;
 impl Registration {
     /// Turns the frame by the rotation that most sources have in common. Returns whether the frame has been turned.
     pub(super) fn turn_to_majority(&mut self) -> bool {
-        let count = self.sources.len();
-        if self.reference.is_some() || (0..count).all(|own| self.turn_of(own).is_none()) {
+        let (count, votes) = (self.sources.len(), &self.solution.votes);
+        // The estimate of a voter may have been dropped since.
+        let are_valid = votes
+            .iter()
+            .zip(&self.sources)
+            .all(|(vote, source)| vote.turn().is_none() || is_compared(source));
+        if self.reference.is_some() || !are_valid {
             return false;
         }
-        let mut votes = [Vote::None; SOURCES_MAX];
-        for (own, vote) in votes.iter_mut().enumerate().take(count) {
-            *vote = self.vote(own);
-        }
-        let Some(turn) = half(&votes[..count]).or_else(|| majority(&votes[..count])) else {
+        let Some(turn) = half(votes).or_else(|| majority(votes)) else {
             return false;
         };
         // The centre of the rotation is free: most of the sources that were turned have no offset.
         let mut offsets = [[0.0; SOURCES_MAX]; 2];
         let mut agreeing = 0;
         for own in 0..count {
-            if self.turn_of(own).is_some_and(|own_turn| is_same(own_turn, turn)) {
+            if turn_of(&self.sources[own]).is_some_and(|own_turn| is_same(own_turn, turn)) {
                 let offset = self.offset_in_turned_frame(own, turn);
                 (offsets[0][agreeing], offsets[1][agreeing]) = (offset[0], offset[1]);
                 agreeing += 1;
             }
         }
         let middle = offsets.each_mut().map(|values| median(&mut values[..agreeing]));
-        for (own, vote) in votes.iter().enumerate().take(count) {
-            if let Some(own_turn) = vote.turn() {
+        for own in 0..count {
+            if let Some(own_turn) = self.solution.votes[own].turn() {
                 self.turn(own, (turn, middle), is_same(own_turn, turn));
             }
         }
@@ -86,10 +89,10 @@ impl Registration {
     /// Returns the variance per axis of the rotation of the frame, as far as two sources alone cannot decide which of
     /// them is turned, m².
     pub(super) fn undecided_turn_m2(&self) -> f64 {
-        let compared = || (0..self.sources.len()).filter(|own| self.is_compared(*own));
-        let is_undecided = compared().count() == 2
-            && self.reference.is_none()
-            && compared().all(|own| self.turn_of(own).is_some() && self.sources[own].model.has_offset());
+        let compared = || (0..self.sources.len()).filter(|own| is_compared(&self.sources[*own]));
+        let is_turned = |source: &SourceErrors| turn_of(source).is_some() && source.model.has_offset();
+        let is_undecided =
+            self.reference.is_none() && compared().count() == 2 && compared().all(|own| is_turned(&self.sources[own]));
         if !is_undecided {
             return 0.0;
         }
@@ -112,34 +115,27 @@ impl Registration {
         sums.fold(NormalMatrix::zeros(), |sum, pair| sum + pair)
     }
 
-    fn is_compared(&self, own: usize) -> bool {
-        self.sources[own].samples >= SAMPLES_MIN
-    }
-
-    /// Returns the rotation in the model of a compared source, radians.
-    fn turn_of(&self, own: usize) -> Option<f64> {
-        let source = &self.sources[own];
-        (self.is_compared(own) && source.model.estimates(AZIMUTH)).then_some(source.errors[AZIMUTH])
-    }
-
-    /// Returns the vote of a source.
-    fn vote(&self, own: usize) -> Vote {
-        if !self.is_compared(own) {
+    /// Returns the vote of a source by the solution in progress.
+    pub(super) fn vote(&self, own: usize) -> Vote {
+        let sources = &self.solution.sources;
+        if !is_compared(&sources[own]) {
             return Vote::None;
         }
-        let own_turn = self.turn_of(own);
-        if !self.sources[own].model.has_offset() {
+        let own_turn = turn_of(&sources[own]);
+        if !sources[own].model.has_offset() {
             return Vote::Fixed(own_turn.unwrap_or(0.0));
         }
         if let Some(turn) = own_turn {
             return Vote::Free(turn);
         }
-        let (form, errors) = (self.form(own), self.sources[own].errors);
+        if sources.iter().all(|other| turn_of(other).is_none()) {
+            return Vote::Free(0.0);
+        }
+        let (form, errors) = (self.form(own), sources[own].errors);
         let from_frame = squared(&form, errors);
-        let turned = (0..self.sources.len()).filter_map(|other| {
-            let apart = squared(&form, errors - self.sources[other].errors);
-            Some((apart, self.turn_of(other)?))
-        });
+        let turned = sources
+            .iter()
+            .filter_map(|other| Some((squared(&form, errors - other.errors), turn_of(other)?)));
         let nearest = turned.min_by(|a, b| a.0.total_cmp(&b.0));
         let agrees = |(apart, _): &(f64, f64)| from_frame > SIGNIFICANT && *apart < AGREES_2 * from_frame;
         Vote::Free(nearest.filter(agrees).map_or(0.0, |(_, turn)| turn))
@@ -147,7 +143,7 @@ impl Registration {
 }
 
 /// Rotation that a source has in common with the frame, radians; 0 for the present frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) enum Vote {
     /// Too few comparisons.
     None,
@@ -168,6 +164,15 @@ impl Vote {
     fn free(self) -> Option<f64> {
         if let Self::Free(turn) = self { Some(turn) } else { None }
     }
+}
+
+fn is_compared(source: &SourceErrors) -> bool {
+    source.samples >= SAMPLES_MIN
+}
+
+/// Returns the rotation in the model of a compared source, radians.
+fn turn_of(source: &SourceErrors) -> Option<f64> {
+    (is_compared(source) && source.model.estimates(AZIMUTH)).then_some(source.errors[AZIMUTH])
 }
 
 /// Returns the weighted square of the displacement of the compared targets in the plane.
