@@ -543,12 +543,15 @@ fn a_turned_source_without_comparisons_leaves_the_common_error_finite() {
 /// rotation of the frame would give an offset to each of them.
 #[test]
 fn known_positions_decide_about_a_common_rotation() {
-    let vote = |turn| turns::Vote::Fixed(turn);
-    assert_eq!(turns::majority(&[vote(0.01), vote(0.01), turns::Vote::Free(0.0)]), None);
-    let free = turns::Vote::Free;
+    let vote = |turn| progress::Vote::Fixed(turn);
+    assert_eq!(
+        turns::majority(&[vote(0.01), vote(0.01), progress::Vote::Free(0.0)]),
+        None
+    );
+    let free = progress::Vote::Free;
     assert_eq!(turns::majority(&[free(0.01), free(0.0101), free(0.0)]), Some(0.01));
     assert_eq!(turns::majority(&[free(0.01), free(0.01), vote(0.0), free(0.0)]), None);
     assert_eq!(turns::majority(&[free(0.01), free(0.0)]), None);
     assert_eq!(turns::majority(&[free(0.0), free(0.0), free(0.01)]), None);
-    assert_eq!(turns::majority(&[turns::Vote::None; 3]), None);
+    assert_eq!(turns::majority(&[progress::Vote::None; 3]), None);
 }

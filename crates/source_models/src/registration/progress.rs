@@ -6,7 +6,6 @@ use serde::{Deserialize, Serialize};
 use crate::registration::errors::{SAMPLES_MIN, SourceErrors};
 use crate::registration::model::BiasModel;
 use crate::registration::rows::ERRORS;
-use crate::registration::turns::Vote;
 
 /// Least number of samples of a source for the judgement of other sources' models by comparison.
 pub(super) const SETTLED_MIN: f64 = 2.0 * SAMPLES_MIN;
@@ -34,5 +33,31 @@ impl SolutionProgress {
             best: None,
             votes: vec![Vote::None; sources],
         }
+    }
+}
+
+/// Rotation that a source has in common with the frame, radians; 0 for the present frame.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) enum Vote {
+    /// Too few comparisons.
+    None,
+    /// A rotation, and an offset.
+    Free(f64),
+    /// No offset: a rotation about the known position of the sensor alone, or none.
+    Fixed(f64),
+}
+
+impl Vote {
+    /// Returns the rotation; `None` without a vote.
+    pub(super) fn turn(self) -> Option<f64> {
+        match self {
+            Self::None => None,
+            Self::Free(turn) | Self::Fixed(turn) => Some(turn),
+        }
+    }
+
+    /// Returns the rotation of a source with an offset.
+    pub(super) fn free(self) -> Option<f64> {
+        if let Self::Free(turn) = self { Some(turn) } else { None }
     }
 }

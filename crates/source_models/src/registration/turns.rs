@@ -12,9 +12,8 @@
 //!
 //! Limits: with a reference source, and with a source known to have no offset, the frame is fixed.
 
-use serde::{Deserialize, Serialize};
-
 use crate::registration::errors::{SAMPLES_MIN, SourceErrors};
+use crate::registration::progress::Vote;
 use crate::registration::rows::{AZIMUTH, Errors, NormalMatrix};
 use crate::registration::{MAJORITY, Registration, partners};
 use crate::settings::SOURCES_MAX;
@@ -139,30 +138,6 @@ impl Registration {
         let nearest = turned.min_by(|a, b| a.0.total_cmp(&b.0));
         let agrees = |(apart, _): &(f64, f64)| from_frame > SIGNIFICANT && *apart < AGREES_2 * from_frame;
         Vote::Free(nearest.filter(agrees).map_or(0.0, |(_, turn)| turn))
-    }
-}
-
-/// Rotation that a source has in common with the frame, radians; 0 for the present frame.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) enum Vote {
-    /// Too few comparisons.
-    None,
-    /// A rotation, and an offset.
-    Free(f64),
-    /// No offset: a rotation about the known position of the sensor alone, or none.
-    Fixed(f64),
-}
-
-impl Vote {
-    fn turn(self) -> Option<f64> {
-        match self {
-            Self::None => None,
-            Self::Free(turn) | Self::Fixed(turn) => Some(turn),
-        }
-    }
-
-    fn free(self) -> Option<f64> {
-        if let Self::Free(turn) = self { Some(turn) } else { None }
     }
 }
 
