@@ -279,6 +279,12 @@ impl Sources {
         self.models[usize::from(source)].cannot_be_undone()
     }
 
+    /// Whether enough targets were seen for a known spread of a source's detection points.
+    #[inline]
+    pub fn knows_spread(&self, source: u16) -> bool {
+        self.models[usize::from(source)].knows_spread()
+    }
+
     /// Whether enough targets have shown the detection points of a source that each further target matters little.
     #[inline]
     pub fn knows_spread_well(&self, source: u16) -> bool {

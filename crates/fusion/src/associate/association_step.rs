@@ -174,16 +174,15 @@ impl Search<'_> {
     }
 
     /// Whether the target of the system track `own` may be shown already: as a system track without a common source,
-    /// and with an agreeing state, if need be as two points of a large target.
+    /// and with an agreeing state, if need be as two points of a large target. While the spread of the points is unknown,
+    /// they may lie as far apart as the target is large.
     pub(crate) fn is_shown_already(&self, own: SystemSlot, now_ns: i64) -> bool {
         let learned_m2 = self.tracks.sources.spread_m2(&self.settings.association, None);
         let mut is_shown = false;
         self.alike(own, now_ns, learned_m2.max(DOUBTED_SPREAD_M2), |system, _| {
-            is_shown |= matches!(
-                self.tracks.systems.get(system).life,
-                TrackState::Confirmed | TrackState::Coasted
-            );
+            is_shown |= self.is_shown(system);
         });
+        self.points_aside(own, now_ns, |system| is_shown |= self.is_shown(system));
         is_shown
     }
 
@@ -199,20 +198,13 @@ impl Search<'_> {
         {
             return false;
         }
-        let state = self.state(own, now_ns);
-        let gate = self.settings.association.join_gate();
+        self.is_shown_within(own, now_ns, self.settings.identity.reach_m)
+    }
+
+    /// Whether a track that is shown lies [aside](Self::aside) of `own`.
+    fn is_shown_within(&self, own: SystemSlot, now_ns: i64, reach_m: f64) -> bool {
         let mut is_shown = false;
-        self.others(
-            own,
-            now_ns,
-            (&state, self.settings.identity.reach_m),
-            |system, theirs, heights| {
-                let life = self.tracks.systems.get(system).life;
-                is_shown |= matches!(life, TrackState::Confirmed | TrackState::Coasted)
-                    && move_alike(&state, theirs)
-                    && !(heights && height_distance(&state, theirs) > gate);
-            },
-        );
+        self.aside(own, now_ns, reach_m, |system, _| is_shown |= self.is_shown(system));
         is_shown
     }
 
@@ -245,15 +237,67 @@ impl Search<'_> {
         } else {
             UNKNOWN_M.min(SIGMAS * variance_m2.sqrt())
         };
-        let gate = self.settings.association.join_gate();
-        let mut is_shown = false;
-        self.others(own, now_ns, (&state, reach_m), |system, theirs, heights| {
-            let life = self.tracks.systems.get(system).life;
-            is_shown |= matches!(life, TrackState::Confirmed | TrackState::Coasted)
-                && move_alike(&state, theirs)
-                && !(heights && height_distance(&state, theirs) > gate);
+        self.is_shown_within(own, now_ns, reach_m)
+    }
+
+    /// Sources with a track of their own that may be [another point](Self::points_aside) of the target of `own`, as bits: their
+    /// silence here is no evidence.
+    pub(crate) fn sources_aside(&self, own: SystemSlot, now_ns: i64) -> u64 {
+        let mut aside = 0;
+        self.points_aside(own, now_ns, |system| aside |= self.tracks.sources_of(system, now_ns));
+        aside
+    }
+
+    /// Whether the target of `own` may soon be shown at [another point](Self::points_aside), by a source that comes first: its
+    /// point is the one to be kept.
+    pub(crate) fn has_leader_aside(&self, own: SystemSlot, now_ns: i64) -> bool {
+        let first = |system| {
+            let members = self.tracks.contributing_entries(system, now_ns);
+            members.map(|(_, entry)| self.settings.rank(entry.source)).min()
+        };
+        let (own_first, least) = (first(own), self.settings.life.confirm_reports);
+        let mut has_leader = false;
+        self.points_aside(own, now_ns, |system| {
+            let other = self.tracks.systems.get(system);
+            let is_ready = other.life == TrackState::Tentative && other.reports >= least;
+            has_leader |= is_ready && first(system) < own_first;
         });
-        is_shown
+        has_leader
+    }
+
+    /// Calls `visit` with every system track that may be another point of the target of `own`: it moves alike and lies no
+    /// farther away than the target may be large. None while the spread of the points that the sources see is known.
+    fn points_aside(&self, own: SystemSlot, now_ns: i64, mut visit: impl FnMut(SystemSlot)) {
+        let members = self.tracks.contributing_entries(own, now_ns);
+        let unknown = members.filter(|(_, entry)| !self.tracks.sources.knows_spread(entry.source));
+        let sizes = unknown.map(|(_, entry)| entry.size_m(&self.settings.target_size));
+        if let Some(size_m) = sizes.reduce(f64::max) {
+            self.aside(own, now_ns, size_m, |system, apart_m| {
+                if apart_m <= size_m {
+                    visit(system);
+                }
+            });
+        }
+    }
+
+    /// Calls `visit` with every system track some `reach_m` from `own` that moves alike, at the same height if both are known,
+    /// and may be of the same target ([`Self::others`]), and with the distance in the plane, metres.
+    fn aside(&self, own: SystemSlot, now_ns: i64, reach_m: f64, mut visit: impl FnMut(SystemSlot, f64)) {
+        let state = self.state(own, now_ns);
+        let gate = self.settings.association.join_gate();
+        self.others(own, now_ns, (&state, reach_m), |system, theirs, heights| {
+            if move_alike(&state, theirs) && !(heights && height_distance(&state, theirs) > gate) {
+                visit(
+                    system,
+                    (state.mean[0] - theirs.mean[0]).hypot(state.mean[1] - theirs.mean[1]),
+                );
+            }
+        });
+    }
+
+    fn is_shown(&self, system: SystemSlot) -> bool {
+        let life = self.tracks.systems.get(system).life;
+        matches!(life, TrackState::Confirmed | TrackState::Coasted)
     }
 
     /// Whether the target of the system track `own`, with restarted sources only, may be shown already: as a nearby

@@ -30,6 +30,9 @@ const EXACT: Reports = Reports {
 fn followed(size_m: f64, sources: [Reports; 3], seconds: u32) -> (Harness, Vec<f64>) {
     let mut settings = test_settings(3);
     settings.rule.name = RuleName(FusionRule::Auto);
+    for (source, reports) in settings.sources.iter_mut().zip(sources) {
+        source.period_ns = i64::from(reports.period_s) * S;
+    }
     let mut harness = Harness::new(settings);
     let mut errors_m = Vec::new();
     for second in 0..seconds {
@@ -73,6 +76,26 @@ fn each_is_one_system_track_from_the_first_report_on() {
         let numbers: BTreeSet<u32> = published.map(|track| track.track_number).collect();
         assert_eq!(numbers.len(), TARGETS as usize, "{size_m} m: {numbers:?}");
     }
+}
+
+/// Each source places a ship's echo hundreds of metres from the others' echoes, and starts a track of its own there.
+#[test]
+fn long_ships_are_shown_early_and_once() {
+    let radar = |period_s| Reports {
+        period_s,
+        sigma_m: 15.0,
+        ..EXACT
+    };
+    let (harness, _) = followed(240.0, [radar(3), radar(5), radar(10)], 120);
+    let mut shown = vec![BTreeSet::new(); 120];
+    for track in &harness.published {
+        let second = (track.time_of_measurement_ns / S) as usize;
+        if track.state == TrackState::Confirmed as u8 {
+            shown[second / 10].insert(track.track_number);
+        }
+    }
+    let counts: Vec<usize> = shown[..12].iter().map(BTreeSet::len).collect();
+    assert_eq!(counts[2..], [TARGETS as usize; 10], "{counts:?}");
 }
 
 #[test]

@@ -265,11 +265,13 @@ fn silence_of_others(
     let heard = (0..settings.sources.len() as u16)
         .filter(|source| sources & (1 << source) != 0)
         .fold(0, groups);
+    let aside = Search { settings, tracks }.sources_aside(system, now_ns);
     let (mut silence, mut had_their_chance) = (0.0, true);
     for (index, source) in settings.sources.iter().enumerate() {
         // The silence of a source about a target above the source's ceiling is no evidence.
         let may_see = !source.is_out && (!filter.has_height || filter.estimate.mean[2] <= source.ceiling_m);
-        let is_silent = groups(0, index as u16) & heard == 0 && tracks.sources.is_witness_beside(index as u16, sources);
+        let is_silent = (groups(0, index as u16) & heard) | (aside & 1 << index) == 0
+            && tracks.sources.is_witness_beside(index as u16, sources);
         if is_silent && may_see && !source.is_centre {
             let place_m = filter.estimate.position_m();
             let Some(detection) = tracks.sources.follows_at(index as u16, place_m, now_ns) else {
@@ -386,7 +388,7 @@ fn may_be_another(settings: &Settings, tracks: &Tracks, (system, now_ns): (Syste
     is_nameless
         && (is_patient && search.is_shown_already(system, now_ns)
             || search.is_shown_elsewhere(system, now_ns)
-            || is_new && search.was_followed(system, now_ns)
+            || is_new && (search.was_followed(system, now_ns) || search.has_leader_aside(system, now_ns))
             || search.is_shown_aside(system, now_ns, is_new))
 }
 

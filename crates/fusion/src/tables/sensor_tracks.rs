@@ -15,6 +15,7 @@ use crate::associate::recognition::is_reachable;
 use crate::history::Histories;
 use crate::places::{self, TablePlace};
 use crate::quality::Qualities;
+use crate::settings::TargetSizeSettings;
 use crate::tables::description::Description;
 use crate::tables::number_hasher::{NumberHasher, table};
 use crate::tables::quota::Quota;
@@ -237,6 +238,12 @@ impl SensorEntry {
             report: &self.latest,
             correction: &self.correction,
         }
+    }
+
+    /// Largest size of the target, metres, by its type and speed.
+    pub(crate) fn size_m(&self, sizes: &TargetSizeSettings) -> f64 {
+        let [east_mps, north_mps, _] = self.latest.velocity_mps;
+        sizes.of(&self.latest.target_type, east_mps.hypot(north_mps))
     }
 
     /// The latest report before the next report is taken.

@@ -101,7 +101,7 @@ impl Engine {
                 offset_m,
                 noise_m2,
                 measured_m2: measurement.variance_m2(),
-                size_m: self.settings.target_size.of(&entry.latest.target_type),
+                size_m: entry.size_m(&self.settings.target_size),
             }),
         };
         self.tracks

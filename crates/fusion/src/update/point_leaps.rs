@@ -179,7 +179,7 @@ impl ReferencePoints<'_> {
         let explained_m = 0.5 * ACCELERATION_MPS2 * seconds * seconds;
         let square_m2 = square(seen.apart_m);
         let [along_m, across_m] = to_body(seen.apart_m, system.course);
-        let size_m = settings.target_size.of(&entry.latest.target_type);
+        let size_m = entry.size_m(&settings.target_size);
         let before_m = self.offset_m(entry, system.course);
         let offset_m = std::array::from_fn(|axis| before_m[axis] + seen.apart_m[axis]);
         let mean_m = std::array::from_fn(|axis| entry.residual_mean_m[axis] - seen.point_m[axis]);
