@@ -84,7 +84,7 @@ pub use knowledge::Nearness;
 pub use learned::Learned;
 pub use mean_innovation::{MeanInnovation, odd_one};
 pub use measurement::*;
-pub use motion::{LEVELS, Motion};
+pub use motion::{LEVELS, MANOEUVRE_S, Motion};
 pub use points::{DetectionPoint, Points, Referred};
 pub use purity::LASTING_REPORTS;
 pub use restarts::SILENT;

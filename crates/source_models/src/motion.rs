@@ -16,13 +16,16 @@ const SLOW_MPS: f64 = 10.0;
 const AGILE: [f64; 2] = [0.6, 0.12];
 /// Process noise of a turn relative to the square of its acceleration, over up to 1 s, s.
 const UNEVEN_S: f64 = 0.1;
-/// Time to notice a turn with 1 m/s², seconds, shorter for harder turns by the root of the acceleration; and the least
-/// time.
-const UNNOTICED_S: f64 = 15.0;
-const UNNOTICED_MIN_S: f64 = 6.0;
-/// Time to notice a change of the rate of climb, and mean time between such changes, seconds.
-const CLIMB_UNNOTICED_S: f64 = 7.0;
+/// Mean duration of manoeuvres, seconds.
+pub const MANOEUVRE_S: f64 = 15.0;
+/// Way beyond the straight course that shows a manoeuvre, in standard deviations of the estimated position. The filter
+/// needs this way, because manoeuvres are rare and each measurement is noisier than the estimate.
+const NOTICED_SIGMAS: f64 = 13.0;
+/// Square of the acceleration of a change of the climb rate, relative to the noise of such changes, 1/s.
+const CLIMB_ACCELERATION_PER_S: f64 = 0.5;
+/// Mean time between changes of the climb rate, and duration of a change, seconds.
 const CLIMB_STEADY_S: f64 = 80.0;
+const CLIMB_CHANGE_S: f64 = 7.0;
 
 kept! {
     /// Model of how the targets of a class move.
@@ -82,22 +85,32 @@ impl Motion {
         ]
     }
 
-    /// Variance per axis of a velocity caused by turns not yet detected, m²/s².
-    pub fn unnoticed_m2ps2(&self) -> f64 {
-        // A turn is noticed after a time u, when the way a·u²/2 is beyond the noise. A fraction u of the time between
-        // turns is spent so; meanwhile the velocity is off by 0 to a·u, on the mean square a²·u²/3 over two axes.
-        let lateral_mps2 = self.lateral_mps2[0];
-        let unnoticed_s = (UNNOTICED_S / lateral_mps2.sqrt()).max(UNNOTICED_MIN_S);
-        let change_mps = lateral_mps2 * unnoticed_s;
-        change_mps * change_mps * unnoticed_s / (6.0 * self.steady_s)
+    /// Variance per axis of a velocity caused by turns not yet detected, m²/s², of a target whose position is estimated
+    /// with `variance_m2` per axis.
+    #[inline]
+    pub fn unnoticed_m2ps2(&self, variance_m2: f64) -> f64 {
+        // The square is that of two axes.
+        sum_of_squares((self.lateral_mps2[0], MANOEUVRE_S), variance_m2) / (2.0 * self.steady_s)
     }
 
-    /// Variance of a rate of climb caused by changes not yet detected, m²/s².
-    pub fn unnoticed_climb_m2ps2(&self) -> f64 {
-        let share = CLIMB_UNNOTICED_S / CLIMB_STEADY_S;
-        // White noise of this density lasts for half of that time at most; on average half of the noise is unnoticed.
-        0.25 * share * CLIMB_UNNOTICED_S * self.climb_change_m2ps3
+    /// Variance of a rate of climb caused by changes not yet detected, m²/s², of a target whose height is estimated
+    /// with `variance_m2`.
+    #[inline]
+    pub fn unnoticed_climb_m2ps2(&self, variance_m2: f64) -> f64 {
+        let acceleration_mps2 = (CLIMB_ACCELERATION_PER_S * self.climb_change_m2ps3).sqrt();
+        sum_of_squares((acceleration_mps2, CLIMB_CHANGE_S), variance_m2) / CLIMB_STEADY_S
     }
+}
+
+/// Squared error of a velocity from the begin of a manoeuvre, of this acceleration and duration, until a filter with
+/// this variance of the position notices it, summed over the time, m²/s.
+#[inline]
+fn sum_of_squares((acceleration_mps2, duration_s): (f64, f64), variance_m2: f64) -> f64 {
+    // A manoeuvre is noticed after a time u, when the way a·u²/2 is large enough; until then the velocity is off by 0
+    // to a·u. The sum of the squares is a²·u³/3, with a·u² = w and u = √(w / a).
+    let shown_m = 2.0 * NOTICED_SIGMAS * variance_m2.sqrt();
+    let twice_way_m = shown_m.min(acceleration_mps2 * duration_s * duration_s);
+    twice_way_m * (acceleration_mps2 * twice_way_m).sqrt() / 3.0
 }
 
 #[cfg(test)]
@@ -116,14 +129,22 @@ mod tests {
     }
 
     #[test]
-    fn turns_that_nobody_has_noticed_matter_as_often_as_they_are() {
-        // 4 m/s² for 7.5 s: 30 m/s; 30² · 7.5 / (6 · 225) = 5.
-        assert!((motion(225.0, 4.0).unnoticed_m2ps2() - 5.0).abs() < 1e-9);
-        assert!((motion(450.0, 4.0).unnoticed_m2ps2() - 2.5).abs() < 1e-9);
-        // 16 m/s² for 6 s, the least: 96 m/s.
-        assert!((motion(225.0, 16.0).unnoticed_m2ps2() - 96.0 * 96.0 / 225.0).abs() < 1e-9);
-        // 7 of 80 s; in half of that time, the variance becomes 3.5 · 5 m²/s²; half of that variance on average.
-        assert!((motion(225.0, 4.0).unnoticed_climb_m2ps2() - 0.5 * 7.0 / 80.0 * 17.5).abs() < 1e-9);
+    fn manoeuvres_that_nobody_has_noticed_matter_by_rate_strength_and_accuracy() {
+        let close = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+        // A way of 2·13·10 m, 65 m/s² · u²: u = 2 s, 65² · 2³ / (3 · 2 · 225).
+        close(motion(225.0, 65.0).unnoticed_m2ps2(100.0), 65.0 * 65.0 * 8.0 / 1350.0);
+        close(motion(450.0, 65.0).unnoticed_m2ps2(100.0), 65.0 * 65.0 * 8.0 / 2700.0);
+        // Four times the way takes twice the time.
+        close(motion(225.0, 65.0).unnoticed_m2ps2(1600.0), 65.0 * 65.0 * 64.0 / 1350.0);
+        // A turn ends, noticed or not: 4 m/s² for 15 s.
+        close(motion(225.0, 4.0).unnoticed_m2ps2(1e8), 16.0 * 3375.0 / 1350.0);
+        // √2.5 m/s²; 26 m in √(26 / √2.5) s; one axis, each 80 s.
+        let (square, seconds) = (2.5f64, (26.0 / 2.5f64.sqrt()).sqrt());
+        close(
+            motion(225.0, 4.0).unnoticed_climb_m2ps2(1.0),
+            square * seconds.powi(3) / 240.0,
+        );
+        close(motion(225.0, 4.0).unnoticed_climb_m2ps2(1e6), square * 343.0 / 240.0);
     }
 
     #[test]

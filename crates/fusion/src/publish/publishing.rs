@@ -224,14 +224,15 @@ impl TrackPublisher {
         let entry = tracks.systems.get_mut(system);
         let motion = tracks.sources.motion(entry.filter.velocity_mps());
         entry.filter.write_state_at(reference_ns, motion, &mut entry.state);
+        let [velocity_m2ps2, climb_m2ps2] = entry.filter.unnoticed_m2ps2(motion);
+        let variances = &mut entry.state.covariance.upper;
         for axis in 0..2 {
             let velocity = axis + AXES;
-            let variances = &mut entry.state.covariance.upper;
             variances[Covariance::index(axis, axis)] += self.unseen.per_axis_m2;
-            variances[Covariance::index(velocity, velocity)] += motion.unnoticed_m2ps2();
+            variances[Covariance::index(velocity, velocity)] += velocity_m2ps2;
         }
         let climb = 2 + AXES;
-        entry.state.covariance.upper[Covariance::index(climb, climb)] += motion.unnoticed_climb_m2ps2();
+        variances[Covariance::index(climb, climb)] += climb_m2ps2;
         if tracks.sources.has_coarse_stamps() {
             self.widen_along_course(tracks, system);
         }

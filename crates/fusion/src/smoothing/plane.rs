@@ -2,11 +2,11 @@
 
 use estimation::{LinearModel, Moment, Plane, Rotation, Smoothed, Smoother, Switching};
 use nalgebra::{Matrix2, Matrix4, SMatrix, Vector2, Vector4};
-use source_models::{LEVELS, Motion};
+use source_models::{LEVELS, MANOEUVRE_S, Motion};
 
 use super::knowledge::{Knowledge, MotionFactors};
 use super::stretch::{Moment as Event, Stretch};
-use crate::update::plane_filter::{AGILE, HARDNESS, HOME, MANOEUVRE_S, MODELS, STEADY};
+use crate::update::plane_filter::{AGILE, HARDNESS, HOME, MODELS, STEADY};
 
 /// Number of components.
 const COMPONENTS: usize = 4;

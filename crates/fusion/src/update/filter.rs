@@ -242,6 +242,17 @@ impl TargetFilter {
         0.5 * (xx + yy)
     }
 
+    /// Returns the variances of the velocity, per horizontal axis and of the climb rate, from manoeuvres that have begun
+    /// unnoticed, m²/s².
+    #[inline]
+    pub(crate) fn unnoticed_m2ps2(&self, motion: &Motion) -> [f64; 2] {
+        let height_m2 = self.estimate.position_covariance()[5];
+        [
+            motion.unnoticed_m2ps2(self.variance_m2()),
+            motion.unnoticed_climb_m2ps2(height_m2),
+        ]
+    }
+
     /// Whether the position is more certain than the other filter's.
     pub(crate) fn is_surer_than(&self, other: &Self) -> bool {
         self.variance_m2() < other.variance_m2()

@@ -24,7 +24,7 @@
 
 use estimation::{Moments, Plane, PlanePair, Rotation, Two};
 use serde::{Deserialize, Serialize};
-use source_models::{LEVELS, Motion};
+use source_models::{LEVELS, MANOEUVRE_S, Motion};
 
 /// Number of models: steady, agile, and turns of each hardness to the left and to the right.
 pub(crate) const MODELS: usize = 2 + 2 * LEVELS;
@@ -34,8 +34,6 @@ const PAIRS: usize = MODELS / 2;
 const USUAL: usize = 4;
 pub(crate) const STEADY: usize = 0;
 pub(crate) const AGILE: usize = 1;
-/// Mean duration of manoeuvres, seconds.
-pub(crate) const MANOEUVRE_S: f64 = 15.0;
 /// Share of the manoeuvres followed by straight flight; another manoeuvre follows the rest.
 pub(crate) const HOME: f64 = 0.6;
 /// Probabilities of a manoeuvre: all models run above the first, and the usual models are enough below the second.
