@@ -27,6 +27,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 LAYOUT = os.path.join(HERE, '..', 'crates', 'messages', 'layout', 'koseki_messages.py')
 NOBODY = 0xffff
 COVARIANCE = [f'P{i}{j}' for i in range(6) for j in range(i, 6)]
+STEADY = ('steady_weight', 'steady_P33', 'steady_P34', 'steady_P44', 'steady_climb_weight', 'steady_P55')
 
 
 def constants():
@@ -111,6 +112,15 @@ def covariance(message):
     return dict(zip(COVARIANCE, rounded(message.covariance.upper)))
 
 
+def steady(message):
+    """What is known without a manoeuvre."""
+    xx, xy, yy = message.steady_velocity_covariance
+    plane = [message.mode_probabilities[K.MODE_STEADY], xx, xy, yy] if xx > 0 and yy > 0 else [None] * 4
+    constant = max(message.mode_probabilities[mode] for mode in (K.MODE_LEVEL, K.MODE_CLIMB))
+    rate = [constant, message.steady_climb_variance] if message.steady_climb_variance > 0 else [None] * 2
+    return dict(zip(STEADY, [None if value is None else Rounded(value) for value in plane + rate]))
+
+
 def sensor_track(message, _):
     return {'time_s': Time(message.time_of_measurement_ns), 'sensor_id': message.source + 1,
             'sensor_track_id': message.track_number, **kinematics(message), **covariance(message),
@@ -138,7 +148,7 @@ def system_track(message, frame):
             'latitude': Rounded(latitude), 'longitude': Rounded(longitude),
             'flight_level': where(message.height_valid, Rounded(height_m / 30.48)), **ship(message),
             'velocity_valid': message.velocity_valid,
-            'climb_valid': int(bool(message.height_valid) and message.covariance.upper[20] < 200)}
+            'climb_valid': int(bool(message.height_valid) and message.covariance.upper[20] < 200), **steady(message)}
 
 
 def detection(message, _):

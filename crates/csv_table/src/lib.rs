@@ -36,6 +36,17 @@ pub const COVARIANCE_COLUMNS: [&str; 21] = [
     "P34", "P35", "P44", "P45", "P55",
 ];
 
+/// The columns of what is known without a manoeuvre: probability of straight flight, and the covariance of the
+/// velocity in this case; probability of a constant climb rate, and its variance in this case.
+pub const STEADY_COLUMNS: [&str; 6] = [
+    "steady_weight",
+    "steady_P33",
+    "steady_P34",
+    "steady_P44",
+    "steady_climb_weight",
+    "steady_P55",
+];
+
 /// Characters of a value that an error shows.
 const SHOWN_MAX: usize = 40;
 

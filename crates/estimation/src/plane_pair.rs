@@ -138,6 +138,13 @@ impl PlanePair {
         ([x.0[which], y.0[which]], [xx.0[which], xy.0[which], yy.0[which]])
     }
 
+    /// Velocity of the first state (0) or of the second (1), and the covariance (xx, xy, yy).
+    #[inline]
+    pub fn velocity(&self, which: usize) -> ([f64; 2], [f64; 3]) {
+        let ([.., vx, vy], [.., uu, uv, vv]) = (&self.mean, &self.covariance);
+        ([vx.0[which], vy.0[which]], [uu.0[which], uv.0[which], vv.0[which]])
+    }
+
     /// Moves both by so much, east and north.
     pub fn shift(&mut self, by_m: [f64; 2]) {
         for (position, by) in self.mean.iter_mut().zip(by_m) {
@@ -447,6 +454,8 @@ mod tests {
                 prop_assert_eq!(pair.state(index), *plane);
                 let [xx, xy, _, _, yy, ..] = plane.covariance;
                 prop_assert_eq!(pair.position(index), ([plane.mean[0], plane.mean[1]], [xx, xy, yy]));
+                let [.., uu, uv, vv] = plane.covariance;
+                prop_assert_eq!(pair.velocity(index), ([plane.mean[2], plane.mean[3]], [uu, uv, vv]));
             }
             let about = others[0].mean;
             let second = PlanePair::of(&others[0], &others[1]);

@@ -6,7 +6,7 @@
 
 use std::io::{self, Write};
 
-use csv_table::COVARIANCE_COLUMNS;
+use csv_table::{COVARIANCE_COLUMNS, STEADY_COLUMNS};
 use frames::{Geodetic, SystemFrame};
 use messages::{SensorTrack, SystemTrack, TrackKind, TrackState, sensor_track_bits};
 
@@ -121,6 +121,7 @@ columns! {
     "name" => row.track.identity.name().map(words),
     "velocity_valid" => row.track.velocity_valid,
     "climb_valid" => KnownRow(&row.track).climb_valid(),
+    STEADY_COLUMNS => steady(&row.track),
 }
 
 /// What is known of the velocity, written as the last part of a row.
@@ -136,6 +137,18 @@ columns! {
     KnownRow<'_>: |row|
     "velocity_valid" => row.0.velocity_valid,
     "climb_valid" => row.climb_valid(),
+    STEADY_COLUMNS => steady(row.0),
+}
+
+/// What is known without a manoeuvre, with the decimals of the covariance.
+fn steady(track: &SystemTrack) -> [Option<Plain>; STEADY_COLUMNS.len()] {
+    let cell = |value: f64| Some(Plain(value, 4));
+    let velocity = track.steady_velocity();
+    let [weight, xx, xy, yy] = velocity.map_or([None; 4], |(weight, [xx, xy, yy])| [weight, xx, xy, yy].map(cell));
+    let [climb_weight, climb] = track
+        .steady_climb()
+        .map_or([None; 2], |(weight, climb)| [weight, climb].map(cell));
+    [weight, xx, xy, yy, climb_weight, climb]
 }
 
 /// The columns of every system track.
@@ -264,6 +277,8 @@ mod tests {
             state: TrackState::Confirmed as u8,
             source_count: 2,
             contribution_count: 2,
+            mode_probabilities: [0.875, 0.125, 0.0, 0.0, 0.0, 0.5, 0.25, 0.25],
+            steady_velocity_covariance: [4.0, -0.5, 2.25],
             ..SystemTrack::default()
         };
         track.contributions[0] = Contribution {
@@ -299,6 +314,12 @@ mod tests {
             ("report_times_s", "0|2"),
             ("trigger", "1"),
             ("merged_into", ""),
+            ("steady_weight", "0.8750"),
+            ("steady_P33", "4.0000"),
+            ("steady_P34", "-0.5000"),
+            ("steady_P44", "2.2500"),
+            ("steady_climb_weight", ""),
+            ("steady_P55", ""),
             ("kind", ""),
             ("members", ""),
             ("type", ""),
@@ -341,7 +362,7 @@ mod tests {
         before.write(&track).unwrap();
         let before = String::from_utf8(before.into_inner()).unwrap();
         for (line, before) in text.lines().zip(before.lines()) {
-            let of_all = before.rsplitn(5, ',').last().unwrap();
+            let of_all = before.rsplitn(11, ',').last().unwrap();
             assert!(line.starts_with(&format!("{of_all},")), "{line}");
         }
         let without_height = SystemTrack {
@@ -349,6 +370,6 @@ mod tests {
             level_valid: 0,
             ..track
         };
-        assert!(written(&without_height).ends_with(",41.2500000,-2.5000000,,,,,,0,0\n"));
+        assert!(written(&without_height).ends_with(",41.2500000,-2.5000000,,,,,,0,0,,,,,,\n"));
     }
 }

@@ -16,7 +16,7 @@
 #define KOSEKI_PLATFORM_STATE_SCHEMA UINT64_C(0x8d494f0b5412852b) /* BatchHeader.schema of its slices. */
 #define KOSEKI_WIDE_AREA_SCHEMA UINT64_C(0x3b99c7106b96bc51) /* BatchHeader.schema of its slices. */
 #define KOSEKI_CUE_SCHEMA UINT64_C(0x628bf8748d0293cc) /* BatchHeader.schema of its slices. */
-#define KOSEKI_SYSTEM_TRACK_SCHEMA UINT64_C(0x6be8ce0f5c65f69b) /* BatchHeader.schema of its slices. */
+#define KOSEKI_SYSTEM_TRACK_SCHEMA UINT64_C(0xbb9fd7f5d50f9179) /* BatchHeader.schema of its slices. */
 #define KOSEKI_ALARM_SCHEMA UINT64_C(0x2f65dffd42e7c22b) /* BatchHeader.schema of its slices. */
 #define KOSEKI_DECISION_SCHEMA UINT64_C(0x9f26827141266f51) /* BatchHeader.schema of its slices. */
 #define KOSEKI_HEALTH_SCHEMA UINT64_C(0xf1efa5cf6695293f) /* BatchHeader.schema of its slices. */
@@ -866,8 +866,10 @@ typedef struct KosekiSystemTrack {
     uint32_t updates; /* Number of reports in the state since the start of the track. */
     uint32_t extrapolations; /* Number of published extrapolations since the last report. */
     uint32_t held_us; /* Wait of the report that caused this state for the end of its scan, microseconds; 0: the report did not wait. */
+    float steady_velocity_covariance[3]; /* Covariance of `velocity_mps` in straight flight: xx, xy, yy of the axes east and north, m²/s²; 0: unknown. */
+    float steady_climb_variance; /* Variance of the climb rate in `velocity_mps` in level flight or in a constant climb, m²/s²; 0: unknown. */
 } KosekiSystemTrack;
-static_assert(sizeof(KosekiSystemTrack) == 1536, "size");
+static_assert(sizeof(KosekiSystemTrack) == 1552, "size");
 static_assert(offsetof(KosekiSystemTrack, reference_time_ns) == 0, "offset");
 static_assert(offsetof(KosekiSystemTrack, time_of_measurement_ns) == 8, "offset");
 static_assert(offsetof(KosekiSystemTrack, sequence) == 16, "offset");
@@ -915,6 +917,8 @@ static_assert(offsetof(KosekiSystemTrack, mode_probabilities) == 1492, "offset")
 static_assert(offsetof(KosekiSystemTrack, updates) == 1524, "offset");
 static_assert(offsetof(KosekiSystemTrack, extrapolations) == 1528, "offset");
 static_assert(offsetof(KosekiSystemTrack, held_us) == 1532, "offset");
+static_assert(offsetof(KosekiSystemTrack, steady_velocity_covariance) == 1536, "offset");
+static_assert(offsetof(KosekiSystemTrack, steady_climb_variance) == 1548, "offset");
 
 typedef struct KosekiAlarm {
     int64_t time_ns; /* Time of this statement, UTC, nanoseconds since 1970. */

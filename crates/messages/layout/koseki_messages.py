@@ -18,7 +18,7 @@ SENSOR_SPECTRUM_SCHEMA = 0x294141f134fd3cce  # BatchHeader.schema of its slices.
 PLATFORM_STATE_SCHEMA = 0x8d494f0b5412852b  # BatchHeader.schema of its slices.
 WIDE_AREA_SCHEMA = 0x3b99c7106b96bc51  # BatchHeader.schema of its slices.
 CUE_SCHEMA = 0x628bf8748d0293cc  # BatchHeader.schema of its slices.
-SYSTEM_TRACK_SCHEMA = 0x6be8ce0f5c65f69b  # BatchHeader.schema of its slices.
+SYSTEM_TRACK_SCHEMA = 0xbb9fd7f5d50f9179  # BatchHeader.schema of its slices.
 ALARM_SCHEMA = 0x2f65dffd42e7c22b  # BatchHeader.schema of its slices.
 DECISION_SCHEMA = 0x9f26827141266f51  # BatchHeader.schema of its slices.
 HEALTH_SCHEMA = 0xf1efa5cf6695293f  # BatchHeader.schema of its slices.
@@ -1022,6 +1022,8 @@ class SystemTrack(ctypes.Structure):
         ("updates", ctypes.c_uint32),  # Number of reports in the state since the start of the track.
         ("extrapolations", ctypes.c_uint32),  # Number of published extrapolations since the last report.
         ("held_us", ctypes.c_uint32),  # Wait of the report that caused this state for the end of its scan, microseconds; 0: the report did not wait.
+        ("steady_velocity_covariance", ctypes.c_float * 3),  # Covariance of `velocity_mps` in straight flight: xx, xy, yy of the axes east and north, m²/s²; 0: unknown.
+        ("steady_climb_variance", ctypes.c_float),  # Variance of the climb rate in `velocity_mps` in level flight or in a constant climb, m²/s²; 0: unknown.
     ]
 
     @staticmethod
@@ -1029,7 +1031,7 @@ class SystemTrack(ctypes.Structure):
         return "SystemTrack"
 
 
-assert ctypes.sizeof(SystemTrack) == 1536
+assert ctypes.sizeof(SystemTrack) == 1552
 assert SystemTrack.reference_time_ns.offset == 0
 assert SystemTrack.time_of_measurement_ns.offset == 8
 assert SystemTrack.sequence.offset == 16
@@ -1077,6 +1079,8 @@ assert SystemTrack.mode_probabilities.offset == 1492
 assert SystemTrack.updates.offset == 1524
 assert SystemTrack.extrapolations.offset == 1528
 assert SystemTrack.held_us.offset == 1532
+assert SystemTrack.steady_velocity_covariance.offset == 1536
+assert SystemTrack.steady_climb_variance.offset == 1548
 
 
 class Alarm(ctypes.Structure):

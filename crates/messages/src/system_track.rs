@@ -72,7 +72,7 @@ sample! {
 
 sample! {
     /// State of one system track at one time: the fused picture of one target (TI-19).
-    SystemTrack, size 1536 {
+    SystemTrack, size 1552 {
         /// Reference time of the state, UTC, nanoseconds since 1970.
         reference_time_ns: i64,
         /// Time of measurement of the report that caused this state, else the reference time; UTC, nanoseconds.
@@ -171,6 +171,12 @@ sample! {
         /// Wait of the report that caused this state for the end of its scan, microseconds; 0: the report did not wait.
         /// No deadline counts this time.
         held_us: u32,
+        /// Covariance of `velocity_mps` in straight flight: xx, xy, yy of the axes east and north, m²/s²; 0: unknown.
+        /// `mode_probabilities` of `steady` is the probability of straight flight. `covariance` includes manoeuvres.
+        steady_velocity_covariance: [f32; 3],
+        /// Variance of the climb rate in `velocity_mps` in level flight or in a constant climb, m²/s²; 0: unknown.
+        /// The more probable of both counts, by `mode_probabilities`.
+        steady_climb_variance: f32,
     }
 }
 
@@ -188,6 +194,24 @@ impl SystemTrack {
     /// fallen silent.
     pub fn listed(&self) -> &[Contribution] {
         &self.contributions[..usize::from(self.contribution_count).min(CONTRIBUTIONS_MAX)]
+    }
+
+    /// Returns the probability of straight flight, and the covariance of the velocity in straight flight (east, east ×
+    /// north, north), m²/s²; `None` if it is unknown.
+    pub fn steady_velocity(&self) -> Option<(f64, [f64; 3])> {
+        let [steady, ..] = self.mode_probabilities;
+        let [xx, _, yy] = self.steady_velocity_covariance;
+        let is_known = xx > 0.0 && yy > 0.0;
+        is_known.then(|| (f64::from(steady), self.steady_velocity_covariance.map(f64::from)))
+    }
+
+    /// Returns the probability of level flight or of a constant climb, whichever is greater, and the variance of the
+    /// climb rate in this case, m²/s²; `None` if it is unknown.
+    pub fn steady_climb(&self) -> Option<(f64, f64)> {
+        let probability = |mode: MotionMode| self.mode_probabilities[mode as usize];
+        let steady = probability(MotionMode::Level).max(probability(MotionMode::Climb));
+        let variance = f64::from(self.steady_climb_variance);
+        (variance > 0.0).then(|| (f64::from(steady), variance))
     }
 
     /// Returns the height by pressure minus the height above the ellipsoid, metres; `None` where the deployment has not

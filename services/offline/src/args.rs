@@ -180,7 +180,8 @@ FILE     or a table with columns of these names, in any case and order: time,
 {NAMED}
 --out    time_s,system_track_id,x,y,z,vx,vy,vz,state,sources,weights,selected,
          lambda,address,mode_3a,callsign,P00,…,P55 and more, at the end
-         mmsi,name, a row per update. With --refresh a row per confirmed or
+         mmsi,name and steady_weight,…,steady_P55, the velocity without a
+         manoeuvre; a row per update. With --refresh a row per confirmed or
          coasted track at every whole multiple of the interval. Several values
          in a column are joined with |.
 --explain {DECISION}

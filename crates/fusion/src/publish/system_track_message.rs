@@ -11,7 +11,7 @@ use crate::publish::weighing::Weighed;
 use crate::rules::Share;
 use crate::settings::Settings;
 use crate::settings::qnh;
-use crate::tables::system_tracks::SystemSlot;
+use crate::tables::system_tracks::{SystemEntry, SystemSlot};
 use crate::tables::tracks::Tracks;
 
 const NS_PER_MS: i64 = 1_000_000;
@@ -115,6 +115,7 @@ pub(crate) fn write(
         .filter
         .climb_rate()
         .map_or([0.0; 2], |rate| rate.map(|value| value as f32));
+    write_steady(message, tracks, entry);
     let has_height = entry.state.has_height;
     let offset = has_height
         .then(|| tracks.sources.pressure_offset_m(entry.state.position_m))
@@ -179,6 +180,22 @@ pub(crate) fn write(
     });
     let left_over = members.len()..usize::from(listed_before).max(members.len());
     message.contributions[left_over].fill(Contribution::default());
+}
+
+/// Writes how far the velocity of `message` is known if the target does not manoeuvre.
+fn write_steady(message: &mut SystemTrack, tracks: &Tracks, entry: &SystemEntry) {
+    let velocity_mps = message.velocity_mps;
+    message.steady_velocity_covariance = match message.velocity_valid {
+        0 => [0.0; 3],
+        _ => {
+            let motion = tracks.sources.motion(entry.filter.velocity_mps());
+            let time_ns = message.reference_time_ns;
+            let square = entry.filter.steady_velocity_m2ps2(time_ns, velocity_mps, motion);
+            square.map(|value| value as f32)
+        }
+    };
+    let climb_m2ps2 = entry.filter.steady_climb_m2ps2(velocity_mps[2]);
+    message.steady_climb_variance = climb_m2ps2.map_or(0.0, |value| value as f32);
 }
 
 /// Lists, after the contributions, other centres with an earlier track of the target that are silent now.

@@ -161,6 +161,8 @@ fn with_kinematics(state: &SystemTrack, smoothed: &SmoothedState, unseen: Unseen
     message.velocity_valid = u8::from(message.covariance.knows_velocity());
     [message.turn_rate_radps, message.turn_rate_sigma_radps] = smoothed.turn_rate.map(|value| value as f32);
     message.mode_probabilities[..5].copy_from_slice(&smoothed.plane_modes);
+    // The live values belong to the live velocity.
+    (message.steady_velocity_covariance, message.steady_climb_variance) = ([0.0; 3], 0.0);
     set_vertical(&mut message, state, smoothed);
     if unseen.course_s2 != 0.0 {
         message

@@ -220,11 +220,14 @@ fn all_but_the_kinematics_stays_and_unknown_states_have_none() {
         turn_rate_sigma_radps: state.turn_rate_sigma_radps,
         climb_rate_mps: state.climb_rate_mps,
         climb_rate_variance: state.climb_rate_variance,
+        steady_velocity_covariance: state.steady_velocity_covariance,
+        steady_climb_variance: state.steady_climb_variance,
         movement: state.movement,
         ..after
     };
     assert_eq!(format!("{like_before:?}"), format!("{state:?}"));
     assert_ne!(after.position_m, state.position_m);
+    assert!(state.steady_velocity().is_some() && after.steady_velocity().is_none() && after.steady_climb().is_none());
     let unknown = SystemTrack {
         track_number: 9_999,
         ..*state

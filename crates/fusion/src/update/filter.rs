@@ -242,8 +242,8 @@ impl TargetFilter {
         0.5 * (xx + yy)
     }
 
-    /// Returns the variances of the velocity, per horizontal axis and of the climb rate, from manoeuvres that have begun
-    /// unnoticed, m²/s².
+    /// Returns the variances of the velocity by manoeuvres that have begun unnoticed, m²/s²: per horizontal axis, and
+    /// of the climb rate.
     #[inline]
     pub(crate) fn unnoticed_m2ps2(&self, motion: &Motion) -> [f64; 2] {
         let height_m2 = self.estimate.position_covariance()[5];
@@ -366,6 +366,24 @@ impl TargetFilter {
             [0.0; VERTICAL_MODES]
         };
         [steady, agile, left, right, 0.0, level, climb, change].map(|probability| probability as f32)
+    }
+
+    /// Returns the expected square of the error of a velocity at `time_ns` in straight flight, east, east × north and
+    /// north, m²/s².
+    #[inline]
+    pub(crate) fn steady_velocity_m2ps2(&self, time_ns: i64, velocity_mps: [f64; AXES], motion: &Motion) -> [f64; 3] {
+        let [east, north, _] = velocity_mps;
+        let [xx, xy, yy] = self.plane.steady_square([east, north]);
+        let seconds = (time_ns - self.time_ns).abs() as f64 / NS_PER_S;
+        let noise_m2ps2 = motion.steady_m2ps3() * seconds;
+        [xx + noise_m2ps2, xy, yy + noise_m2ps2]
+    }
+
+    /// Returns the expected square of the error of a climb rate while the rate is constant, m²/s²; `None` while the
+    /// rate is unknown.
+    pub(crate) fn steady_climb_m2ps2(&self, climb_mps: f64) -> Option<f64> {
+        let is_known = self.has_height && self.estimate.covariance.knows_climb();
+        is_known.then(|| self.vertical.steady_square(climb_mps))
     }
 
     /// Returns the rate of turn, clockwise from above, and its standard deviation, rad/s; `None` for a nearly

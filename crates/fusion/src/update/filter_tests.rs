@@ -134,6 +134,41 @@ fn turns_to_either_side_are_recognised_followed_and_left() {
 }
 
 #[test]
+fn straight_flight_is_known_better_than_all_motions_together() {
+    let steady = |flight: &Flight, velocity_mps: [f64; 3], later_s: f64| {
+        let time_ns = flight.filter.time_ns + (later_s * NS) as i64;
+        flight
+            .filter
+            .steady_velocity_m2ps2(time_ns, velocity_mps, &flight.motion)
+    };
+    let squares = |seed| {
+        let mut flight = Flight::new(seed);
+        flight.fly(90.0, 0.0, 0.0);
+        let estimate = &flight.filter.estimate;
+        let [vx, vy, vz] = estimate.velocity_mps();
+        let [xx, xy, yy] = steady(&flight, [vx, vy, vz], 0.0);
+        let p = |row, column| estimate.covariance.get(row, column);
+        assert!(xx < p(3, 3) && yy < p(4, 4), "{xx} {yy}");
+        // What is left for manoeuvres.
+        let weight = f64::from(flight.probability(MotionMode::Steady));
+        let rest = [p(3, 3) - weight * xx, p(3, 4) - weight * xy, p(4, 4) - weight * yy];
+        assert!(rest[0] > 0.0 && rest[0] * rest[2] > rest[1] * rest[1], "{rest:?}");
+        // About another velocity, by the square of the difference; later, by the noise.
+        let aside = [3.0, -3.0].map(|by| steady(&flight, [vx + by, vy, vz], 0.0)[0]);
+        assert!((0.5 * (aside[0] + aside[1]) - xx - 9.0).abs() < 1e-9);
+        let noise_m2ps2 = 10.0 * flight.motion.steady_m2ps3();
+        assert!((steady(&flight, [vx, vy, vz], 10.0)[2] - yy - noise_m2ps2).abs() < 1e-9);
+        let [dx, dy] = [vx - 150.0, vy];
+        let plane = (yy * dx * dx - 2.0 * xy * dx * dy + xx * dy * dy) / (2.0 * (xx * yy - xy * xy));
+        let climb = flight.filter.steady_climb_m2ps2(vz).expect("known");
+        assert!(climb < p(5, 5), "{climb}");
+        [plane, vz * vz / climb]
+    };
+    let nees = [0, 1].map(|group: usize| mean(|seed| squares(seed)[group]));
+    assert!(nees.iter().all(|mean| (0.1..2.0).contains(mean)), "{nees:?}");
+}
+
+#[test]
 fn in_turns_the_error_is_hardly_beyond_that_of_a_measurement() {
     let error_m = |left_mps2: f64| {
         mean(|seed| {

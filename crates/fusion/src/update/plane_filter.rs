@@ -125,6 +125,14 @@ impl PlaneFilter {
         self.pairs[model / 2].position(model % 2)
     }
 
+    /// Returns the expected square of the error of a velocity in straight flight (xx, xy, yy), m²/s².
+    #[inline]
+    pub(crate) fn steady_square(&self, velocity_mps: [f64; 2]) -> [f64; 3] {
+        let ([vx, vy], [xx, xy, yy]) = self.pairs[0].velocity(STEADY);
+        let [dx, dy] = [vx - velocity_mps[0], vy - velocity_mps[1]];
+        [xx + dx * dx, xy + dx * dy, yy + dy * dy]
+    }
+
     /// Probabilities of a pair of models.
     #[inline]
     fn weights(&self, pair: usize) -> Two {

@@ -55,6 +55,15 @@ impl VerticalFilter {
         self.probability
     }
 
+    /// Returns the expected square of the error of a climb rate, m²/s², in level flight or in a constant climb,
+    /// whichever is more probable.
+    pub(crate) fn steady_square(&self, climb_mps: f64) -> f64 {
+        let [level, climb, _] = self.probability;
+        let Vertical { mean, covariance } = &self.models[if level < climb { CLIMB } else { LEVEL }];
+        let off_mps = mean[1] - climb_mps;
+        covariance[2] + off_mps * off_mps
+    }
+
     /// White noise of the rate of climb by all models together, m²/s³.
     pub(crate) fn density_m2ps3(&self, motion: &Motion) -> f64 {
         self.probability[CLIMB] * CLIMB_M2PS3 + self.probability[CHANGE] * motion.climb_change_m2ps3
