@@ -8,7 +8,9 @@ behind a seed is the command that makes it again. Several executables are compar
 
     R/c      error of position over that of one filter on all measurements, with known association and relative biases
     /ivw     the same over that of a plain average of the tracks, with known association and biases
-    NEES     squared error over the stated covariance, per axis: 1 is honest; by phase with --keep
+    NEES     squared error over the stated covariance, per axis: 1 is honest; everything by phase with --keep
+    velocity the same of the velocity: in straight flight by the likeliest case, in the first 6 s of manoeuvres, and in the rest
+    climb    the same of the climb rate: while constant by the likeliest case, and in the first 6 s of its changes
     ghosts   system tracks of no target
     shown    share of the targets' time in which they are shown
 
@@ -148,6 +150,15 @@ class Setting:
         return json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
 
 
+def by_phase(score):
+    """NEES of velocity and climb rate in the phases in which one of both cases holds."""
+    nees = lambda phase, group: score['phases'][phase]['consistency'][group]['nees']
+    text = lambda value: '-' if value is None else f'{value:.2f}'
+    of = lambda group, phases: ' '.join(text(nees(phase, group)) for phase in phases)
+    return (f"velocity {of('likeliest_velocity', ['straight'])} {of('velocity', ['entry', 'turn'])} "
+            f"climb {of('likeliest_climb', ['rate_steady'])} {of('climb', ['rate_entry'])}")
+
+
 def summary(rows):
     ratios = sorted(row['ratio'] for row in rows)
     share = lambda holds: f'{100 * sum(map(holds, rows)) / len(rows):.0f} %'
@@ -183,7 +194,7 @@ def main():
                    'nees': score['nees_pos'], 'ghosts': score['spurious']}
             found[number].append(row)
             print(f"      R/c {row['ratio']:.2f} /ivw {row['ivw']:.2f} NEES {row['nees']:.2f} ghosts {row['ghosts']} "
-                  f"switches {score['id_switches']} shown {score['completeness']:.3f} ({central['completeness']:.3f})", flush=True)
+                  f"{by_phase(score)} switches {score['id_switches']} shown {score['completeness']:.3f} ({central['completeness']:.3f})", flush=True)
             if given.keep:
                 print('      ' + json.dumps(score['phases']))
         if not given.keep:

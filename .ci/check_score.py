@@ -15,6 +15,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 COVARIANCE = [f"P{i}{j}" for i in range(6) for j in range(i, 6)]
+STEADY = ("steady_weight", "steady_P33", "steady_P34", "steady_P44", "steady_climb_weight", "steady_P55")
 PLANE, RATE = ("straight", "entry", "turn", "exit", "after"), ("rate_steady", "rate_entry", "rate_change", "rate_exit", "rate_after")
 MANOEUVRING, LONG = {"manoeuvring", "runway", "taxiway"}, 10**9
 
@@ -35,10 +36,11 @@ def rows(path, valid_velocity=False):
                 upper = np.triu_indices(6)
                 covariance[upper] = [float(row[name]) for name in COVARIANCE]
                 covariance.T[upper] = covariance[upper]
+            steady = [float(row.get(name) or "nan") for name in STEADY]
             high, moves = row.get("height_valid") != "0", row.get("velocity_valid") != "0"
             number_of = lambda name: float(row[name]) if high or name not in ("z", "vz") else 0.0
             found.append(dict(id=int(row[number]), t=float(row["time_s"]), x=np.array([number_of(c) for c in ("x", "y", "z")]),
-                              v=np.array([number_of(c) if moves else 0.0 for c in ("vx", "vy", "vz")]), P=covariance, moves=moves,
+                              v=np.array([number_of(c) if moves else 0.0 for c in ("vx", "vy", "vz")]), P=covariance, steady=steady, moves=moves,
                               address=int(row["address"], 16) if row.get("address") else None, high=high))
     return found
 
@@ -159,6 +161,10 @@ def error_of(target, track, phases):
     high, moves, P = target["high"] and track["high"], target["moves"] and track["moves"], track["P"]
     known = bool(np.isfinite(P).all())
     group = lambda error, at, counts=True: nees(error, P[np.ix_(at, at)]) if known and counts else math.nan
+    # The likeliest case: without a manoeuvre, unless a manoeuvre is more probable.
+    weight, xx, xy, yy, climb_weight, climb = track["steady"]
+    plane = np.array([[xx, xy], [xy, yy]]) if weight >= .5 else P[3:5, 3:5]
+    rate = np.array([[climb]]) if climb_weight >= .5 else P[5:, 5:]
     u = target["v"][:2] / speed if speed else None
     return dict(place=target["x"][:2], phases=phases, target_speed=speed, position=math.hypot(*e[:2]),
                 along=e[:2] @ u if speed else math.nan, across=e[0] * u[1] - e[1] * u[0] if speed else math.nan,
@@ -167,7 +173,10 @@ def error_of(target, track, phases):
                 heading_deg=(course(track["v"]) - course(target["v"]) + 180) % 360 - 180 if speed > 3 and moves else math.nan,
                 climb=w[2] if high and moves else math.nan, nees_position=group(e[:2], [0, 1]),
                 nees_velocity=group(w[:2], [3, 4], moves), nees_height=group(e[2:], [2], high),
-                nees_climb=group(w[2:], [5], high and moves), right=right(target["address"], track["address"]))
+                nees_climb=group(w[2:], [5], high and moves),
+                nees_likeliest_velocity=nees(w[:2], plane) if known and moves and math.isfinite(weight) else math.nan,
+                nees_likeliest_climb=nees(w[2:], rate) if known and high and moves and math.isfinite(climb_weight) else math.nan,
+                right=right(target["address"], track["address"]))
 
 
 def right(target, track):
@@ -193,7 +202,8 @@ def phase_figures(errors):
         figures = {name: spread(values(of, name)) for name in
                    ("position", "along", "across", "heading_deg", "speed", "velocity", "height", "climb")}
         groups = {}
-        for name, limit in (("position", 5.991 / 2), ("velocity", 5.991 / 2), ("height", 3.841), ("climb", 3.841)):
+        for name, limit in (("position", 5.991 / 2), ("velocity", 5.991 / 2), ("height", 3.841), ("climb", 3.841),
+                            ("likeliest_velocity", 5.991 / 2), ("likeliest_climb", 3.841)):
             v = values(of, f"nees_{name}")
             groups[name] = dict(n=len(v), nees=v.mean() if len(v) else None, in95=(v < limit).mean() if len(v) else None)
         found[phase] = dict(n=len(of), **figures, consistency=groups)

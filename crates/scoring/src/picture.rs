@@ -24,7 +24,7 @@ use crate::basis::FileBasis;
 use crate::continuity::Continuity;
 use crate::gospa::Metric;
 use crate::normalised::{covariance_after, normalised_square};
-use crate::states::{Instant, KinematicState, PictureSeries, StateFilter, StateRows, Walk, positions};
+use crate::states::{Instant, KinematicState, PictureSeries, StateFilter, StateRows, SteadyKnowledge, Walk, positions};
 use crate::statistics::{mean, quantile, root_mean, standard_deviation};
 use crate::words::Word;
 
@@ -246,6 +246,7 @@ impl Timeline {
             position_m: state.position_m,
             velocity_mps: state.velocity_mps,
             covariance: Some(state.covariance),
+            steady: SteadyKnowledge::default(),
             address: None,
             has_height: state.has_height,
             has_velocity: true,

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::collections::btree_map;
 use std::io::Read;
 
-use csv_table::{COVARIANCE_COLUMNS, Cells, Column, CsvError, Table};
+use csv_table::{COVARIANCE_COLUMNS, Cells, Column, CsvError, STEADY_COLUMNS, Table};
 use messages::{COVARIANCE_LEN, Covariance, IdentityText};
 use rustc_hash::FxHashMap;
 
@@ -31,12 +31,23 @@ pub(crate) struct KinematicState<const D: usize> {
     pub(crate) velocity_mps: [f64; D],
     /// Covariance of position and velocity at the first instant of visibility, if stated.
     pub(crate) covariance: Option<Covariance>,
+    /// What is known without a manoeuvre, if stated.
+    pub(crate) steady: SteadyKnowledge,
     /// 24-bit address, if known.
     pub(crate) address: Option<u32>,
     /// Whether height and rate of climb are known.
     pub(crate) has_height: bool,
     /// Whether the velocity is known.
     pub(crate) has_velocity: bool,
+}
+
+/// What a track states of its velocity without a manoeuvre, each with the probability of this case.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct SteadyKnowledge {
+    /// Covariance of the velocity in straight flight (xx, xy, yy), m²/s².
+    pub(crate) velocity: Option<(f64, [f64; 3])>,
+    /// Variance of a constant climb rate, m²/s².
+    pub(crate) climb: Option<(f64, f64)>,
 }
 
 impl<const D: usize> KinematicState<D> {
@@ -72,6 +83,7 @@ pub(crate) struct StateRows<R, const D: usize> {
     velocity: Option<VelocityColumns<D>>,
     state: Option<Column>,
     covariance: Option<[Column; COVARIANCE_LEN]>,
+    steady: Option<[Column; STEADY_COLUMNS.len()]>,
     address: Option<Column>,
     height_valid: Option<Column>,
     velocity_valid: Option<Column>,
@@ -114,7 +126,8 @@ impl<R: Read, const D: usize> StateRows<R, D> {
                 StateFilter::NotUnconfirmed => table.optional("state")?,
                 StateFilter::Confirmed => Some(table.required("state")?),
             },
-            covariance: covariance(&table)?,
+            covariance: optional(&table, COVARIANCE_COLUMNS)?,
+            steady: optional(&table, STEADY_COLUMNS)?,
             address: table.optional("address")?,
             height_valid: table.optional("height_valid")?,
             velocity_valid: table.optional("velocity_valid")?,
@@ -159,6 +172,9 @@ impl<R: Read, const D: usize> StateRows<R, D> {
                 position_m: [0.0; D],
                 velocity_mps: velocity.unwrap_or([0.0; D]),
                 covariance: self.covariance.and_then(|columns| stated(row, columns)),
+                steady: self
+                    .steady
+                    .map_or_else(SteadyKnowledge::default, |columns| steady(row, columns)),
                 address: row.text(self.address)?.and_then(hexadecimal),
                 has_height,
                 has_velocity: velocity.is_some(),
@@ -212,14 +228,27 @@ impl<const D: usize> PlaceColumns<D> {
     }
 }
 
-/// Returns the columns of the covariance if all are present; they are optional.
-fn covariance<R: Read>(table: &Table<R>) -> Result<Option<[Column; COVARIANCE_LEN]>, CsvError> {
-    for name in COVARIANCE_COLUMNS {
+/// Returns optional columns if all are present.
+fn optional<R: Read, const N: usize>(
+    table: &Table<R>,
+    names: [&'static str; N],
+) -> Result<Option<[Column; N]>, CsvError> {
+    for name in names {
         if table.optional(name)?.is_none() {
             return Ok(None);
         }
     }
-    table.all(COVARIANCE_COLUMNS).map(Some)
+    table.all(names).map(Some)
+}
+
+/// Returns what a row states without a manoeuvre; a value that is no number is not stated.
+fn steady(row: Cells<'_>, columns: [Column; STEADY_COLUMNS.len()]) -> SteadyKnowledge {
+    let [weight, xx, xy, yy, climb_weight, climb] = columns.map(|column| row.number(column).ok());
+    let velocity = |weight| Some((weight, [xx?, xy?, yy?]));
+    SteadyKnowledge {
+        velocity: weight.and_then(velocity),
+        climb: climb_weight.zip(climb),
+    }
 }
 
 /// Returns the covariance of a row; `None` if an element is no number.
@@ -334,6 +363,7 @@ mod tests {
             position_m: [x, 0.0],
             velocity_mps: [10.0, -1.0],
             covariance: None,
+            steady: SteadyKnowledge::default(),
             address: None,
             has_height: true,
             has_velocity: true,
@@ -379,6 +409,7 @@ mod tests {
             position_m: [1.0, 2.0],
             velocity_mps: [-1.0, 0.5],
             covariance: None,
+            steady: SteadyKnowledge::default(),
             address: None,
             has_height: true,
             has_velocity: true,

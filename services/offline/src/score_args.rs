@@ -33,7 +33,8 @@ completeness and spurious tracks follow from these pairs.
 A scorecard follows: errors by phase of movement (straight, entry, turn, exit,
 after; level, climb; changes of the climb rate). Position errors have RMS, 50,
 90, 95 and 99 %, the others RMS and 95 %; --json and --html have everything.
-nees is 1 for an honest covariance. A target counts from --settle seconds after
+nees is 1 for an honest covariance; under \"likeliest\" it is that of the velocity
+by the likeliest case, which is usually straight flight. A target counts from --settle seconds after
 its first row on. --standard adds the lines of a standard: figure, limit and
 verdict. Against a truth a line passes or fails; against an independent
 instrument, too, and the figures contain the errors of the instrument; against

@@ -9,7 +9,7 @@ use super::phases::MOVEMENT_PHASES;
 use super::samples::ErrorSample;
 
 /// 95 % of the chi-square distribution with one and two degrees of freedom, per degree.
-const CHI_SQUARE_95: [f64; 4] = [5.991 / 2.0, 5.991 / 2.0, 3.841, 3.841];
+const CHI_SQUARE_95: [f64; 6] = [5.991 / 2.0, 5.991 / 2.0, 3.841, 3.841, 5.991 / 2.0, 3.841];
 
 /// Distribution of one error; `None` without values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -84,6 +84,10 @@ pub struct GroupConsistency {
     pub height: SpreadConsistency,
     /// Rate of climb.
     pub climb: SpreadConsistency,
+    /// Velocity in the plane, by the covariance of straight flight where this is the likelier case.
+    pub likeliest_velocity: SpreadConsistency,
+    /// Rate of climb, by the variance of a constant rate where this is the likelier case.
+    pub likeliest_climb: SpreadConsistency,
 }
 
 /// Errors of one phase.
@@ -130,6 +134,8 @@ impl PhaseFigures {
                 velocity: SpreadConsistency::of(samples, 1),
                 height: SpreadConsistency::of(samples, 2),
                 climb: SpreadConsistency::of(samples, 3),
+                likeliest_velocity: SpreadConsistency::of(samples, 4),
+                likeliest_climb: SpreadConsistency::of(samples, 5),
             },
         }
     }

@@ -8,12 +8,13 @@
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
+use messages::Covariance;
 use rustc_hash::FxHashMap;
 
 use crate::gospa::Metric;
 use crate::normalised::{covariance_after, normalised_square};
 use crate::picture::{PictureError, Timeline, TimelinePass, first_whole_second};
-use crate::states::{KinematicState, positions};
+use crate::states::{KinematicState, SteadyKnowledge, positions};
 
 use super::phases::{PhaseLimits, PhaseSet, phases_of};
 
@@ -94,8 +95,9 @@ pub struct ErrorSample {
     pub heading_deg: Option<f64>,
     /// Error of the rate of climb, m/s; `None` if either height or velocity is unknown.
     pub climb_mps: Option<f64>,
-    /// Normalised squares per degree of freedom: position and velocity in the plane, height, rate of climb.
-    pub normalised: [Option<f64>; 4],
+    /// Normalised squares per degree of freedom: position and velocity in the plane, height, rate of climb; then
+    /// velocity and rate of climb by the likeliest case, if the track states it.
+    pub normalised: [Option<f64>; 6],
     /// Agreement of the addresses.
     pub address: AddressCheck,
 }
@@ -242,6 +244,21 @@ fn plane([east, north, _]: &[f64; 3]) -> [f64; 2] {
     [*east, *north]
 }
 
+/// Returns a covariance with what holds without a manoeuvre, of the velocity and of the climb rate, each where a
+/// manoeuvre is the less likely case. Otherwise manoeuvres prevail in the whole covariance.
+fn likeliest(stated: &Covariance, steady: &SteadyKnowledge) -> Covariance {
+    let mut likeliest = *stated;
+    if let Some((_, [xx, xy, yy])) = steady.velocity.filter(|(probability, _)| *probability >= 0.5) {
+        for (row, column, value) in [(3, 3, xx), (3, 4, xy), (4, 4, yy)] {
+            likeliest.set(row, column, value);
+        }
+    }
+    if let Some((_, variance)) = steady.climb.filter(|(probability, _)| *probability >= 0.5) {
+        likeliest.set(5, 5, variance);
+    }
+    likeliest
+}
+
 fn errors(second: i64, target: &KinematicState<3>, track: &KinematicState<3>, phases: PhaseSet) -> ErrorSample {
     let [east, north, up]: [f64; 3] = std::array::from_fn(|axis| track.position_m[axis] - target.position_m[axis]);
     let [vx, vy, vz]: [f64; 3] = std::array::from_fn(|axis| track.velocity_mps[axis] - target.velocity_mps[axis]);
@@ -256,12 +273,17 @@ fn errors(second: i64, target: &KinematicState<3>, track: &KinematicState<3>, ph
     // The state holds the covariance at the first second at which it is visible.
     let seconds = (second - first_whole_second(track.time_s)) as f64;
     let covariance = track.covariance.map(|stated| covariance_after(&stated, seconds));
-    let normalised = covariance.map_or([None; 4], |stated| {
+    let normalised = covariance.map_or([None; 6], |stated| {
+        let likeliest = likeliest(&stated, &track.steady);
+        let velocity = |stated| normalised_square([vx, vy], stated, [3, 4]).filter(|_| has_velocity);
+        let climb = |stated| normalised_square([vz], stated, [5]).filter(|_| has_climb);
         [
             normalised_square([east, north], &stated, [0, 1]),
-            normalised_square([vx, vy], &stated, [3, 4]).filter(|_| has_velocity),
+            velocity(&stated),
             normalised_square([up], &stated, [2]).filter(|_| has_height),
-            normalised_square([vz], &stated, [5]).filter(|_| has_climb),
+            climb(&stated),
+            track.steady.velocity.and_then(|_| velocity(&likeliest)),
+            track.steady.climb.and_then(|_| climb(&likeliest)),
         ]
     });
     ErrorSample {

@@ -105,6 +105,35 @@ fn errors_along_and_across_and_their_covariances_by_hand() {
     assert_eq!(card.all.phases.named("turn").unwrap(), &PhaseFigures::default());
 }
 
+/// The flight with these values in the columns of what is known without a manoeuvre.
+fn flight_without_manoeuvre(values: &str) -> Scorecard {
+    let (truth, tracks) = flight();
+    let mut lines = tracks.lines();
+    let header = format!("{},{}", lines.next().unwrap(), csv_table::STEADY_COLUMNS.join(","));
+    let rows = lines.map(|line| format!("{line},{values}"));
+    let tracks = std::iter::once(header).chain(rows).collect::<Vec<_>>().join("\n");
+    card(&truth, &tracks, CardReference::Truth, &[])
+}
+
+#[test]
+fn the_likeliest_case_has_its_own_consistency() {
+    let nees = |values: &str| {
+        let groups = flight_without_manoeuvre(values).all.phases.0[0].consistency;
+        near(groups.velocity.nees, 0.5);
+        near(groups.climb.nees, 0.25);
+        [groups.likeliest_velocity.nees, groups.likeliest_climb.nees]
+    };
+    // 100²/2500/2, and the covariance of straight flight; 2²/1.
+    let [velocity, climb] = nees("0.75,1000,0,2500,0.5,1");
+    near(velocity, 2.0);
+    near(climb, 4.0);
+    // A manoeuvre is likelier: 100²/10000/2; 2²/16.
+    let [velocity, climb] = nees("0.25,1000,0,2500,0.49,1");
+    near(velocity, 0.5);
+    near(climb, 0.25);
+    assert_eq!(nees(",,,,,"), [None; 2]);
+}
+
 #[test]
 fn lines_of_standards_by_hand() {
     let (truth, tracks) = flight();

@@ -122,12 +122,12 @@ fn write_phases(text: &mut String, table: &PhaseTable) {
     }
     let _ = writeln!(
         text,
-        "{:<11} {:>7} |{:>30} m |{:>14} m |{:>12} m |{:>11} deg |{:>11} m/s |{:>11} m/s | nees",
+        "{:<11} {:>7} |{:>30} m |{:>14} m |{:>12} m |{:>11} deg |{:>11} m/s |{:>11} m/s | nees                  | likeliest",
         "", "", "position", "along across", "height", "heading", "speed", "climb"
     );
     let _ = writeln!(
         text,
-        "{:<11} {:>7} | {:>6}{:>6}{:>6}{:>6}{:>6}  | {:>7}{:>7}  | {:>6}{:>6}  | {:>6}{:>6}   | {:>6}{:>6}   | {:>6}{:>6}   | {:>5}{:>6}{:>6}{:>6}",
+        "{:<11} {:>7} | {:>6}{:>6}{:>6}{:>6}{:>6}  | {:>7}{:>7}  | {:>6}{:>6}  | {:>6}{:>6}   | {:>6}{:>6}   | {:>6}{:>6}   | {:>5}{:>6}{:>6}{:>6} | {:>5}{:>7}",
         "phase",
         "n",
         "rms",
@@ -148,6 +148,8 @@ fn write_phases(text: &mut String, table: &PhaseTable) {
         "pos",
         "vel",
         "z",
+        "climb",
+        "vel",
         "climb"
     );
     for (phase, figures) in MOVEMENT_PHASES.iter().zip(&table.0) {
@@ -166,7 +168,7 @@ fn write_phase(text: &mut String, name: &str, figures: &PhaseFigures) {
     let consistency = &figures.consistency;
     let _ = writeln!(
         text,
-        "{name:<11} {:>7} | {:>6}{p50:>6}{p90:>6}{p95:>6}{p99:>6}  | {:>7}{:>7}  | {}  | {}   | {}   | {}   | {:>5}{:>6}{:>6}{:>6}",
+        "{name:<11} {:>7} | {:>6}{p50:>6}{p90:>6}{p95:>6}{p99:>6}  | {:>7}{:>7}  | {}  | {}   | {}   | {}   | {:>5}{:>6}{:>6}{:>6} | {:>5}{:>7}",
         figures.n,
         one(position.rms),
         one(figures.along.rms),
@@ -179,6 +181,8 @@ fn write_phase(text: &mut String, name: &str, figures: &PhaseFigures) {
         two(consistency.velocity.nees),
         two(consistency.height.nees),
         two(consistency.climb.nees),
+        two(consistency.likeliest_velocity.nees),
+        two(consistency.likeliest_climb.nees),
     );
 }
 

@@ -190,13 +190,21 @@ fn write_phases(page: &mut String, card: &AreaCard) {
     page.push_str(
         "</tbody></table></div><h3>Consistency of the covariances by phase</h3><p class=\"quiet\">NEES: mean squared \
          error over the stated variance, per degree of freedom. 1 is honest, above 1 too confident, below 1 too timid. \
-         In brackets: share of the errors inside the 95 % region.</p><div class=\"scroll\"><table><thead><tr>\
-         <th>phase</th><th>cases</th><th>position</th><th>velocity</th><th>height</th><th>climb rate</th></tr></thead>\
+         In brackets: share of the errors inside the 95 % region. The likeliest case of a track is straight flight, or a \
+         constant climb rate, unless a manoeuvre is more probable.</p><div class=\"scroll\"><table><thead><tr>\
+         <th>phase</th><th>cases</th><th>position</th><th>velocity</th><th>height</th><th>climb rate</th><th>velocity, likeliest</th><th>climb rate, likeliest</th></tr></thead>\
          <tbody>",
     );
     for (phase, figures) in shown() {
         let groups = &figures.consistency;
-        let all = [groups.position, groups.velocity, groups.height, groups.climb];
+        let all = [
+            groups.position,
+            groups.velocity,
+            groups.height,
+            groups.climb,
+            groups.likeliest_velocity,
+            groups.likeliest_climb,
+        ];
         let group = |nees: Option<f64>, in95: Option<f64>| match nees.zip(in95) {
             Some((nees, in95)) => format!("<td>{nees:.2} ({:.1} %)</td>", in95 * 100.0),
             None => "<td>–</td>".to_owned(),
