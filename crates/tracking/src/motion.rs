@@ -32,9 +32,9 @@ settings::settings! {
     pub struct MotionSettings {
         /// Spectral density of the accelerations in steady flight: horizontal, vertical.
         process_noise_m2ps3: [f64; 2] = [5.0, 1.0], in [1e-9, 1e6];
-        /// Speed below which the horizontal accelerations in steady flight are weaker, with the square of the speed and
+        /// Speed below which the horizontal accelerations of both models are weaker, with the square of the speed and
         /// at least a tenth in spectral density: boats do not accelerate like aircraft. Uncertain speeds count as fast.
-        slow_mps: Option<f64> = Some(10.0), in [1e-3, 1e3];
+        slow_mps: Option<f64> = Some(20.0), in [1e-3, 1e3];
         /// Second model, of manoeuvring targets.
         manoeuvres: ManoeuvreSettings = ManoeuvreSettings::default();
     }
@@ -55,9 +55,10 @@ settings::settings! {
 }
 
 impl MotionSettings {
-    /// Spectral density of the accelerations of a target in steady flight: horizontal, vertical.
-    fn steady_noise(&self, state: &Gaussian) -> [f64; 2] {
-        let [horizontal, vertical] = self.process_noise_m2ps3;
+    /// Spectral density of the accelerations of a target in this state: horizontal, vertical; `of_fast` is that of fast
+    /// targets.
+    fn noise_at(&self, state: &Gaussian, of_fast: [f64; 2]) -> [f64; 2] {
+        let [horizontal, vertical] = of_fast;
         let Some(slow_mps) = self.slow_mps else {
             return [horizontal, vertical];
         };
@@ -156,9 +157,10 @@ impl TargetMotion {
     /// `seconds` later, or earlier.
     pub(crate) fn moved(&self, seconds: f64, settings: &MotionSettings) -> Self {
         let Some(manoeuvres) = settings.manoeuvres() else {
-            let steady = self
-                .steady
-                .moved(seconds, noise(settings.steady_noise(&self.steady), seconds));
+            let steady = self.steady.moved(
+                seconds,
+                noise(settings.noise_at(&self.steady, settings.process_noise_m2ps3), seconds),
+            );
             return Self { steady, ..*self };
         };
         match self.speed {
@@ -182,15 +184,17 @@ impl TargetMotion {
         let (steady, turning) = (p - begins + ends, q - ends + begins);
         let mixed = |from_turning: f64| Gaussian::mixture(&self.steady, &self.turning, from_turning);
         let (straight, still) = (mixed(ends / steady), (q - ends) / turning);
+        let moved = |state: Gaussian, of_fast| state.moved(seconds, noise(settings.noise_at(&state, of_fast), seconds));
         let (turned, turn) = match &manoeuvres.turn {
-            None => (
-                mixed(still).moved(seconds, noise(manoeuvres.process_noise_m2ps3, seconds)),
-                self.turn,
-            ),
-            Some(turn) => self.turned(mixed(still), still, seconds, manoeuvres, turn),
+            None => (moved(mixed(still), manoeuvres.process_noise_m2ps3), self.turn),
+            Some(turn) => {
+                let state = mixed(still);
+                let density = settings.noise_at(&state, manoeuvres.process_noise_m2ps3);
+                self.turned(state, still, seconds, density, turn)
+            }
         };
         Self {
-            steady: straight.moved(seconds, noise(settings.steady_noise(&straight), seconds)),
+            steady: moved(straight, settings.process_noise_m2ps3),
             turning: turned,
             turn,
             turning_probability: turning,
@@ -204,13 +208,13 @@ impl TargetMotion {
         mut state: Gaussian,
         still: f64,
         seconds: f64,
-        manoeuvres: &ManoeuvreSettings,
+        density_m2ps3: [f64; 2],
         turn: &TurnSettings,
     ) -> (Gaussian, TurnRate) {
         let begun = TurnRate::begun(turn);
         let mut rate = TurnRate::mixture((&begun, &self.steady), (&self.turn, &self.turning), still);
         rate.turn(&mut state, seconds, turn);
-        (state.moved(0.0, noise(manoeuvres.process_noise_m2ps3, seconds)), rate)
+        (state.moved(0.0, noise(density_m2ps3, seconds)), rate)
     }
 
     /// Compares with a measurement: the smaller distance, and the density by both models.
@@ -542,6 +546,27 @@ mod tests {
             assert!((estimate.mean[3] - speed).abs() < 5.0, "{:?}", estimate.mean);
             let next = motion.moved(2.0, &TWO_MODELS);
             assert!(next.turning_probability < 0.5, "from now on it is about manoeuvres");
+        }
+    }
+
+    #[test]
+    fn slow_targets_manoeuvre_less() {
+        let settings = MotionSettings {
+            slow_mps: Some(20.0),
+            ..TWO_MODELS
+        };
+        let grown = |speed_mps: f64| {
+            let state = Gaussian {
+                mean: [0.0, 0.0, 0.0, speed_mps, 0.0, 0.0],
+                covariance: messages::Covariance::diagonal([1.0; 3], [1e-3; 3]),
+            };
+            let moved = TargetMotion::begun(state, &settings).moved(1.0, &settings);
+            [&moved.steady, &moved.turning].map(|state| state.covariance.get(3, 3))
+        };
+        for (speed_mps, share) in [(40.0, 1.0), (10.0, 0.25), (2.0, 0.1)] {
+            let [steady, turning] = grown(speed_mps);
+            assert!((steady - 0.1 * share).abs() < 1e-4, "{speed_mps}: {steady}");
+            assert!((turning - 50.0 * share).abs() < 1e-3, "{speed_mps}: {turning}");
         }
     }
 
