@@ -33,7 +33,7 @@ impl Site {
              [[receiver]]\nname = \"rows\"\n[receiver.udp]\nlisten = \"{to}\"\n\
              [[tracker]]\nname = \"ship\"\nperiod_s = 0.5\nfresh_s = 5.0\nwait_s = 0.2\n\
              [tracker.settings]\nstarts = \"designated\"\n\
-             [tracker.settings.deletion]\nsilent_s = 600.0\nmissed_probability = 1e-300\n\
+             [tracker.settings.deletion]\nsilent_s = 600.0\nexistence_min = 0\nshown_min = 0\n\
              [tracker.settings.initiation]\nspeed_sigma_mps = 30.0\n\
              [tracker.settings.capacity]\ndetections = 256\ntracks = 1024\nopen_scans = 16\n\
              [[tracker.sensor]]\nname = \"lidar\"\n\

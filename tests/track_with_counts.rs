@@ -239,7 +239,9 @@ fn what_a_count_did_is_explained() {
     let silent: String = (30..45).map(elsewhere).collect();
     folder.write("plots.csv", format!("{}{silent}", boats(30)));
     folder.write("counts.csv", format!("{}30,32,450,0,0,0,0,0,0,\n", counts(28, 2, "")));
-    let chosen = "[wide_area]\ngroups = { probability_min = 0.3 }\ndeletion = { missed_probability = 0.02, silent_s = 30 }\n\
+    // Without the rule for targets that part, which would confirm the second boat in the same scan.
+    let chosen = "[splitting]\nreliability_min = \"off\"\n\
+                  [wide_area]\ngroups = { probability_min = 0.3 }\ndeletion = { existence_min = 0.95, silent_s = 30 }\n\
                   correction = { share = 0.75 }\nvalid_s = 6\n";
     folder.write("track.toml", format!("{CONFIG}{chosen}"));
     let call = "track --detections plots.csv --config track.toml --wide-area counts.csv";

@@ -44,7 +44,7 @@ fn every_key_is_heard() {
          range_rate_sigma_mps = 2\nresolution_m = 5\nfield_of_view = { range_m = [1, 90], sector_deg = [-30, 30] }\n[gate]\nprobability = 0.95\n[motion]\nprocess_noise_m2ps3 = [2.0, 3.0]\n\
          [motion.manoeuvres]\nenabled = false\n[initiation]\nnew_target_share = 0.1\nspeed_sigma_mps = 9\nslow_sigma_mps = \"off\"\n\
          climb_sigma_mps = 8\nheight_sigma_m = 7\n[confirmation]\nreliability_min = 1\ndetections_min = 4\n\
-         log_likelihood_ratio_min = 5\n[deletion]\nmissed_probability = 1e-6\nsilent_s = 1.5\ncoherence_s = 2\n[reduction]\nmerge_scans = 3\n\
+         log_likelihood_ratio_min = 5\n[deletion]\nexistence_min = 1e-6\nmean_life_s = 300\nexit_s = 7\nshown_min = 0.2\nsilent_s = 1.5\ncoherence_s = 2\n[reduction]\nmerge_scans = 3\n\
          reliability_min = 0.01\nhypotheses_max = 12\n[splitting]\nstart_in_confirmed_gates = true\n\
          new_target_share = \"off\"\nparents_motion = \"off\"\nnew_tracks_max = \"computed\"\ntentative_tracks = 3\n\
          company_min = 0.5\n[capacity]\ntracks = 100\ndetections = 50\nopen_scans = 4\n",
@@ -71,11 +71,19 @@ fn every_key_is_heard() {
     assert_eq!(found.confirmation.log_likelihood_ratio_min, Some(5.0));
     assert_eq!(
         (
-            found.deletion.limits.missed_probability,
+            found.deletion.limits.existence_min,
             found.deletion.limits.silent_s.ns(),
             found.deletion.coherence_s
         ),
         (1e-6, 1_500_000_000, 2.0)
+    );
+    assert_eq!(
+        (
+            found.deletion.mean_life_s,
+            found.deletion.exit_s,
+            found.deletion.shown_min
+        ),
+        (Some(300.0), 7.0, 0.2)
     );
     assert_eq!((found.reduction.merge_scans, found.reduction.hypotheses_max), (3, 12));
     let splitting = &found.splitting;

@@ -31,7 +31,7 @@ const ALL: &str = "[wide_area]\ncorrection = { factor = 4 }\ncorrects_confirmed_
     [wide_area.sharing]\nwhole = false\nby_tracks = true\nexcess = 1.2\ngroup_m = 400\n\
     [wide_area.confirmation]\nnew_target_share = 0.5\nbeside_confirmed_only = false\nreliability_min = 0.8\n\
     detections_min = 3\nlog_likelihood_ratio_min = 2\ncompany_min = 0.25\n\
-    [wide_area.deletion]\nmissed_probability = 0.02\nsilent_s = 12.5\ncoverage = { centre_m = [10, -20], radius_m = 9e4 }\n\
+    [wide_area.deletion]\nexistence_min = 0.02\nsilent_s = 12.5\ncoverage = { centre_m = [10, -20], radius_m = 9e4 }\n\
     [[wide_area.type]]\nname = \"patrol 7\"\n\
     emissions = [{ frequency_hz = [9e9, 9.5e9], pulse_interval_s = [1e-3, 1e-3] }, { frequency_hz = [2e9, 3e9] }]\n\
     [[wide_area.type]]\nname = \"twelve-chars\"\n\
@@ -82,7 +82,7 @@ fn every_key_is_heard() {
         }),
         deletion: Some(EarlyDeletion {
             deletion: Deletion {
-                missed_probability: 0.02,
+                existence_min: 0.02,
                 silent_s: Seconds::of(12.5),
             },
             coverage: Some(Circle {
@@ -158,7 +158,7 @@ fn each_part_can_be_off_and_has_defaults_when_it_is_on() {
     assert_eq!(on.wide_area.confirmation, usual.wide_area.confirmation);
     assert_eq!(on.wide_area.groups, Some(Groups { probability_min: 0.5 }));
     let early = on.wide_area.deletion.unwrap();
-    assert!(early.deletion.missed_probability > usual.deletion.limits.missed_probability);
+    assert!(early.deletion.existence_min > usual.deletion.limits.existence_min);
     assert_eq!(early.deletion.silent_s, usual.deletion.limits.silent_s);
     let share = settings("[wide_area]\ncorrection = { share = 0.75 }").unwrap();
     assert_eq!(share.wide_area.correction, Some(Rule::Share(0.75)));

@@ -181,7 +181,7 @@ fn kept(store: &mut HypothesisStore, track: Track) -> u32 {
 pub(crate) fn miss(scan: &ScanContext<'_>, (number, track): (u32, &mut Track), has_plots: bool) {
     let log_miss = scan.gating.log_misses[number as usize];
     track.missed += 1;
-    track.log_silence += scan.gating.log_silences[number as usize];
+    track.absence = scan.gating.absences[number as usize];
     track.log_likelihood_ratio += log_miss;
     track.seen_by &= !scan.sensor.bit;
     // A fast sensor without detections here must not push the open choices of a slow sensor out of the memory.
@@ -195,6 +195,9 @@ fn missed_track(joined: &JoinedClusters<'_>, number: u32, counts: &mut TrackerCo
     let scan = joined.scan;
     let mut track = scan.before.tracks[number as usize];
     miss(scan, (number, &mut track), !joined.plots.is_empty());
+    if joined.support.shows_all() {
+        track.absence = scan.before.tracks[number as usize].absence;
+    }
     let deletion = &scan.settings.deletion.of(&track, &scan.settings.identity);
     if deletion.is_met(&track, scan.time_ns) {
         explain_end(scan, &track, deletion, TrackEvent::ENDS);
@@ -227,7 +230,7 @@ fn updated_track(joined: &JoinedClusters<'_>, number: u32, pair: u32, counts: &m
     // The update cannot fail: the same comparison succeeded before.
     let _ = track.motion.update(&plot.measurement.weighted(scan.sensor.scan_weight));
     (track.time_ns, track.seen_ns) = (plot.time_ns, plot.time_ns);
-    (track.missed, track.log_silence) = (0, 0.0);
+    (track.missed, track.absence) = (0, 0.0);
     track.detections += 1;
     track.seen_by |= scan.sensor.bit;
     let row = joined.row_of(found.plot) as usize;
@@ -268,7 +271,7 @@ fn shared_track(joined: &JoinedClusters<'_>, number: u32, other_number: u32, sha
     let _ = motion.update_half(&other, &plot.measurement.weighted(scan.sensor.scan_weight));
     track.motion = motion;
     track.time_ns = plot.time_ns;
-    (track.missed, track.log_silence) = (0, 0.0);
+    (track.missed, track.absence) = (0, 0.0);
     track.detections += 1;
     track.seen_by |= scan.sensor.bit;
     track.remember(scan.first_serial.wrapping_add(found.plot));
@@ -306,8 +309,7 @@ pub(crate) fn explain_end(
     [missed, silent]: [TrackEvent; 2],
 ) {
     if deletion.is_missed_too_often(track) {
-        let limit = deletion.missed_probability;
-        scan.explain(missed, track, track.log_silence.exp(), limit);
+        scan.explain(missed, track, track.existence(), deletion.existence_min);
     } else {
         let silent_ns = scan.time_ns.saturating_sub(track.seen_ns);
         let [silent_s, limit_s] = [silent_ns, deletion.silent_s.ns()].map(|time_ns| time_ns as f64 / NS_PER_S);

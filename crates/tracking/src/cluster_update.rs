@@ -114,7 +114,7 @@ impl ClusterUpdate {
         store.clear();
         for number in cluster.tracks.clone() {
             let mut track = scan.before.tracks[number as usize];
-            directions.take_in(&mut track, claims);
+            directions.take_in(&mut track, claims, &scan.survival);
             let deletion = scan.settings.deletion.of(&track, &scan.settings.identity);
             let is_gone = deletion.is_met(&track, scan.time_ns);
             if is_gone {

@@ -204,9 +204,15 @@ impl Crossings {
         let claimed = claimed.map(|(log_clutter, claims)| log_clutter + claims.of_others(TENTATIVE).ln_1p());
         self.log_clutter.extend(claimed);
         self.replies.read(plots.iter().map(|plot| &plot.identity));
-        self.gating
-            .run(open, plots, (scan.time_ns, &self.replies), sensor, counts);
-        self.unresolved.find(open, plots, (scan.time_ns, &self.replies), sensor);
+        self.gating.run(
+            open,
+            plots,
+            (scan.time_ns, &self.replies),
+            (sensor, &scan.survival),
+            counts,
+        );
+        self.unresolved
+            .find((open, &self.gating), plots, (scan.time_ns, &self.replies), sensor);
         self.departures.clear();
         let found = (&mut self.gating, &self.unresolved, &self.departures);
         self.coupling

@@ -16,6 +16,7 @@
 //! tracks end as ever.
 
 use crate::counts::TrackerCounts;
+use crate::existence::Survival;
 use crate::explanation::{Explanation, Observer, TrackEvent, TrackRecord};
 use crate::initiation::{Initiation, first_state};
 use crate::measurement::DetectionMeasurement;
@@ -31,12 +32,15 @@ use observations::StatedVelocity;
 pub(crate) fn designate(
     scan: &Scan,
     (before, next): (&Population, &mut Population),
-    sensor: &Sensor,
+    (sensor, survival): (&Sensor, &Survival<'_>),
     settings: &Settings,
     observer: Option<&dyn Observer>,
     counts: &mut TrackerCounts,
 ) {
     next.carry_on(before);
+    for track in &mut next.tracks {
+        track.absence = survival.absence(track.absence, track.motion.widest());
+    }
     next.time_ns = scan.time_ns;
     next.next_serial = next.next_serial.wrapping_add(scan.plots.len() as u32).max(1);
     counts.scans += 1;

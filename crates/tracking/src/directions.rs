@@ -33,6 +33,7 @@
 use association::distance;
 use messages::NS_PER_S;
 
+use crate::existence::{self, Survival};
 use crate::limits::COMPARISONS_MAX;
 use crate::motion::TargetMotion;
 use crate::plot::Plot;
@@ -121,7 +122,8 @@ impl<'a> Directions<'a> {
 
     /// Updates a track by the directions in the gate. A track seen only once is left out: the velocity is not known
     /// yet.
-    pub(crate) fn take_in(&self, track: &mut Track, claims: &[Claims]) {
+    pub(crate) fn take_in(&self, track: &mut Track, claims: &[Claims], survival: &Survival<'_>) {
+        track.absence = survival.absence(track.absence, track.motion.widest());
         let Some((predicted, seen)) = self.predicted(track) else {
             return;
         };
@@ -149,8 +151,7 @@ impl<'a> Directions<'a> {
         }
         track.motion = mean;
         track.time_ns = self.time_ns;
-        // Positive evidence compensates misses, and no more.
-        track.log_silence = (track.log_silence + evidence).min(0.0);
+        track.absence = existence::weighed(track.absence, evidence.exp());
         if sum - of_none > SEEN_MIN * sum {
             track.missed = 0;
             track.seen_ns = self.time_ns;

@@ -28,6 +28,9 @@ struct Whole {
     log_likelihood: f64,
 }
 
+/// Short, so that absence matters within three scans.
+const LIFE_S: f64 = 20.0;
+
 fn exact_settings() -> Settings {
     let mut settings = settings();
     settings.reduction.merge_scans = 0;
@@ -35,6 +38,7 @@ fn exact_settings() -> Settings {
     settings.reduction.hypotheses_max = HYPOTHESES_MAX;
     settings.initiation.new_target_share = 0.3;
     settings.confirmation.detections_min = 100;
+    settings.deletion.mean_life_s = Some(LIFE_S);
     settings
 }
 
@@ -57,6 +61,8 @@ fn children(whole: &Whole, scan: &[Detection], time_ns: i64, first_serial: u32, 
         Row::of(&(0..predicted.len()).filter(inside).collect::<Vec<_>>())
     };
     let rows: Vec<_> = measured.iter().map(in_gate).collect();
+    // A second has passed since the scan before.
+    let absent = |track: usize| 1.0 - (1.0 - whole.tracks[track].absence) * (-1.0 / LIFE_S).exp();
     let own: Vec<_> = (0..whole.tracks.len()).collect();
     let mut found = Vec::new();
     for matrix in matrices(&rows, usize::MAX) {
@@ -72,7 +78,7 @@ fn children(whole: &Whole, scan: &[Detection], time_ns: i64, first_serial: u32, 
                 Interpretation::New => log_clutter + settings.initiation.new_target_share.ln(),
                 Interpretation::Track(track) => {
                     let innovation = predicted[*track].innovation(&measured[row]).unwrap();
-                    detection_probability.ln() + innovation.log_likelihood
+                    detection_probability.ln() + innovation.log_likelihood + (1.0 - absent(*track)).ln()
                 }
             };
         }
@@ -82,12 +88,15 @@ fn children(whole: &Whole, scan: &[Detection], time_ns: i64, first_serial: u32, 
             match row {
                 Some(row) => {
                     track.motion = predicted[number];
+                    track.absence = 0.0;
                     track.motion.update(&measured[row]).unwrap();
                     track.time_ns = time_ns;
                     track.remember(first_serial + row as u32);
                 }
                 None => {
                     next.log_likelihood += miss;
+                    let there = (1.0 - absent(number)) * miss.exp();
+                    track.absence = absent(number) / (absent(number) + there);
                     track.remember(NO_DETECTION);
                 }
             }

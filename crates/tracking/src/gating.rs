@@ -12,6 +12,7 @@ use association::{Grid, distance};
 use messages::NS_PER_S;
 
 use crate::counts::TrackerCounts;
+use crate::existence::{self, Survival};
 use crate::identity::{LOG_NAMED, ScanReplies, TrackIdentity};
 use crate::limits::{COMPARISONS_MAX, PAIRS_MAX};
 use crate::motion::TargetMotion;
@@ -51,8 +52,10 @@ pub(crate) struct Gating {
     pub(crate) pairs_begin: Vec<u32>,
     /// By track: logarithm of the probability of no detection in the gate, times the weight of the scan.
     pub(crate) log_misses: Vec<f64>,
-    /// The same without regard to the detections of the sensor's look before.
-    pub(crate) log_silences: Vec<f64>,
+    /// By track: probability that the target has gone, after a miss.
+    pub(crate) absences: Vec<f64>,
+    /// By track: the same before the scan.
+    absent: Vec<f64>,
     /// By cluster: number of detections, at most.
     rows: Vec<u32>,
     /// By detection: the last cluster with the detection in a gate, or [`NONE`].
@@ -84,7 +87,8 @@ impl Gating {
             pairs: Vec::with_capacity(4 * tracks_max + PAIRS_MAX),
             pairs_begin: Vec::with_capacity(tracks_max + 1),
             log_misses: Vec::with_capacity(tracks_max),
-            log_silences: Vec::with_capacity(tracks_max),
+            absences: Vec::with_capacity(tracks_max),
+            absent: Vec::with_capacity(tracks_max),
             rows: Vec::with_capacity(tracks_max),
             owner: Vec::with_capacity(plots_max),
             is_named: Vec::with_capacity(plots_max),
@@ -107,23 +111,28 @@ impl Gating {
         population: &Population,
         plots: &[Plot],
         (time_ns, replies): (i64, &ScanReplies),
-        sensor: &Sensor,
+        (sensor, survival): (&Sensor, &Survival<'_>),
         counts: &mut TrackerCounts,
     ) {
         self.begin(population, plots);
         let reach = Reach::of(plots, time_ns);
         for (number, cluster) in (0..).zip(&population.clusters) {
+            // One of several targets together is also missed where the sensor does not resolve them.
+            let are_several = population.has_several_confirmed(cluster);
             for track in cluster.tracks.clone() {
                 self.pairs_begin.push(self.pairs.len() as u32);
                 let compared = &population.tracks[track as usize];
                 let predicted = compared.motion_at(time_ns, &sensor.motion);
                 let seen = sensor.probability_in_view(predicted.widest());
+                let absence = survival.absence(compared.absence, predicted.widest());
                 let log_miss = sensor.log_miss(seen);
-                self.log_silences.push(log_miss);
+                self.absences
+                    .push(existence::weighed(absence, sensor.silence(seen, log_miss)));
                 self.log_misses.push(match compared.seen_by & sensor.bit {
                     0 => log_miss,
                     _ => sensor.log_lapse(seen),
                 });
+                self.absent.push(if are_several { 0.0 } else { absence });
                 self.search(&predicted, plots.len(), &reach, sensor.gates[1]);
                 let first = self.pairs.len();
                 self.compare(track, compared, &predicted, (time_ns, replies), plots, sensor, counts);
@@ -139,6 +148,11 @@ impl Gating {
     /// The pairs of a track.
     pub(crate) fn pairs_of(&self, track: u32) -> std::ops::Range<usize> {
         self.pairs_begin[track as usize] as usize..self.pairs_begin[track as usize + 1] as usize
+    }
+
+    /// Logarithm of the probability that a track's target is there before the scan's detections.
+    pub(crate) fn log_presence(&self, track: u32) -> f64 {
+        (-self.absent[track as usize]).ln_1p()
     }
 
     fn begin(&mut self, population: &Population, plots: &[Plot]) {
@@ -157,7 +171,8 @@ impl Gating {
         self.pairs.clear();
         self.pairs_begin.clear();
         self.log_misses.clear();
-        self.log_silences.clear();
+        self.absences.clear();
+        self.absent.clear();
         self.rows.clear();
         self.rows.resize(population.clusters.len(), 0);
         self.strangers.clear();
@@ -260,7 +275,7 @@ impl Gating {
             let pair = GatedPair {
                 track: number,
                 plot: item,
-                log_likelihood: innovation.log_likelihood + log_ratio,
+                log_likelihood: innovation.log_likelihood + log_ratio + self.log_presence(number),
                 is_far: false,
             };
             if self.pairs.len() - first < room {
@@ -319,7 +334,9 @@ impl Gating {
                     self.pairs.push(GatedPair {
                         track,
                         plot: item,
-                        log_likelihood: log_likelihood + replies.log_ratio(&compared.identity, &plot.identity),
+                        log_likelihood: log_likelihood
+                            + replies.log_ratio(&compared.identity, &plot.identity)
+                            + self.log_presence(track),
                         is_far,
                     });
                     self.is_echo[item as usize] |= compared.identity.has_address_of(&plot.identity);

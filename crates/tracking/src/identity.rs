@@ -100,8 +100,8 @@ settings::settings! {
         /// Probability that another target has the same address.
         duplicated_probability: f64 = 1e-4, in [1e-9, 0.5];
         /// Threshold of misses for tracks with a known address or uncommon code, if it is below
-        /// `deletion.missed_probability`: such a target finds its track again.
-        missed_probability: f64 = 1e-7, in [1e-300, 0.99];
+        /// `deletion.existence_min`: such a target finds its track again.
+        existence_min: f64 = 1e-5, in [0, 0.99];
     }
 }
 

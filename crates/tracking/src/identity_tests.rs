@@ -18,7 +18,7 @@ const USUAL: IdentitySettings = IdentitySettings {
     swapped_probability: 0.002,
     changed_probability: 0.001,
     duplicated_probability: 1e-4,
-    missed_probability: 1e-7,
+    existence_min: 1e-5,
 };
 
 fn reply(address: Option<u32>, code: Option<u16>) -> TransponderReply {
@@ -496,15 +496,15 @@ fn a_target_that_names_itself_is_missed_for_longer() {
             tracker.scan(1, 4 * second * S, &scan).unwrap();
         }
         let mut scans = 0;
-        while !tracker.tracks().is_empty() {
+        while tracker.branches() > 0 {
             scans += 1;
             tracker.scan(1, 4 * (9 + scans) * S, &[]).unwrap();
         }
         scans
     };
-    // ln 2e-5 and ln 1e-7 by ln 0.109 each.
-    assert_eq!(lives(reply(None, None)), 5);
-    assert_eq!(lives(reply(None, Some(0o7000))), 5, "one of many");
+    // Until the existence is below 1e-3 and 1e-5.
+    assert_eq!(lives(reply(None, None)), 6);
+    assert_eq!(lives(reply(None, Some(0o7000))), 6, "one of many");
     assert_eq!(lives(reply(Some(ONE), None)), 8);
     assert_eq!(lives(reply(None, Some(0o4213))), 8);
 }

@@ -61,6 +61,7 @@ mod detection_rate;
 mod directions;
 #[cfg(test)]
 mod enumeration_tests;
+mod existence;
 pub mod explanation;
 mod field_of_view;
 mod gate;

@@ -1,7 +1,8 @@
-//! Life of a track: confirmation and deletion (HT-10).
+//! Life of a track: confirmation, output and deletion (HT-10).
 //!
-//! A tentative track is confirmed once nearly all of the probability lies with hypotheses that contain it; a track of
-//! either kind is deleted once a target still present would hardly have been missed for so long.
+//! A tentative track is confirmed once nearly all of the probability lies with hypotheses that contain it and with its
+//! existence. A confirmed track is output while its existence is likely ([`crate::existence`]). A track of either kind
+//! is deleted once its target has almost surely gone.
 
 use messages::NS_PER_S;
 use settings::Seconds;
@@ -31,9 +32,9 @@ settings::settings! {
     /// Conditions of deletion: a track is deleted when one of them holds (HT-10).
     #[derive(Copy)]
     pub struct Deletion {
-        /// Threshold: a track is deleted once the probability of all misses since its last detection is at most this
-        /// value. With a probability of detection of 0.9, 2e-5 means five slow scans; with 0.5, sixteen.
-        missed_probability: f64 = 2e-5, in [1e-300, 0.99];
+        /// Least probability that the target is still there, else the track is deleted. With a probability of
+        /// detection of 0.9, the default means six slow scans; with 0.5, seventeen. 0: misses end no track.
+        existence_min: f64 = 1e-3, in [0, 0.99];
         /// Time without a detection after which a track is deleted, whether or not the sensors observe its place.
         silent_s: Seconds = Seconds::of(60.0), in [1e-3, 86_400];
     }
@@ -41,6 +42,13 @@ settings::settings! {
     /// Deletion of tracks.
     #[derive(Copy)]
     pub struct DeletionSettings with limits: Deletion {
+        /// Mean time for which a target stays. Without the key, learned from the confirmed tracks that end.
+        mean_life_s: Option<f64> = None, in [1e-3, 1e9], usually "learned";
+        /// Mean time until a target outside every field of view is gone for good.
+        exit_s: f64 = 3.0, in [1e-3, 1e9];
+        /// Least probability that the target is still there for the output of its track. A less probable track is kept
+        /// with its number, and is output again once its target is detected.
+        shown_min: f64 = 0.5, in [0, 0.99];
         /// Time within which a repeated look is not independent: the same detection or miss, with the same error.
         coherence_s: f64 = 1.0, in [1e-3, 1e4];
     }
@@ -79,16 +87,16 @@ impl DeletionSettings {
             return limits;
         }
         Deletion {
-            missed_probability: limits.missed_probability.min(identity.missed_probability),
+            existence_min: limits.existence_min.min(identity.existence_min),
             ..limits
         }
     }
 }
 
 impl Deletion {
-    /// Returns whether the silence is too unlikely for a target that still exists.
+    /// Whether the target has probably gone.
     pub(crate) fn is_missed_too_often(&self, track: &Track) -> bool {
-        track.log_silence <= self.missed_probability.ln()
+        track.existence() < self.existence_min
     }
 
     /// Whether a track is deleted at `time_ns`.

@@ -7,7 +7,10 @@
 
 use std::ops::Range;
 
+use messages::NS_PER_S;
+
 use crate::crossing_memory::CrossingMemory;
+use crate::existence::LifeEstimate;
 use crate::limits::{DETECTION_COUNTS, HYPOTHESES_MAX};
 use crate::sensor::SensorMemory;
 use crate::track::Track;
@@ -45,6 +48,7 @@ pub(crate) struct Population {
     pub(crate) clusters: Vec<Cluster>,
     /// By sensor.
     pub(crate) sensors: Vec<SensorMemory>,
+    pub(crate) life: LifeEstimate,
     pub(crate) support: SupportState,
     pub(crate) crossings: CrossingMemory,
     /// Serial number of the next detection, of the next track's root, of the next confirmed track.
@@ -62,6 +66,7 @@ impl Population {
             members: Vec::with_capacity(8 * tracks_max + HYPOTHESES_MAX),
             clusters: Vec::with_capacity(tracks_max),
             sensors: vec![SensorMemory::NONE; sensors],
+            life: LifeEstimate::NONE,
             support: SupportState::new(tracks_max, types),
             crossings: CrossingMemory::new(),
             next_serial: 1,
@@ -80,6 +85,7 @@ impl Population {
         self.members.clear();
         self.clusters.clear();
         self.sensors.copy_from_slice(&before.sensors);
+        self.life = before.life;
         self.next_serial = before.next_serial;
         self.next_root = before.next_root;
         self.next_number = before.next_number;
@@ -92,6 +98,31 @@ impl Population {
         self.hypotheses.extend_from_slice(&before.hypotheses);
         self.members.extend_from_slice(&before.members);
         self.clusters.extend_from_slice(&before.clusters);
+    }
+
+    /// Whether a cluster has more than one confirmed track, branches not counted.
+    pub(crate) fn has_several_confirmed(&self, cluster: &Cluster) -> bool {
+        let tracks = &self.tracks[cluster.tracks.start as usize..cluster.tracks.end as usize];
+        let mut numbers = tracks
+            .iter()
+            .filter(|track| track.is_confirmed())
+            .map(|track| track.number);
+        let first = numbers.next();
+        numbers.any(|number| Some(number) != first)
+    }
+
+    /// Seconds to a later scan; 0 before the first scan.
+    pub(crate) fn seconds_until(&self, time_ns: i64) -> f64 {
+        match self.time_ns {
+            i64::MIN => 0.0,
+            before_ns => time_ns.saturating_sub(before_ns).max(0) as f64 / NS_PER_S,
+        }
+    }
+
+    /// Expected number of targets that confirmed tracks follow.
+    pub(crate) fn present(&self) -> f64 {
+        let confirmed = self.tracks.iter().filter(|track| track.is_confirmed());
+        confirmed.map(Track::presence).sum()
     }
 
     /// Whether so much fits in.

@@ -1,6 +1,7 @@
 //! The current scan with all inputs of the update of clusters.
 
 use crate::departure::Departures;
+use crate::existence::Survival;
 use crate::explanation::{Explanation, Observer, TrackEvent, TrackRecord};
 use crate::gating::Gating;
 use crate::plot::Plot;
@@ -23,6 +24,7 @@ pub(crate) struct ScanContext<'a> {
     pub(crate) departures: &'a Departures,
     pub(crate) settings: &'a Settings,
     pub(crate) sensor: &'a Sensor,
+    pub(crate) survival: Survival<'a>,
     pub(crate) support: &'a Support,
     /// Logarithm of the weight of all detections of the scan (WA-1).
     pub(crate) log_weight: f64,

@@ -8,6 +8,7 @@ use crate::crossing::Crossings;
 use crate::departure::Departures;
 use crate::designation::designate;
 use crate::directions::{Claims, Directions};
+use crate::existence::Survival;
 use crate::explanation::{Explanation, Observer};
 use crate::gate::gates;
 use crate::gating::Gating;
@@ -82,9 +83,12 @@ impl ScanUpdate {
         observer: Option<&dyn Observer>,
         counts: &mut TrackerCounts,
     ) {
+        let seconds = before.seconds_until(scan.time_ns);
+        let known = (&self.sensors[..], &before.sensors[..]);
+        let survival = Survival::new(seconds, &before.life, known, &settings.deletion);
         if settings.sensors[scan.sensor].model.designates {
             let sensor = &self.sensors[scan.sensor];
-            return designate(scan, (before, next), sensor, settings, observer, counts);
+            return designate(scan, (before, next), (sensor, &survival), settings, observer, counts);
         }
         let Scan { time_ns, sensor, plots } = scan;
         next.follow(before, *time_ns);
@@ -115,8 +119,9 @@ impl ScanUpdate {
             next.support.reports_ns = *time_ns;
             self.replies.read(plots.iter().map(|plot| &plot.identity));
             self.gating
-                .run(before, plots, (*time_ns, &self.replies), &looking, counts);
-            self.unresolved.find(before, plots, (*time_ns, &self.replies), &looking);
+                .run(before, plots, (*time_ns, &self.replies), (&looking, &survival), counts);
+            self.unresolved
+                .find((before, &self.gating), plots, (*time_ns, &self.replies), &looking);
             let is_inside = &mut self.is_inside[..plots.len()];
             outside(before, &self.gating, is_inside);
             counts.dropped_comparisons +=
@@ -135,6 +140,7 @@ impl ScanUpdate {
             departures: &self.departures,
             settings,
             sensor: &looking,
+            survival,
             support,
             log_weight,
             time_ns: *time_ns,
@@ -154,6 +160,9 @@ impl ScanUpdate {
             outside(before, &self.gating, &mut self.is_inside[..plots.len()])
         };
         next.sensors[*sensor].clutter.count(outside);
+        let confirmed = next.next_number.wrapping_sub(before.next_number);
+        let present = [before.present(), next.present()];
+        next.life.count(seconds, present, confirmed);
     }
 }
 

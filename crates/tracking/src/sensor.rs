@@ -81,6 +81,11 @@ impl SensorMemory {
         view.is_none_or(|view| view.contains(place_m, self.platform_m))
     }
 
+    /// Probability that a sensor with the field of view `view` sees a target; without a field of view, it sees all.
+    pub(crate) fn covers(&self, view: Option<&FieldOfView>, predicted: &Gaussian) -> f64 {
+        view.map_or(1.0, |view| view.holds(predicted, self.platform_m))
+    }
+
     /// Returns whether a scan is of directions without ranges; an empty scan is like the scan before.
     pub(crate) fn sees_directions_only(&self) -> bool {
         self.directions_only
@@ -183,6 +188,15 @@ impl Sensor {
     /// not find either.
     pub(crate) fn log_miss(&self, seen: f64) -> f64 {
         self.scan_weight * (-seen * self.detection_probability * self.gate_probability).ln_1p()
+    }
+
+    /// The probability with this logarithm, computed with less effort where looks are independent.
+    pub(crate) fn silence(&self, seen: f64, log_miss: f64) -> f64 {
+        if self.scan_weight >= 1.0 {
+            self.miss(seen)
+        } else {
+            log_miss.exp()
+        }
     }
 
     /// Logarithm of the probability of no detection in the gate of a target that the sensor's look before found. A

@@ -38,8 +38,9 @@ kept! {
         pub(crate) in_company: u32,
         /// Missed detections: scans with an expected detection since the latest detection.
         pub(crate) missed: u32,
-        /// Logarithm of the probability of so many misses since the last detection, if the target is there.
-        pub(crate) log_silence: f64,
+        /// Probability that the target has gone since the latest detection, if the hypothesis is right
+        /// ([`crate::existence`]).
+        pub(crate) absence: f64,
         /// Log-likelihood ratio of the detections: from a single target against all false.
         pub(crate) log_likelihood_ratio: f64,
         /// Sum over the hypotheses that contain the track.
@@ -68,7 +69,7 @@ impl Track {
             detections: 1,
             in_company: 0,
             missed: 0,
-            log_silence: 0.0,
+            absence: 0.0,
             log_likelihood_ratio: 0.0,
             reliability: 0.0,
             identity: TrackIdentity::NONE,
@@ -79,6 +80,16 @@ impl Track {
 
     pub(crate) fn is_confirmed(&self) -> bool {
         self.number != TENTATIVE
+    }
+
+    /// Probability that the target is still there, if the hypothesis is right.
+    pub(crate) fn existence(&self) -> f64 {
+        1.0 - self.absence
+    }
+
+    /// Probability that the hypothesis is right and the target still there.
+    pub(crate) fn presence(&self) -> f64 {
+        self.reliability * self.existence()
     }
 
     /// True if this branch is preferred: higher reliability; ties go to the smaller east coordinate.

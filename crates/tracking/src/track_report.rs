@@ -131,13 +131,24 @@ pub(crate) fn report_of(track: &Track, cluster: &Cluster, time_ns: i64, settings
 }
 
 /// The most reliable branch of a confirmed ancestor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct BestBranch {
     /// Number of the ancestor.
     pub(crate) number: u32,
     /// Places of the branch and of the cluster in the population.
     pub(crate) track: u32,
     pub(crate) cluster: u32,
+    /// Probabilities that a hypothesis with the track is right, and that in addition the target is still there: sums
+    /// over all branches.
+    reliability: f64,
+    presence: f64,
+}
+
+impl BestBranch {
+    /// Probability that the target is still there, if a hypothesis with the track is right.
+    pub(crate) fn existence(&self) -> f64 {
+        self.presence / self.reliability
+    }
 }
 
 /// Whether a track after the latest scan has been missed for some looks, and lies where no sensor sees it.
@@ -160,12 +171,19 @@ pub(crate) fn find_best(population: &Population, best: &mut Vec<BestBranch>) {
         for track in cluster.tracks.clone().filter(|track| of(*track).is_confirmed()) {
             let number = of(track).number;
             match best[first..].iter_mut().find(|best| best.number == number) {
-                Some(best) if of(track).is_preferred_to(of(best.track)) => best.track = track,
-                Some(_) => (),
+                Some(best) => {
+                    best.reliability += of(track).reliability;
+                    best.presence += of(track).presence();
+                    if of(track).is_preferred_to(of(best.track)) {
+                        best.track = track;
+                    }
+                }
                 None => best.push(BestBranch {
                     number,
                     track,
                     cluster: place,
+                    reliability: of(track).reliability,
+                    presence: of(track).presence(),
                 }),
             }
         }
@@ -174,7 +192,7 @@ pub(crate) fn find_best(population: &Population, best: &mut Vec<BestBranch>) {
         let cluster = &population.clusters[of_cluster[0].cluster as usize];
         keep_apart(population, cluster, of_cluster);
     }
-    best.sort_unstable();
+    best.sort_unstable_by_key(|best| best.number);
 }
 
 /// Replaces the best branch of an ancestor by the next best if a more reliable best branch of another ancestor has the

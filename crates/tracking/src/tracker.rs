@@ -356,8 +356,10 @@ impl Tracker {
     pub(crate) fn report(&mut self, observer: Option<&dyn Observer>) {
         let (population, settings) = (&self.populations[self.open], &self.settings);
         find_best(population, &mut self.best);
-        self.best
-            .retain(|best| !has_left(&population.tracks[best.track as usize], population, settings));
+        let shown_min = settings.deletion.shown_min;
+        self.best.retain(|best| {
+            best.existence() >= shown_min && !has_left(&population.tracks[best.track as usize], population, settings)
+        });
         self.reports.clear();
         self.reports.extend(self.best.iter().map(|best| {
             let track = &population.tracks[best.track as usize];

@@ -28,6 +28,7 @@ use std::ops::Range;
 use association::distance::largest_sigma2;
 use estimation::Gaussian;
 
+use crate::gating::Gating;
 use crate::identity::ScanReplies;
 use crate::motion::TargetMotion;
 use crate::plot::Plot;
@@ -65,7 +66,7 @@ pub(crate) struct UnresolvedPair {
 pub(crate) struct SharedDetection {
     pub(crate) pair: u32,
     pub(crate) plot: u32,
-    /// Density of the detection if of both tracks.
+    /// Density of the detection if both targets are there and it is of both.
     pub(crate) log_likelihood: f64,
 }
 
@@ -110,7 +111,7 @@ impl Unresolved {
     /// Finds the pairs of tracks that the sensor may not resolve in a scan, and the detections of each pair.
     pub(crate) fn find(
         &mut self,
-        population: &Population,
+        (population, gating): (&Population, &Gating),
         plots: &[Plot],
         (time_ns, replies): (i64, &ScanReplies),
         sensor: &Sensor,
@@ -148,6 +149,9 @@ impl Unresolved {
                         .all(|track| replies.are_strangers(&track.identity, track.is_confirmed(), &plot.identity))
                 };
                 find_detections(&middle, pair, plots, may_be_both, sensor, &mut self.detections);
+                let log_presence: f64 = tracks.iter().map(|track| gating.log_presence(*track)).sum();
+                let found = self.detections[begin as usize..].iter_mut();
+                found.for_each(|found| found.log_likelihood += log_presence);
                 self.pairs.push(UnresolvedPair {
                     tracks,
                     log_unresolved: probability.ln(),

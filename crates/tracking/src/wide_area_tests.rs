@@ -258,7 +258,7 @@ fn no_more_tracks_are_confirmed_earlier_than_targets_were_reported() {
 fn early_deletion() -> EarlyDeletion {
     EarlyDeletion {
         deletion: Deletion {
-            missed_probability: 0.02,
+            existence_min: 0.95,
             silent_s: Seconds::of(30.0),
         },
         coverage: None,
@@ -301,7 +301,7 @@ fn clusters_are_given_up_earlier_only_where_absence_was_seen() {
         ..early
     };
     let cases = [
-        ("without support", None, vec![none], 5),
+        ("without support", None, vec![none], 7),
         ("none reported there", Some(early), vec![none], 2),
         (
             "none reported where a target was",
@@ -309,10 +309,10 @@ fn clusters_are_given_up_earlier_only_where_absence_was_seen() {
             vec![report(8, 9, 1), none],
             2,
         ),
-        ("silence is not absence", Some(early), vec![], 5),
-        ("a target reported there", Some(early), vec![there], 5),
-        ("later report holds", Some(early), vec![none, report(10, 11, 1)], 5),
-        ("seen elsewhere, place not covered", Some(early), vec![elsewhere], 5),
+        ("silence is not absence", Some(early), vec![], 7),
+        ("a target reported there", Some(early), vec![there], 7),
+        ("later report holds", Some(early), vec![none, report(10, 11, 1)], 7),
+        ("seen elsewhere, place not covered", Some(early), vec![elsewhere], 7),
         (
             "seen elsewhere, place covered",
             Some(watching(100e3)),
@@ -323,20 +323,20 @@ fn clusters_are_given_up_earlier_only_where_absence_was_seen() {
             "seen elsewhere, place out of coverage",
             Some(watching(100.0)),
             vec![elsewhere],
-            5,
+            7,
         ),
         (
             "others seen later, place covered",
             Some(watching(100e3)),
             vec![report(8, 9, 1), elsewhere],
-            5,
+            7,
         ),
-        ("covered, but silent", Some(watching(100e3)), vec![], 5),
+        ("covered, but silent", Some(watching(100e3)), vec![], 7),
         (
             "covered, and a target there",
             Some(watching(100e3)),
             vec![elsewhere, there],
-            5,
+            7,
         ),
     ];
     for (name, deletion, reports, expected) in cases {

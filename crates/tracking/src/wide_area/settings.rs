@@ -21,10 +21,10 @@ fn easier() -> Confirmation {
     }
 }
 
-/// Deletion where reports show none: some three scans with a probability of detection of 0.9.
+/// Deletion where reports show none: some three or four scans with a probability of detection of 0.9.
 fn earlier() -> Deletion {
     Deletion {
-        missed_probability: 1e-3,
+        existence_min: 0.5,
         ..Deletion::default()
     }
 }

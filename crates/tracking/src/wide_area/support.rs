@@ -173,6 +173,13 @@ impl<'a> ClusterSupport<'a> {
         }
     }
 
+    /// Whether valid reports show at least as many targets as there are confirmed tracks: of several targets together
+    /// none has gone, though the sensor resolves fewer.
+    pub(crate) fn shows_all(&self) -> bool {
+        let targets: f64 = self.expectations().filter_map(|expectation| expectation.targets).sum();
+        self.confirmed > 1 && targets >= self.confirmed as f64
+    }
+
     /// WA-4: correction rule of the due reports; `None` without a correction.
     pub(crate) fn correction(&self) -> Option<Rule> {
         let settings = self.settings;
