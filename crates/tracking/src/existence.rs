@@ -20,7 +20,7 @@
 //!
 //! In the weights of the hypotheses, a detection of the track has the factor 1 − a: a target that has probably gone
 //! explains few detections. Of several targets together, one may be missed because the sensor does not resolve them:
-//! in clusters of several confirmed tracks, the factor is 1. A miss keeps the likelihood q there. With a + (1 − a)·q,
+//! in clusters with a confirmed track and another track, the factor is 1. A miss keeps the likelihood q there. With a + (1 − a)·q,
 //! hypotheses with a target that has gone would stand for long beside those without it, and targets that the sensor
 //! does not resolve would end.
 //!

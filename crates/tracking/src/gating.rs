@@ -117,8 +117,7 @@ impl Gating {
         self.begin(population, plots);
         let reach = Reach::of(plots, time_ns);
         for (number, cluster) in (0..).zip(&population.clusters) {
-            // One of several targets together is also missed where the sensor does not resolve them.
-            let are_several = population.has_several_confirmed(cluster);
+            let are_several = population.has_several(cluster);
             for track in cluster.tracks.clone() {
                 self.pairs_begin.push(self.pairs.len() as u32);
                 let compared = &population.tracks[track as usize];

@@ -48,7 +48,7 @@ settings::settings! {
         exit_s: f64 = 3.0, in [1e-3, 1e9];
         /// Least probability that the target is still there for the output of its track. A less probable track is kept
         /// with its number, and is output again once its target is detected.
-        shown_min: f64 = 0.5, in [0, 0.99];
+        shown_min: f64 = 0.3, in [0, 0.99];
         /// Time within which a repeated look is not independent: the same detection or miss, with the same error.
         coherence_s: f64 = 1.0, in [1e-3, 1e4];
     }

@@ -100,13 +100,11 @@ impl Population {
         self.clusters.extend_from_slice(&before.clusters);
     }
 
-    /// Whether a cluster has more than one confirmed track, branches not counted.
-    pub(crate) fn has_several_confirmed(&self, cluster: &Cluster) -> bool {
+    /// Whether a cluster has a confirmed track and another track, branches not counted: each of several targets may be
+    /// missed because the sensor does not resolve them.
+    pub(crate) fn has_several(&self, cluster: &Cluster) -> bool {
         let tracks = &self.tracks[cluster.tracks.start as usize..cluster.tracks.end as usize];
-        let mut numbers = tracks
-            .iter()
-            .filter(|track| track.is_confirmed())
-            .map(|track| track.number);
+        let mut numbers = tracks.iter().map(|track| track.number);
         let first = numbers.next();
         numbers.any(|number| Some(number) != first)
     }

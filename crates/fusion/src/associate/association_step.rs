@@ -174,8 +174,8 @@ impl Search<'_> {
     }
 
     /// Whether the target of the system track `own` may be shown already: as a system track without a common source,
-    /// and with an agreeing state, if need be as two points of a large target. While the spread of the points is unknown,
-    /// they may lie as far apart as the target is large.
+    /// and with an agreeing state, if need be as two points of a large target. While their spread is unknown, the points
+    /// may lie as far apart as the target is large.
     pub(crate) fn is_shown_already(&self, own: SystemSlot, now_ns: i64) -> bool {
         let learned_m2 = self.tracks.sources.spread_m2(&self.settings.association, None);
         let mut is_shown = false;
@@ -240,16 +240,16 @@ impl Search<'_> {
         self.is_shown_within(own, now_ns, reach_m)
     }
 
-    /// Sources with a track of their own that may be [another point](Self::points_aside) of the target of `own`, as bits: their
-    /// silence here is no evidence.
+    /// Sources with a track of their own that may be [another point](Self::points_aside) of the target of `own`, as
+    /// bits: their silence here is no evidence.
     pub(crate) fn sources_aside(&self, own: SystemSlot, now_ns: i64) -> u64 {
         let mut aside = 0;
         self.points_aside(own, now_ns, |system| aside |= self.tracks.sources_of(system, now_ns));
         aside
     }
 
-    /// Whether the target of `own` may soon be shown at [another point](Self::points_aside), by a source that comes first: its
-    /// point is the one to be kept.
+    /// Whether the target of `own` may soon be shown at [another point](Self::points_aside), by a source that comes
+    /// first: its point is the one to be kept.
     pub(crate) fn has_leader_aside(&self, own: SystemSlot, now_ns: i64) -> bool {
         let first = |system| {
             let members = self.tracks.contributing_entries(system, now_ns);
@@ -265,8 +265,8 @@ impl Search<'_> {
         has_leader
     }
 
-    /// Calls `visit` with every system track that may be another point of the target of `own`: it moves alike and lies no
-    /// farther away than the target may be large. None while the spread of the points that the sources see is known.
+    /// Calls `visit` with every system track that may be another point of the target of `own`: it moves alike and lies
+    /// no farther away than the target may be large. None while the spread of the points that the sources see is known.
     fn points_aside(&self, own: SystemSlot, now_ns: i64, mut visit: impl FnMut(SystemSlot)) {
         let members = self.tracks.contributing_entries(own, now_ns);
         let unknown = members.filter(|(_, entry)| !self.tracks.sources.knows_spread(entry.source));
@@ -280,8 +280,8 @@ impl Search<'_> {
         }
     }
 
-    /// Calls `visit` with every system track some `reach_m` from `own` that moves alike, at the same height if both are known,
-    /// and may be of the same target ([`Self::others`]), and with the distance in the plane, metres.
+    /// Calls `visit` with every system track some `reach_m` from `own` that moves alike, at the same height if both are
+    /// known, and may be of the same target ([`Self::others`]), and with the distance in the plane, metres.
     fn aside(&self, own: SystemSlot, now_ns: i64, reach_m: f64, mut visit: impl FnMut(SystemSlot, f64)) {
         let state = self.state(own, now_ns);
         let gate = self.settings.association.join_gate();

@@ -21,11 +21,11 @@
 //!
 //! While a shown target may be the same target, observed by other sources at another point, a second track waits: the
 //! sources are not silent then. Before the spread of the points is known, the points may lie as far apart as the target
-//! is large by its type and speed: of the tracks of a long ship, the track of the first source is shown. The same holds for a source in conflict with two other sources in agreement (module
-//! `alignment`). Until the removal of its bias, its tracks are not shown beside tracks of other sources with like
-//! velocity within `identity.reach_m`. A confirmed track stays confirmed until its sources *report* the loss of the
-//! target: each miss since the last report of any source adds ln(1 − its probability of detection). The probability of
-//! existence from L and the misses is published.
+//! is large by its type and speed: of the tracks of a long ship, the track of the first source is shown. The same holds
+//! for a source in conflict with two other sources in agreement (module `alignment`). Until the removal of its bias,
+//! its tracks are not shown beside tracks of other sources with like velocity within `identity.reach_m`. A confirmed
+//! track stays confirmed until its sources *report* the loss of the target: each miss since the last report of any
+//! source adds ln(1 − its probability of detection). The probability of existence from L and the misses is published.
 //!
 //! Source: D. Mušicki, R. Evans, S. Stankovic, *Integrated probabilistic data association*, IEEE Transactions on
 //! Automatic Control 39 (1994), for the recursion of existence.
