@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use messages::{AXES, FusionRule};
 
 use super::*;
-use crate::settings::RuleName;
+use crate::settings::{CoverageArea, RuleName};
 
 /// Where the sources see a target, in parts of its size: along its course and to the right of it.
 const POINTS: [[f64; 2]; 3] = [[0.0, 0.0], [1.0, 0.0], [0.5, 0.85]];
@@ -32,6 +32,10 @@ fn followed(size_m: f64, sources: [Reports; 3], seconds: u32) -> (Harness, Vec<f
     settings.rule.name = RuleName(FusionRule::Auto);
     for (source, reports) in settings.sources.iter_mut().zip(sources) {
         source.period_ns = i64::from(reports.period_s) * S;
+        source.coverage = Some(CoverageArea {
+            probability: 0.95,
+            ..CoverageArea::none()
+        });
     }
     let mut harness = Harness::new(settings);
     let mut errors_m = Vec::new();
