@@ -19,10 +19,10 @@
 //! by the number of targets that have gone ([`LifeEstimate`]).
 //!
 //! In the weights of the hypotheses, a detection of the track has the factor 1 − a: a target that has probably gone
-//! explains few detections. Of several targets together, one may be missed because the sensor does not resolve them:
-//! in clusters with a confirmed track and another track, the factor is 1. A miss keeps the likelihood q there. With a + (1 − a)·q,
-//! hypotheses with a target that has gone would stand for long beside those without it, and targets that the sensor
-//! does not resolve would end.
+//! explains few detections. Of several targets together, one may be missed because the sensor does not resolve them: in
+//! clusters with a confirmed track and another track, the factor is 1. A miss keeps the likelihood q there. With a + (1
+//! − a)·q, hypotheses with a target that has gone would stand for long beside those without it, and targets that the
+//! sensor does not resolve would end.
 //!
 //! Birth is the expected number of new targets per false detection ([`crate::initiation`]). Output and deletion are
 //! limits on 1 − a. A track below the limit of the output is kept with its number: its target may be found again.

@@ -174,8 +174,8 @@ impl Search<'_> {
     }
 
     /// Whether the target of the system track `own` may be shown already: as a system track without a common source,
-    /// and with an agreeing state, if need be as two points of a large target. While their spread is unknown, the points
-    /// may lie as far apart as the target is large.
+    /// and with an agreeing state, if need be as two points of a large target. While the spread of the points is
+    /// unknown, they may lie as far apart as the target is large.
     pub(crate) fn is_shown_already(&self, own: SystemSlot, now_ns: i64) -> bool {
         let learned_m2 = self.tracks.sources.spread_m2(&self.settings.association, None);
         let mut is_shown = false;
