@@ -146,8 +146,7 @@ def fused(row, koseki, folder, seed):
     return truth, 300.0, {
         'Koseki': lambda: koseki.picture('fuse', files, folder),
         '… covariance intersection': lambda: koseki.picture('fuse', files, folder, '--rule', 'covariance-intersection'),
-        'Stone Soup, Kalman': lambda: peers.stone_soup(scans, seconds, **peer),
-        'Stone Soup, covariance intersection': lambda: peers.stone_soup(scans, seconds, update='chernoff', **peer)}
+        'Stone Soup, GNN': lambda: peers.stone_soup(scans, seconds, **peer)}
 
 
 def tracked(row, koseki, folder, seed):

@@ -85,10 +85,10 @@ def updated(track, detections, shares, observed):
     track['x'] = mean
 
 
-def stone_soup(scans, seconds, *, noise, association, update='kalman', gate=5.0, detection=.9, clutter=1e-8,
+def stone_soup(scans, seconds, *, noise, association, gate=5.0, detection=.9, clutter=1e-8,
                speed_sigma=0.0, delete_s=8.0, confirm=3, reach_m=2000.0):
-    """Stone Soup's MultiTargetTracker: nearly constant velocity, Mahalanobis gate, `association` gnn (fused tracks) or jpda
-    (belief propagation), update by Kalman or by covariance intersection (Chernoff, omega .5)."""
+    """Stone Soup's MultiTargetTracker: nearly constant velocity, Mahalanobis gate, `association` gnn (two-dimensional
+    assignment) or jpda (belief propagation), Kalman update."""
     from stonesoup.dataassociator.neighbour import GNNWith2DAssignment
     from stonesoup.dataassociator.probability import JPDAwithLBP
     from stonesoup.deleter.time import UpdateTimeDeleter
@@ -100,10 +100,9 @@ def stone_soup(scans, seconds, *, noise, association, update='kalman', gate=5.0,
     from stonesoup.models.transition.linear import CombinedLinearGaussianTransitionModel, ConstantVelocity
     from stonesoup.predictor.kalman import KalmanPredictor
     from stonesoup.tracker.simple import MultiTargetMixtureTracker, MultiTargetTracker
-    from stonesoup.types.detection import Detection
+    from stonesoup.types.detection import GaussianDetection
     from stonesoup.types.state import GaussianState
     from stonesoup.types.update import Update
-    from stonesoup.updater.chernoff import ChernoffUpdater
     from stonesoup.updater.kalman import KalmanUpdater
 
     def scan_of(time_s, detections):
@@ -112,12 +111,13 @@ def stone_soup(scans, seconds, *, noise, association, update='kalman', gate=5.0,
             mapping = (0, 2) if len(z) == 2 else (0, 2, 1, 3)
             model = LinearGaussian(4, mapping, np.asarray(R, float))
             stamp = EPOCH + dt.timedelta(seconds=own_s)
-            found.add(Detection(np.asarray(z, float).reshape(-1, 1), timestamp=stamp, measurement_model=model))
+            state = np.asarray(z, float).reshape(-1, 1)
+            found.add(GaussianDetection(state, np.asarray(R, float), timestamp=stamp, measurement_model=model))
         return EPOCH + dt.timedelta(seconds=time_s), found
 
     motion = CombinedLinearGaussianTransitionModel([ConstantVelocity(noise)] * 2)
     predictor = KalmanPredictor(motion)
-    updater = KalmanUpdater(None) if update == 'kalman' else ChernoffUpdater(None, omega=.5)
+    updater = KalmanUpdater(None)
     class NearGNN(GNNWith2DAssignment):
         """The stock associator, which otherwise predicts every track to every detection: hours."""
 
