@@ -5,8 +5,9 @@ usage: benchmark.py ROW [ROW ...] [--seeds N,N,...] [--koseki FILE] [--data FOLD
 
 Rows:
     airport, en-route    tracks of four simulated sensors, fused
-    radars                      detections of three simulated radars, tracked together
-    ferry-lidar, ferry-radar, ferry-both    recorded detections in a harbour (data set Autoferry), all scenarios in --data
+    radars               detections of three simulated radars, tracked together
+    ferry-lidar, ferry-radar, ferry-both
+                         recorded detections in a harbour (data set Autoferry), all scenarios in --data
 
 Needs: pip install numpy scipy stonesoup. The simulated worlds are made by `koseki simulate`. No method is given the truth, and
 none is tuned to a row: docs/benchmark.md states the set-ups. Figures of each method, the mean of all seeds or scenarios:

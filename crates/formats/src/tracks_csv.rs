@@ -140,7 +140,7 @@ columns! {
     STEADY_COLUMNS => steady(row.0),
 }
 
-/// What is known without a manoeuvre, with the decimals of the covariance.
+/// Cells of a track's velocity without a manoeuvre, with the decimals of the covariance.
 fn steady(track: &SystemTrack) -> [Option<Plain>; STEADY_COLUMNS.len()] {
     let cell = |value: f64| Some(Plain(value, 4));
     let velocity = track.steady_velocity();

@@ -31,7 +31,7 @@ pub(crate) struct KinematicState<const D: usize> {
     pub(crate) velocity_mps: [f64; D],
     /// Covariance of position and velocity at the first instant of visibility, if stated.
     pub(crate) covariance: Option<Covariance>,
-    /// What is known without a manoeuvre, if stated.
+    /// Accuracy of the velocity without a manoeuvre, if stated.
     pub(crate) steady: SteadyKnowledge,
     /// 24-bit address, if known.
     pub(crate) address: Option<u32>,
@@ -41,7 +41,7 @@ pub(crate) struct KinematicState<const D: usize> {
     pub(crate) has_velocity: bool,
 }
 
-/// What a track states of its velocity without a manoeuvre, each with the probability of this case.
+/// Accuracy of a track's velocity without a manoeuvre, each part with the probability of this case.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct SteadyKnowledge {
     /// Covariance of the velocity in straight flight (xx, xy, yy), m²/s².

@@ -279,7 +279,7 @@ impl Sources {
         self.models[usize::from(source)].cannot_be_undone()
     }
 
-    /// Whether enough targets were seen for a known spread of a source's detection points.
+    /// Returns whether enough targets have shown the spread of a source's detection points.
     #[inline]
     pub fn knows_spread(&self, source: u16) -> bool {
         self.models[usize::from(source)].knows_spread()

@@ -1,4 +1,4 @@
-//! Whether a target is still there: birth, survival and misses in one probability (HT-10).
+//! Existence of targets: birth, survival and misses in one probability (HT-10).
 //!
 //! The obvious sign of an end is a number of misses in a row. Five of them prove nothing of a sensor that detects half
 //! of the targets, and too much of one that looked ten times within a second. Besides, a limit for the end is no limit

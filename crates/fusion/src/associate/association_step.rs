@@ -201,7 +201,7 @@ impl Search<'_> {
         self.is_shown_within(own, now_ns, self.settings.identity.reach_m)
     }
 
-    /// Whether a track that is shown lies [aside](Self::aside) of `own`.
+    /// Returns whether a track that is shown lies [aside](Self::aside) of `own`.
     fn is_shown_within(&self, own: SystemSlot, now_ns: i64, reach_m: f64) -> bool {
         let mut is_shown = false;
         self.aside(own, now_ns, reach_m, |system, _| is_shown |= self.is_shown(system));
@@ -248,8 +248,8 @@ impl Search<'_> {
         aside
     }
 
-    /// Whether the target of `own` may soon be shown at [another point](Self::points_aside), by a source that comes
-    /// first: its point is the one to be kept.
+    /// Returns whether a source that comes first may soon show the target of `own` at
+    /// [another point](Self::points_aside), the point to be kept.
     pub(crate) fn has_leader_aside(&self, own: SystemSlot, now_ns: i64) -> bool {
         let first = |system| {
             let members = self.tracks.contributing_entries(system, now_ns);
