@@ -24,7 +24,7 @@ pub fn squared2(delta: [f64; 2], s: Symmetric2) -> f64 {
 pub fn largest_sigma2(s: Symmetric2) -> f64 {
     let [xx, xy, yy] = s;
     let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
-    (mean + half.hypot(xy)).max(0.0).sqrt()
+    (mean + (half * half + xy * xy).sqrt()).max(0.0).sqrt()
 }
 
 /// Value exceeded by chi-square with two degrees of freedom with probability `tail` (the inverse is elementary).

@@ -54,7 +54,7 @@ pub use combination::{
 };
 pub use common_noise::SteadyFilter;
 pub use definite::{is_positive_definite, is_usable, repaired};
-pub use distance::{ComparedComponents, squared_length, statistical_distance};
+pub use distance::{ComparedComponents, length, squared_length, statistical_distance};
 pub use filtered_step::{LinearModel, Moment, Switching};
 pub use gaussian::{Gaussian, Matrix3, Matrix6, Symmetric3, Vector6, packed, unpacked};
 pub use initiation::FirstVelocity;

@@ -302,6 +302,20 @@ impl Moments {
         }
     }
 
+    /// Both sums together.
+    pub(crate) fn plus(mut self, other: &Self) -> Self {
+        self.weight += other.weight;
+        self.first
+            .iter_mut()
+            .zip(other.first)
+            .for_each(|(own, value)| *own += value);
+        self.second
+            .iter_mut()
+            .zip(other.second)
+            .for_each(|(own, value)| *own += value);
+        self
+    }
+
     /// The state that has these moments; the weight must not be 0.
     #[allow(clippy::needless_range_loop)] // As above.
     pub(crate) fn state(&self, about: &[f64; COMPONENTS]) -> Plane {

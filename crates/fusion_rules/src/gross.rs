@@ -1,5 +1,6 @@
 //! Gross biases: reports without a bias, and the bias that would make two tracks coincide.
 
+use estimation::length;
 use fusion_settings::CorrectionTable;
 use messages::{AXES, BiasKind, Covariance, NS_PER_S, SensorTrack, sensor_track_bits};
 use serde::{Deserialize, Serialize};
@@ -29,7 +30,7 @@ impl TrackMotion {
             }
             (BiasKind::Range, Some([east, north])) => {
                 let (dx, dy) = (x - east, y - north);
-                let range = dx.hypot(dy).max(1.0);
+                let range = length([dx, dy]).max(1.0);
                 let shorter = 1.0 - value[0] / range;
                 self.position_m = [east + dx * shorter, north + dy * shorter];
             }
@@ -49,7 +50,7 @@ impl TrackMotion {
             BiasKind::Position => Some(apart),
             BiasKind::Time => {
                 let velocity = [0, 1].map(|axis| 0.5 * (self.velocity_mps[axis] + other.velocity_mps[axis]));
-                let speed = velocity[0].hypot(velocity[1]);
+                let speed = length(velocity);
                 let along = (apart[0] * velocity[0] + apart[1] * velocity[1]) / speed;
                 let across = (apart[0] * velocity[1] - apart[1] * velocity[0]) / speed;
                 let error = [-along / speed, 0.0];
@@ -59,7 +60,7 @@ impl TrackMotion {
                 let [east, north] = self.place_m?;
                 let polar = |of: &Self| {
                     let (dx, dy) = (of.position_m[0] - east, of.position_m[1] - north);
-                    (dx.hypot(dy), dx.atan2(dy))
+                    (length([dx, dy]), dx.atan2(dy))
                 };
                 let ((own_m, own), (range_m, azimuth)) = (polar(self), polar(other));
                 let turn = (own - azimuth + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU);
@@ -88,7 +89,7 @@ impl Sigma {
     /// additional error of the velocity.
     pub fn without(mut self, kind: BiasKind, value: [f64; 2]) -> Self {
         if kind == BiasKind::Time {
-            self.position_m = self.position_m.hypot(self.velocity_mps * value[0]);
+            self.position_m = length([self.position_m, self.velocity_mps * value[0]]);
         }
         self
     }

@@ -76,7 +76,9 @@ impl CoverageArea {
             let turn = std::f64::consts::TAU;
             (dx.atan2(dy) - first).rem_euclid(turn) <= (last - first).rem_euclid(turn)
         });
-        let inside = dx.hypot(dy) <= self.range_m && in_sector && self.polygon_holds(position_m[0], position_m[1]);
+        let inside = dx * dx + dy * dy <= self.range_m * self.range_m
+            && in_sector
+            && self.polygon_holds(position_m[0], position_m[1]);
         if inside { self.probability } else { 0.0 }
     }
 

@@ -24,7 +24,7 @@
 //! Applications to Tracking and Navigation*, Wiley 2001, section 7.2; R. K. Mehra, *On the identification of variances
 //! and adaptive Kalman filtering*, IEEE Transactions on Automatic Control 15 (1970).
 
-use estimation::Gaussian;
+use estimation::{Gaussian, length};
 use kept::kept;
 use messages::AXES;
 use serde::{Deserialize, Serialize};
@@ -217,7 +217,7 @@ impl<'a> Corrected<'a> {
     fn sight(&self) -> Option<Sight> {
         let [east, north] = self.place_m?;
         let (x, y) = (self.predicted_m[0] - east, self.predicted_m[1] - north);
-        let distance_m = x.hypot(y);
+        let distance_m = length([x, y]);
         (distance_m > 1.0).then(|| ([x / distance_m, y / distance_m], distance_m))
     }
 

@@ -1,8 +1,9 @@
 //! How the models learn: from facts, where these arise, and from the time that passes.
 
 use estimation::NearlyConstantVelocity;
-use messages::SensorTrack;
+use messages::{NS_PER_S, SensorTrack};
 
+use crate::TICK_NS;
 use crate::facts::{Fact, FollowedTarget, Innovation, InnovationFact, PairFact, ReportFact, TargetFact};
 use crate::knowledge::is_aligned;
 use crate::measurement::CLAIM_MAX;
@@ -48,7 +49,10 @@ impl Sources {
     fn learn_report(&mut self, settings: &Settings, fact: ReportFact<'_>) {
         match fact {
             ReportFact::Came { report, now_ns } => self.align(settings, report, now_ns),
-            ReportFact::Stamped { source, time_ns } => self.stamps[usize::from(source)].learn(time_ns),
+            ReportFact::Stamped { source, time_ns } => {
+                self.sampling.count(source);
+                self.stamps[usize::from(source)].learn(time_ns);
+            }
             ReportFact::Late { source, late_ns } => self.lifetimes.learn_lateness(source, late_ns),
             ReportFact::Original(report) => self.dependence.learn(report),
             ReportFact::Timed {
@@ -255,6 +259,7 @@ impl Sources {
     /// Takes a tick of time: looks at points, motion and periods. Settings follow the learned periods; a rule may keep
     /// a single point of each target. Returns whether a period has changed.
     pub fn tick(&mut self, settings: &mut Settings, now_ns: i64, may_keep_points: bool) -> bool {
+        self.sampling.tick(TICK_NS as f64 / NS_PER_S);
         self.look_at_points(may_keep_points);
         self.has_slow_heights = self.models.iter().any(|model| model.heights.variance_m2() > 0.0);
         self.look_at_motion();

@@ -60,6 +60,7 @@ mod purity;
 pub mod registration;
 mod restarts;
 mod rhythm;
+mod sampling;
 mod seeker;
 mod source_model;
 mod sources;

@@ -1,5 +1,7 @@
 //! Principal axes of a symmetric matrix in the plane.
 
+use estimation::length;
+
 /// A symmetric matrix in the plane by its axes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Principal {
@@ -12,7 +14,7 @@ pub(crate) struct Principal {
 impl Principal {
     pub(crate) fn of([xx, xy, yy]: [f64; 3]) -> Self {
         let (middle, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
-        let radius = half.hypot(xy);
+        let radius = length([half, xy]);
         // The direction of the larger value has the doubled angle (half, xy).
         let (cos, sin) = if radius > 0.0 {
             (half / radius, xy / radius)

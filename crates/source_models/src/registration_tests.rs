@@ -13,6 +13,13 @@ fn noise(index: u32, scale: f64) -> f64 {
     (f64::from(mixed % 10_007) / 10_007.0 - 0.5) * 3.46 * scale
 }
 
+/// Completes a solution that has begun.
+fn finish(registration: &mut Registration) {
+    while registration.is_solving() {
+        registration.step(&[], |_| {});
+    }
+}
+
 fn view(source: u16, truth: [f64; 3], velocity: [f64; 3], offset: [f64; 2], late_s: f64, index: u32) -> TargetView {
     let place = |axis: usize| {
         truth[axis] + offset.get(axis).copied().unwrap_or(0.0) - late_s * velocity[axis]
@@ -83,7 +90,7 @@ fn continued_in(
             );
         }
         registration.begin((0.0, 0.0), |_| {});
-        while !registration.step(&[], |_| {}) {}
+        finish(&mut registration);
         registration.decide(&[], |_| Some(0.0), 20, false);
     }
     registration
@@ -215,9 +222,39 @@ fn scattered_absurd_reports_make_no_step() {
             );
         }
         registration.begin((0.0, 0.0), |_| restarts += 1);
-        while !registration.step(&[], |_| {}) {}
+        finish(&mut registration);
     }
     assert_eq!(restarts, 0);
+}
+
+#[test]
+fn known_errors_are_solved_for_less_often_and_changed_errors_at_each_tick() {
+    let mut registration = registered(None, [[0.0, 0.0], [60.0, 0.0], [30.0, 52.0]], [0.0; 3]);
+    let solutions = |registration: &mut Registration, ticks: usize| {
+        let begun = (0..ticks).filter(|_| {
+            registration.begin((0.0, 0.0), |_| {});
+            let begins = registration.is_solving();
+            finish(registration);
+            begins
+        });
+        begun.count()
+    };
+    assert_eq!(solutions(&mut registration, 50), 10);
+    registration.begin_anew(1);
+    assert_eq!(solutions(&mut registration, 20), 20);
+}
+
+#[test]
+fn sums_fade_by_all_ticks_whether_solved_or_not() {
+    let mut registration = registered(None, [[0.0, 0.0], [60.0, 0.0], [30.0, 52.0]], [0.0; 3]);
+    let information = |registration: &Registration| registration.pairs[1].own[(0, 0)];
+    let before = information(&registration);
+    for _ in 0..50 {
+        registration.begin((0.0, 0.0), |_| {});
+        finish(&mut registration);
+    }
+    let kept = information(&registration) / before;
+    assert!((kept / registration.keep.powi(50) - 1.0).abs() < 1e-9, "{kept}");
 }
 
 #[test]
@@ -357,7 +394,7 @@ fn many_sources_are_solved_for_in_steps_and_change_together() {
     assert!((0..SOURCES).all(|source| registration.of(source).errors == Errors::zeros()));
     for _ in 0..30 {
         registration.begin((0.0, 0.0), |_| {});
-        while !registration.step(&[], |_| {}) {}
+        finish(&mut registration);
     }
     assert!(!registration.is_solving() && !registration.step(&[], |_| {}));
     for source in 1..SOURCES {
@@ -419,7 +456,7 @@ fn register_polar_among(
             registration.learn(&one_of(target), &one_of(target + 1), 0.0, (1e9, 1.0));
         }
         registration.begin((0.0, 0.0), |_| {});
-        while !registration.step(&[], |_| {}) {}
+        finish(registration);
         registration.decide(&[], |_| Some(0.0), 20, false);
     }
 }

@@ -18,6 +18,7 @@ use crate::points::Points;
 use crate::pressure::PressureOffsets;
 use crate::purity::Purity;
 use crate::registration::{ClockError, Registration};
+use crate::sampling::Sampling;
 use crate::settings::{AccuracyBase, Settings, SourceSettings};
 use crate::source_model::SourceModel;
 use crate::stamps::Stamps;
@@ -58,6 +59,8 @@ pub struct Sources {
     /// Sources set aside at the last look, as bits.
     pub(crate) was_set_aside: u64,
     pub(crate) before_step: StepMemory,
+    /// Which reports teach.
+    pub(crate) sampling: Sampling,
     /// Time stamps of each source.
     pub(crate) stamps: Vec<Stamps>,
     /// Whether some source's stamps are multiples of a coarse step.
@@ -104,6 +107,7 @@ impl Sources {
             usual_claim: 1.0,
             was_set_aside: 0,
             before_step: StepMemory::new(count),
+            sampling: Sampling::new(count),
             stamps: vec![Stamps::default(); count],
             has_coarse_stamps: false,
             has_slow_heights: false,

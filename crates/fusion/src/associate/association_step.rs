@@ -15,7 +15,7 @@
 //! for position, velocity and height together. A sensor track leaves its system track by the wider keep gate (module
 //! `linking`). The values of the gates are keys of `[fusion.association]` (`settings/association.rs`).
 
-use estimation::{ComparedComponents, Gaussian, statistical_distance};
+use estimation::{ComparedComponents, Gaussian, length, statistical_distance};
 use messages::{Covariance, Identity, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 use source_models::{SILENT, gaussian_of};
 
@@ -134,7 +134,7 @@ impl Search<'_> {
             let seconds = (now_ns - latest.time_of_measurement_ns) as f64 / NS_PER_S;
             let both = report.has(sensor_track_bits::HEIGHT) && latest.has(sensor_track_bits::HEIGHT);
             let apart = |axis: usize| state.mean[axis] - other.mean[axis] - other.mean[axis + 3] * seconds;
-            let metres = apart(0).hypot(apart(1));
+            let metres = length([apart(0), apart(1)]);
             let number = self.tracks.systems.get(system).number;
             if metres <= self.settings.association.target_extent_m
                 && !(both && height_distance(&state, &other) > self.settings.association.join_gate())
@@ -289,7 +289,7 @@ impl Search<'_> {
             if move_alike(&state, theirs) && !(heights && height_distance(&state, theirs) > gate) {
                 visit(
                     system,
-                    (state.mean[0] - theirs.mean[0]).hypot(state.mean[1] - theirs.mean[1]),
+                    length([state.mean[0] - theirs.mean[0], state.mean[1] - theirs.mean[1]]),
                 );
             }
         });
@@ -396,8 +396,8 @@ impl Search<'_> {
         let settings = &self.settings.association;
         let [xx, xy, _, yy, ..] = state.position_covariance();
         let sigma = association::distance::largest_sigma2([xx, xy, yy]);
-        let sigma = sigma.hypot(spread_m2.sqrt());
-        let speed = state.mean[3].hypot(state.mean[4]);
+        let sigma = (sigma * sigma + spread_m2).sqrt();
+        let speed = length([state.mean[3], state.mean[4]]);
         // The system track was placed at its latest report; half a cell covers the uncertainty of that place.
         let moved = speed * self.settings.longest_period_s();
         (settings.join_gate().sqrt() * sigma).max(settings.target_extent_m) + 0.5 * settings.cell_m + moved
@@ -599,8 +599,8 @@ fn move_alike(a: &Gaussian, b: &Gaussian) -> bool {
     let variance = (3..5)
         .map(|axis| a.covariance.get(axis, axis) + b.covariance.get(axis, axis))
         .sum::<f64>();
-    let apart_mps = (a.mean[3] - b.mean[3]).hypot(a.mean[4] - b.mean[4]);
-    apart_mps <= SIGMAS * (variance + VELOCITY_FLOOR_M2PS2).sqrt() + TURNED * a.mean[3].hypot(a.mean[4])
+    let apart_mps = length([a.mean[3] - b.mean[3], a.mean[4] - b.mean[4]]);
+    apart_mps <= SIGMAS * (variance + VELOCITY_FLOOR_M2PS2).sqrt() + TURNED * length([a.mean[3], a.mean[4]])
 }
 
 /// d² of two heights.

@@ -13,7 +13,7 @@
 //! Limit: two targets with similar addresses are shown as a single target, if one is always in the gate of the other
 //! and no source reports both in one scan.
 
-use estimation::Gaussian;
+use estimation::{Gaussian, length};
 use messages::{NS_PER_S, SensorTrack};
 use serde::{Deserialize, Serialize};
 use source_models::gaussian_of;
@@ -84,8 +84,8 @@ pub(crate) fn can_come_to(before: &Gaussian, after: &Gaussian, seconds: f64) -> 
         (variance(before) + variance(after)).sqrt()
     };
     let apart = |axis: usize| after.mean[axis] - before.mean[axis] - seconds * before.mean[axis + 3];
-    let speed = |state: &Gaussian| state.mean[3].hypot(state.mean[4]);
+    let speed = |state: &Gaussian| length([state.mean[3], state.mean[4]]);
     let turned_mps = (0.5 * MANOEUVRE_MPS2 * seconds).min(2.0 * speed(before).max(speed(after)));
     let reach_m = POSITION_SIGMAS * sigma(0) + (VELOCITY_SIGMAS * sigma(3) + turned_mps) * seconds;
-    apart(0).hypot(apart(1)) <= reach_m
+    length([apart(0), apart(1)]) <= reach_m
 }

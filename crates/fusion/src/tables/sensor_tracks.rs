@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use estimation::length;
 use messages::{AXES, Covariance, Identity, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 use serde::{Deserialize, Serialize};
 use source_models::{
@@ -243,7 +244,7 @@ impl SensorEntry {
     /// Largest size of the target, metres, by its type and speed.
     pub(crate) fn size_m(&self, sizes: &TargetSizeSettings) -> f64 {
         let [east_mps, north_mps, _] = self.latest.velocity_mps;
-        sizes.of(&self.latest.target_type, east_mps.hypot(north_mps))
+        sizes.of(&self.latest.target_type, length([east_mps, north_mps]))
     }
 
     /// The latest report before the next report is taken.

@@ -52,7 +52,8 @@ impl SensorEntry {
 
 impl Engine {
     /// Adds the innovation of a measurement, with the normalised square `nis`, to the sensor track's mean. The models
-    /// of the sources learn from the innovation, unless a step of a source's errors has misled filters (`is_misled`).
+    /// of the sources learn from the innovation if the target [teaches](source_models::Sources::teaches), unless a step
+    /// of a source's errors has misled filters (`is_misled`).
     /// `moves_mps` is the target's velocity if the innovation shows the motion of targets.
     pub(crate) fn learn_of_innovation(
         &mut self,
@@ -73,6 +74,9 @@ impl Engine {
         }
         let entry = self.tracks.sensors.get(sensor);
         let target = self.tracks.systems.get(entry.system);
+        if !self.tracks.sources.teaches(entry.source, target.number) {
+            return;
+        }
         let is_led_or_leapt = entry.is_led_off || entry.point.has_leapt;
         let registered = |source: u16| self.settings.sources[usize::from(source)].is_registered;
         let is_compared = registered(entry.source) && target.life == TrackState::Confirmed;

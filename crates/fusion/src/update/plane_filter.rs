@@ -230,20 +230,19 @@ impl PlaneFilter {
     /// Returns the predicted position, and the covariance (xx, xy, yy).
     #[inline]
     pub(crate) fn position(&self) -> ([f64; 2], [f64; 3]) {
-        let (about, [xx, xy, yy]) = self.position_of(STEADY);
-        let weight = self.probability[STEADY];
-        let (mut first, mut second) = ([0.0; 2], [weight * xx, weight * xy, weight * yy]);
-        for model in AGILE..self.running() {
-            let (place, [xx, xy, yy]) = self.position_of(model);
-            let weight = self.probability[model];
-            let [dx, dy] = [place[0] - about[0], place[1] - about[1]];
+        let (about, _) = self.position_of(STEADY);
+        let (mut first, mut second) = ([Two::default(); 2], [Two::default(); 3]);
+        for pair in 0..self.running() / 2 {
+            let ([x, y], [xx, xy, yy]) = self.pairs[pair].positions();
+            let weight = self.weights(pair);
+            let (dx, dy) = (x - Two::both(about[0]), y - Two::both(about[1]));
             first[0] += weight * dx;
             first[1] += weight * dy;
             second[0] += weight * (xx + dx * dx);
             second[1] += weight * (xy + dx * dy);
             second[2] += weight * (yy + dy * dy);
         }
-        let [x, y] = first;
+        let ([x, y], second) = (first.map(Two::sum), second.map(Two::sum));
         (
             [about[0] + x, about[1] + y],
             [second[0] - x * x, second[1] - x * y, second[2] - y * y],
@@ -253,8 +252,8 @@ impl PlaneFilter {
     /// All models together; `about` is near all of them.
     #[inline]
     pub(crate) fn combined(&self, about: &[f64; 4]) -> Plane {
-        let mut sum = Moments::of(&self.pairs[0], self.weights(0), about);
-        for pair in 1..self.running() / 2 {
+        let mut sum = Moments::default();
+        for pair in 0..self.running() / 2 {
             sum.include(&self.pairs[pair], self.weights(pair), about);
         }
         sum.state(about)
@@ -267,20 +266,17 @@ impl PlaneFilter {
         let (mut sum, mut steady) = (0.0, f64::NAN);
         for pair in 0..running / 2 {
             let residuals = self.pairs[pair].update(measured_m, r)?;
-            let deviation = residuals.determinant.sqrt();
-            for (which, model) in [2 * pair, 2 * pair + 1].into_iter().enumerate() {
-                let (squared, probability) = (residuals.squared.0[which], &mut self.probability[model]);
-                if model == STEADY {
-                    steady = squared;
-                    *probability /= deviation.0[which];
-                    sum = *probability;
-                } else {
-                    // Only the ratio to the steady model matters, and must not become infinite.
-                    let exponent = (0.5 * (steady - squared)).clamp(-EXPONENT_MAX, EXPONENT_MAX);
-                    *probability *= exponent.exp() / deviation.0[which];
-                    sum += *probability;
-                }
+            if pair == STEADY / 2 {
+                steady = residuals.squared.0[STEADY % 2];
             }
+            // Only the ratio to the steady model matters, and must not become infinite.
+            let exponents = residuals
+                .squared
+                .0
+                .map(|squared| (0.5 * (steady - squared)).clamp(-EXPONENT_MAX, EXPONENT_MAX));
+            let weights = self.weights(pair) * Two(exponents).exp() / residuals.determinant.sqrt();
+            [self.probability[2 * pair], self.probability[2 * pair + 1]] = weights.0;
+            sum += weights.sum();
         }
         let inverse = 1.0 / sum;
         self.probability[..running]

@@ -5,6 +5,7 @@
 //! small to keep tracks apart, as half a degree of azimuth near the sensor. Such biases are reported only from a size
 //! that registration should not have to remove.
 
+use estimation::length;
 use messages::{BiasKind, Identity, UniqueNumber};
 use serde::{Deserialize, Serialize};
 
@@ -56,7 +57,7 @@ impl TrackNames {
 /// Whether two tracks of the same name are near enough to be of the same target.
 pub(super) fn are_near(one: &TrackMotion, other: &TrackMotion) -> bool {
     let apart = |axis: usize| one.position_m[axis] - other.position_m[axis];
-    apart(0).hypot(apart(1)) <= NAMED_REACH_M
+    length([apart(0), apart(1)]) <= NAMED_REACH_M
 }
 
 /// Sums of the differences of named pairs, in standard deviations, along the directions in which biases move targets.
@@ -78,8 +79,8 @@ impl DirectedSums {
         };
         let (east, north) = (part(0), part(1));
         let along = |[x, y]: [f64; 2]| {
-            let length = (x * x + y * y).sqrt().max(1.0);
-            [(east * x + north * y) / length, (east * y - north * x) / length]
+            let way = length([x, y]).max(1.0);
+            [(east * x + north * y) / way, (east * y - north * x) / way]
         };
         let seen_from = |place: Option<[f64; 2]>| {
             place.map_or([0.0; 2], |[x, y]| along([own.position_m[0] - x, own.position_m[1] - y]))
@@ -105,5 +106,5 @@ pub(super) fn least_gain(pairs: f64) -> f64 {
 
 /// Whether a bias that improves the score of so many named pairs by `gain` is worth a report.
 pub(super) fn is_named_bias(kind: BiasKind, value: [f64; 2], gain: f64, pairs: f64) -> bool {
-    value[0].hypot(value[1]) >= SIZE_MIN * bin(kind) && gain >= least_gain(pairs)
+    length(value) >= SIZE_MIN * bin(kind) && gain >= least_gain(pairs)
 }

@@ -20,6 +20,7 @@
 //!
 //! Source: D. H. Ballard, *Generalizing the Hough transform to detect arbitrary shapes*, Pattern Recognition 13 (1981).
 
+use estimation::length;
 use messages::{BiasKind, Identity, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 use serde::{Deserialize, Serialize};
 
@@ -73,7 +74,7 @@ struct TrackSample {
 }
 
 impl TrackSample {
-    /// Motion at `time_ns`, and the added deviation per axis, metres.
+    /// Motion at `time_ns`, and the added variance per axis, m².
     fn at(&self, time_ns: i64) -> (TrackMotion, f64) {
         let seconds = (time_ns - self.time_ns) as f64 / NS_PER_S;
         let mut motion = self.motion;
@@ -81,7 +82,8 @@ impl TrackSample {
             motion.position_m[axis] += motion.velocity_mps[axis] * seconds;
         }
         let unforeseen_m = (0.5 * ACCELERATION_MPS2 * seconds * seconds).min(ACCELERATION_MPS2 * 4.0 * seconds.abs());
-        (motion, (self.velocity_m2ps2.sqrt() * seconds).hypot(unforeseen_m))
+        let passed_s2 = seconds * seconds;
+        (motion, self.velocity_m2ps2 * passed_s2 + unforeseen_m * unforeseen_m)
     }
 }
 
@@ -394,8 +396,8 @@ impl BiasSearch {
                         let weight = match (kind, erring.place_m) {
                             // An arc of a given length is a smaller angle farther away.
                             (BiasKind::Azimuth, Some([east, north])) => {
-                                let range_m = (erring.position_m[0] - east).hypot(erring.position_m[1] - north);
-                                range_m * range_m
+                                let (dx, dy) = (erring.position_m[0] - east, erring.position_m[1] - north);
+                                dx * dx + dy * dy
                             }
                             (BiasKind::Time, _) => {
                                 let [vx, vy] = erring.velocity_mps;
@@ -548,23 +550,19 @@ fn sides<'a>(side: Side, own: &'a TrackMotion, other: &'a TrackMotion) -> (&'a T
 /// certainly different targets.
 fn comparable(own: &TrackSample, other: &TrackSample) -> Option<(TrackMotion, Sigma)> {
     let heights = own.height_m.zip(other.height_m);
-    let speed = |sample: &TrackSample| sample.motion.velocity_mps[0].hypot(sample.motion.velocity_mps[1]);
-    let velocity_mps = (own.velocity_m2ps2 + other.velocity_m2ps2)
-        .sqrt()
-        .hypot(VELOCITY_FLOOR_MPS);
+    let speed = |sample: &TrackSample| length(sample.motion.velocity_mps);
+    let velocity_m2ps2 = own.velocity_m2ps2 + other.velocity_m2ps2 + VELOCITY_FLOOR_MPS * VELOCITY_FLOOR_MPS;
+    let velocity_mps = velocity_m2ps2.sqrt();
     if heights.is_some_and(|(own_m, other_m)| (own_m - other_m).abs() > HEIGHT_GATE_M)
         || (speed(own) - speed(other)).abs() > 3.0 * velocity_mps
         || own.identity.contradicts(&other.identity)
     {
         return None;
     }
-    let (motion, moved_m) = other.at(own.time_ns);
-    let position_m = (own.position_m2 + other.position_m2)
-        .sqrt()
-        .hypot(moved_m)
-        .hypot(POSITION_FLOOR_M);
+    let (motion, moved_m2) = other.at(own.time_ns);
+    let position_m2 = own.position_m2 + other.position_m2 + moved_m2 + POSITION_FLOOR_M * POSITION_FLOOR_M;
     let sigma = Sigma {
-        position_m,
+        position_m: position_m2.sqrt(),
         velocity_mps,
     };
     Some((motion, sigma))

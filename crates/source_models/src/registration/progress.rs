@@ -15,6 +15,8 @@ pub(super) const SETTLED_MIN: f64 = 2.0 * SAMPLES_MIN;
 pub(super) struct SolutionProgress {
     /// Next sweep and source; `None` if no solution is in progress.
     pub(super) next: Option<(usize, usize)>,
+    /// Ticks since the beginning of the solution before.
+    pub(super) ticks: i32,
     pub(super) sources: Vec<SourceErrors>,
     /// Factored normal equations of each source, set in the first sweep.
     pub(super) factors: Vec<Option<Cholesky<f64, Const<ERRORS>>>>,
@@ -28,6 +30,7 @@ impl SolutionProgress {
     pub(super) fn new(sources: usize) -> Self {
         Self {
             next: None,
+            ticks: 0,
             sources: vec![SourceErrors::unknown(); sources],
             factors: vec![None; sources],
             best: None,

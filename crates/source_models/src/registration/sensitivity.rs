@@ -3,6 +3,7 @@
 //! The effect H is a 3×6 matrix with 11 constant elements, each 0 or 1. The products equal the products of `nalgebra`
 //! with the whole matrix, term by term in the same order, so that the sums have the same bits.
 
+use estimation::length;
 use messages::AXES;
 use nalgebra::SMatrix;
 
@@ -26,7 +27,7 @@ impl Sensitivity {
     pub(crate) fn new(position: [f64; AXES], velocity: [f64; AXES], place: Option<[f64; 2]>) -> Self {
         let [east, north] = place.unwrap_or_default();
         let (dx, dy) = (position[0] - east, position[1] - north);
-        let range = dx.hypot(dy);
+        let range = length([dx, dy]);
         let is_apart = range > 1.0;
         Self {
             time: velocity.map(|part| -part),

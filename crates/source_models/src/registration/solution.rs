@@ -13,8 +13,12 @@ use crate::registration::steps::MISLED_TICKS;
 use crate::registration::{Registration, SAMPLE_WEIGHT, gauge, partners};
 use crate::stamps::StampError;
 
-/// Sweeps of Gauss–Seidel per tick.
+/// Sweeps of Gauss–Seidel per solution.
 const SWEEPS: usize = 4;
+/// Ticks from a solution to the next while no estimate changes, and least age of such an estimate in ticks: the sums of
+/// a minute hardly change within the interval.
+const STEADY_TICKS: i32 = 5;
+const STEADY_AGE: u32 = 60;
 /// Work of a step of a solution, in visits to pairs: about ten microseconds. The source in progress is completed.
 const STEP_WORK: usize = 192;
 /// Work of factoring and of solving the equations of a source, in visits to pairs.
@@ -29,7 +33,8 @@ const INDEPENDENT_S: f64 = 5.0;
 const CONTRADICTED: f64 = 0.75;
 
 impl Registration {
-    /// Begins a solution for all sources, once per tick; does nothing while a solution is in progress. After a step of
+    /// Takes a tick, and begins a solution for all sources if one is due; does nothing while a solution is in progress.
+    /// A solution is due each tick while an estimate is new or changes, else each [`STEADY_TICKS`]. After a step of
     /// a source's errors, the estimate is dropped, and the source is passed to `restarted`. `points` holds the size of
     /// large targets, metres, and the variance per axis of detection points, m².
     pub(crate) fn begin(&mut self, points: (f64, f64), mut restarted: impl FnMut(u16)) {
@@ -53,9 +58,23 @@ impl Registration {
         }
         self.look_for_step(points, &mut restarted);
         self.forget_after_step(restarted);
+        self.solution.ticks += 1;
+        if self.solution.ticks < STEADY_TICKS && self.is_steady() {
+            return;
+        }
         self.solution.sources.copy_from_slice(&self.sources);
         self.solution.best = None;
         self.solution.next = Some((0, 0));
+    }
+
+    /// Returns whether all estimates have been known for some time, and do not change.
+    fn is_steady(&self) -> bool {
+        (0..self.sources.len()).all(|own| {
+            let is_compared = self.sources[own].samples > 0.0;
+            let changes = self.recents[own].is_drift() || self.young[own] > 0;
+            let is_known = self.is_settled(own as u16) && self.ticks[own] >= STEADY_AGE;
+            !changes && (!is_compared || is_known)
+        })
     }
 
     /// Returns whether a solution is in progress.
@@ -125,20 +144,24 @@ impl Registration {
             self.recents.fill(Recent::default());
             self.misled_ticks = MISLED_TICKS;
         }
+        self.solution.ticks = 0;
         true
     }
 
-    /// Fades the sums of a source by a tick, and factors the normal equations.
+    /// Fades the sums of a source by the ticks since the solution before, and factors the normal equations.
     fn forget_and_factor(&mut self, own: usize, clock: ClockError) {
         let count = self.sources.len();
-        self.seeds[own].fade(self.keep_drifting);
+        let ticks = self.solution.ticks;
+        self.seeds[own].fade(self.keep_drifting.powi(ticks));
+        // A drift is found at the tick before the solution.
+        let before = self.keep.powi(ticks - 1);
         let (mut normal, _) = prior(clock, self.sources[own].stamps);
         normal += self.seeds[own].normal;
         for other in partners(self.partners[own]) {
             let pair = &mut self.pairs[own * count + other];
             let drifts = self.recents[own].is_drift() || self.recents[other].is_drift();
             let keep = if drifts { self.keep_drifting } else { self.keep };
-            pair.fade(keep);
+            pair.fade(before * keep);
             normal += pair.own;
         }
         let sums = partners(self.partners[own]).map(|other| &self.pairs[own * count + other].own);

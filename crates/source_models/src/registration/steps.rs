@@ -19,6 +19,7 @@
 //! linear systems*, IEEE Transactions on Automatic Control 21 (1976).
 
 use association::distance::{Symmetric2, squared2};
+use estimation::length;
 use serde::{Deserialize, Serialize};
 
 use crate::mean_innovation::{MeanInnovation, Others, SECOND_MAX};
@@ -41,6 +42,8 @@ const STARTS: [usize; 7] = [1, 2, 3, 4, 6, 9, 12];
 const COUNT_MIN: f64 = 6.0;
 /// Least squared statistical length of a significant rotation.
 const TURNS: f64 = 16.0;
+/// Squared length below which a rotation needs no further look; the sums are rounded.
+const TURNS_LEAST: f64 = 0.99 * TURNS;
 /// Weight of an innovation: turns make innovations of a target depend on each other.
 const WEIGHT: f64 = 0.5;
 /// Largest squared length of an innovation. Scattered absurd reports make no step, because of the enlarged scatter.
@@ -133,6 +136,15 @@ impl Sums {
         let ([xx, xy, yy], [xa, ya]) = (self.information, self.mixed);
         let normal = Matrix3::new(xx, xy, xa, xy, yy, ya, xa, ya, self.rotation);
         (by.dot(&(normal * by)) / (0.5 * (xx + yy))).sqrt()
+    }
+
+    /// Returns whether a rotation can be significant, beside the mean without a rotation: the squared statistical length
+    /// of the rotation, at the least scatter.
+    fn may_turn(&self, [east, north]: [f64; 2]) -> bool {
+        let ([xx, xy, yy], [xa, ya]) = (inverse(self.information), self.mixed);
+        let rest = self.sum[2] - xa * east - ya * north;
+        let information = self.rotation - (xx * xa * xa + 2.0 * xy * xa * ya + yy * ya * ya);
+        WEIGHT * rest * rest > TURNS_LEAST * information
     }
 
     /// Returns the step of offset and rotation relative to the mean of the others, and its covariance.
@@ -488,8 +500,11 @@ fn step_of(
         found,
         intervals,
         length: squared2(by_m, covariance_m2),
-        effect_m: by_m[0].hypot(by_m[1]),
+        effect_m: length(by_m),
     };
+    if !sums.may_turn(own.mean_m) {
+        return shift;
+    }
     let Some((by, covariance)) = sums.turned(*others_m, *others_m2) else {
         return shift;
     };
