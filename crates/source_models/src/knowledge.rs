@@ -430,6 +430,11 @@ impl Sources {
         Dependence::compares(reports, period_ns)
     }
 
+    /// Share of false tracks among the new tracks of a source; 0 before any.
+    pub fn false_share(&self, source: u16) -> f64 {
+        self.purity.false_share(source)
+    }
+
     /// Logarithm of the odds that a new track of a source is a target; at most 0.
     #[inline]
     pub fn target_log_odds(&self, source: u16) -> f64 {

@@ -38,6 +38,12 @@ impl Purity {
         self.tallies[usize::from(source)].log_odds(PRIOR).min(0.0)
     }
 
+    /// Share of false tracks among the new tracks of the source; 0 before any, 1 at most.
+    pub(crate) fn false_share(&self, source: u16) -> f64 {
+        let tally = &self.tallies[usize::from(source)];
+        tally.tries() * (1.0 - tally.mean()) / (tally.tries() + 2.0 * PRIOR)
+    }
+
     /// Counts of a source.
     pub(crate) fn tally(&self, source: u16) -> &HitCount {
         &self.tallies[usize::from(source)]

@@ -72,7 +72,7 @@ impl Search<'_> {
 
     /// The silent system track with the same target as the new system track `own`, and the logarithm of the likelihood
     /// ratio.
-    fn former(&self, own: SystemSlot, now_ns: i64) -> Option<(SystemSlot, f64)> {
+    pub(crate) fn former(&self, own: SystemSlot, now_ns: i64) -> Option<(SystemSlot, f64)> {
         let entry = self.tracks.systems.get(own);
         let newcomer = self.newcomer(entry, now_ns);
         let [x, y, _, vx, vy, _] = newcomer.state.mean;

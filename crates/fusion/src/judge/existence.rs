@@ -11,6 +11,10 @@
 //! new tracks (module `purity`) + a term for persistence: false tracks end with a probability of about a fifth per
 //! scan + a term for an address: noise does not answer interrogations.
 //!
+//! A sensor that looks four times as often has four times as many false tracks, and its next looks come as much sooner.
+//! So more reports of a fast source with many false tracks are awaited (`existence.patience`): a false track counts as
+//! much as a delay of the targets by some seconds. A track at the expected place of a former target is believed early.
+//!
 //! The silence of a source counts in proportion to the elapsed part of its period since the claim began: before its
 //! first look, a source is no evidence. Three sources in agreement are sufficient, and two if few tracks are false.
 //! With many false tracks, two of them coincide sometimes by chance. The ratio of an agreement is then so small that
@@ -35,6 +39,16 @@ use crate::settings::ExistenceSettings;
 /// Probability with this logarithm of its odds.
 pub(crate) fn probability(log_odds: f64) -> f64 {
     1.0 / (1.0 + (-log_odds).exp())
+}
+
+/// Period from which no reports beyond the usual number are awaited, seconds.
+const SLOW_S: f64 = 4.0;
+/// Inverse of the share of false tracks among the new tracks of a source, above which all further reports are awaited.
+const MANY_FALSE: f64 = 3.0;
+
+/// Returns to what degree further reports of a single source are awaited.
+pub(crate) fn awaited(period_s: f64, false_share: f64) -> f64 {
+    (SLOW_S / period_s).ln().max(0.0) * (MANY_FALSE * false_share).min(1.0)
 }
 
 /// Evidence for a target reported by a single source.
@@ -73,7 +87,7 @@ mod tests {
     }
 
     fn is_believed(claim: &SingleSourceClaim, settings: &ExistenceSettings) -> bool {
-        settings.believes(claim.log_ratio(settings))
+        settings.believes(claim.log_ratio(settings), 0.0)
     }
 
     #[test]
@@ -91,6 +105,21 @@ mod tests {
             ..claim((1.0_f64 - 0.1).ln(), 5)
         };
         assert!(!is_believed(&of_a_noisy_source, &ExistenceSettings::default()));
+    }
+
+    #[test]
+    fn more_reports_of_a_fast_source_with_many_false_tracks_are_awaited() {
+        let settings = ExistenceSettings::default();
+        let reports_at = |period_s: f64, false_share: f64| {
+            let awaited = awaited(period_s, false_share);
+            let believed = |reports: &u32| settings.believes(claim(0.0, *reports).log_ratio(&settings), awaited);
+            (1..100).find(believed).expect("believed at last")
+        };
+        for (period_s, false_share) in [(4.0, 1.0), (12.0, 1.0), (1.0, 0.0)] {
+            assert_eq!(reports_at(period_s, false_share), 1, "{period_s} {false_share}");
+        }
+        assert_eq!([0.2, 0.5, 1.0].map(|share| reports_at(1.0, share)), [6, 10, 10]);
+        assert_eq!(reports_at(0.25, 0.5), 19);
     }
 
     #[test]

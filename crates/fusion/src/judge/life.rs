@@ -21,7 +21,7 @@ use source_models::{Fact, FollowedTarget, LASTING_REPORTS, TargetFact};
 
 use crate::associate::association_step::{SEARCH_CELLS_MAX, Search};
 use crate::explanation::Sink;
-use crate::judge::existence::{SingleSourceClaim, probability};
+use crate::judge::existence::{SingleSourceClaim, awaited, probability};
 use crate::publish::outlet::Outlet;
 use crate::publish::system_track_message::{publish_change, publish_extrapolated};
 use crate::settings::{Settings, SourceSettings};
@@ -220,10 +220,15 @@ fn evidence(settings: &Settings, tracks: &Tracks, system: SystemSlot, now_ns: i6
         return ExistenceEvidence::certain(f64::from(witnesses));
     }
     let (silence, had_their_chance) = silence_of_others(settings, tracks, (system, now_ns), sources);
-    let purity = match witnesses {
+    let (purity, awaited) = match witnesses {
         // A single source, not a copy of another source.
-        1 => tracks.sources.target_log_odds(sources.trailing_zeros() as u16),
-        _ => 0.0,
+        1 => {
+            let source = sources.trailing_zeros() as u16;
+            let period_s = settings.sources[usize::from(source)].period_ns as f64 / NS_PER_S;
+            let false_share = tracks.sources.false_share(source);
+            (tracks.sources.target_log_odds(source), awaited(period_s, false_share))
+        }
+        _ => (0.0, 0.0),
     };
     let claim = SingleSourceClaim {
         silence,
@@ -236,10 +241,11 @@ fn evidence(settings: &Settings, tracks: &Tracks, system: SystemSlot, now_ns: i6
     } else {
         0.0
     };
-    let log_ratio = claim.log_ratio(&settings.existence) + agreement;
+    let log_ratio =
+        claim.log_ratio(&settings.existence) + agreement + return_log_ratio(settings, tracks, system, now_ns);
     let may_be_believed = witnesses >= 2 || had_their_chance || claim.has_address;
     ExistenceEvidence {
-        is_believed: is_recognised || may_be_believed && settings.existence.believes(log_ratio),
+        is_believed: is_recognised || may_be_believed && settings.existence.believes(log_ratio, awaited),
         log_ratio,
         teaching: log_ratio - UNTAUGHT * silence,
         is_ripe: had_their_chance,
@@ -249,6 +255,16 @@ fn evidence(settings: &Settings, tracks: &Tracks, system: SystemSlot, now_ns: i6
             log_ratio
         },
     }
+}
+
+/// Returns the log-likelihood ratio of a track that may be a former target, against a new target anywhere near; 0 for a
+/// track that has been shown already.
+fn return_log_ratio(settings: &Settings, tracks: &Tracks, system: SystemSlot, now_ns: i64) -> f64 {
+    if tracks.systems.get(system).was_shown || tracks.systems.silent.is_empty() {
+        return 0.0;
+    }
+    let former = Search { settings, tracks }.former(system, now_ns);
+    former.map_or(0.0, |(_, ratio)| ratio.min(settings.existence.former))
 }
 
 /// Log-likelihood ratio of the silence of all sources but `sources`, and whether all of the silent sources with
