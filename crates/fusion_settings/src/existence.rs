@@ -8,8 +8,8 @@ settings::settings! {
         /// Log-likelihood ratio above which a target reported by a single source exists; the silence of each source
         /// with coverage of the place counts against the target.
         believed: f64 = -0.7, in [-20, 20], usually "-0.7: about one to two against it";
-        /// Additional ratio for a target reported by a single fast source with many false tracks, times the logarithm of
-        /// 4 s over the period: further reports come soon.
+        /// Additional ratio for a target reported by a single fast source with many false tracks, times the logarithm
+        /// of 4 s over the period: further reports come soon.
         patience: f64 = 1.5, in [0, 10], usually "1.5: nine further reports of a source with a period of 1 s";
         /// Worth of each further report of the claim's sensor track: −ln of the share of false tracks that go on.
         persistence: f64 = 0.223, in [0, 10], usually "0.223: one false track in five ends with each report";

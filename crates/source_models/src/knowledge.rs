@@ -221,8 +221,8 @@ impl Sources {
         self.course_s2((0..self.models.len() as u16).map(|source| (source, weight)))
     }
 
-    /// Returns whether the innovations of a source on the system track with this number teach now: those of all targets,
-    /// or of a part of the targets of a source with many reports.
+    /// Returns whether the innovations of a source on the system track with this number teach now: those of all
+    /// targets, or of a part of the targets of a source with many reports.
     #[inline]
     pub fn teaches(&self, source: u16, system_track: u32) -> bool {
         self.sampling.includes(source, system_track)

@@ -1,10 +1,11 @@
 //! Reports that teach, of a source with many reports.
 //!
-//! The accuracy of a source, its detection points, steps of its errors and the motion of targets follow from innovations.
-//! Some tens of innovations a second suffice, however many the source sends: the estimates average over a minute. So the
-//! innovations of a part of the targets teach. The targets are chosen by their numbers, for half a minute each, because
-//! successive innovations of one target belong together, and because all sources should be compared on the same
-//! targets. A choice by count alone would take the first reports of each scan, on one side of the sky.
+//! The accuracy of a source, its detection points, steps of its errors and the motion of targets follow from
+//! innovations. Some tens of innovations a second suffice, however many the source sends: the estimates average over a
+//! minute. So the innovations of a part of the targets teach. The targets are chosen by their numbers, for half a
+//! minute each, because successive innovations of one target belong together, and because all sources should be
+//! compared on the same targets. A choice by count alone would take the first reports of each scan, on one side of the
+//! sky.
 //!
 //! Differences of states, for the systematic errors, have a sampling of their own by the number already known: a source
 //! that is new needs all of them.

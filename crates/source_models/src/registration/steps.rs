@@ -138,8 +138,8 @@ impl Sums {
         (by.dot(&(normal * by)) / (0.5 * (xx + yy))).sqrt()
     }
 
-    /// Returns whether a rotation can be significant, beside the mean without a rotation: the squared statistical length
-    /// of the rotation, at the least scatter.
+    /// Returns whether a rotation can be significant, beside the mean without a rotation: by the squared statistical
+    /// length of the rotation, at the least scatter.
     fn may_turn(&self, [east, north]: [f64; 2]) -> bool {
         let ([xx, xy, yy], [xa, ya]) = (inverse(self.information), self.mixed);
         let rest = self.sum[2] - xa * east - ya * north;
