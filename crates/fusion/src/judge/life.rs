@@ -241,11 +241,15 @@ fn evidence(settings: &Settings, tracks: &Tracks, system: SystemSlot, now_ns: i6
     } else {
         0.0
     };
-    let log_ratio =
-        claim.log_ratio(&settings.existence) + agreement + return_log_ratio(settings, tracks, system, now_ns);
+    let mut log_ratio = claim.log_ratio(&settings.existence) + agreement;
     let may_be_believed = witnesses >= 2 || had_their_chance || claim.has_address;
+    let believes = |log_ratio| settings.existence.believes(log_ratio, awaited);
+    // The search for a former target is long, and seldom decides.
+    if may_be_believed && !believes(log_ratio) && believes(log_ratio + settings.existence.former) {
+        log_ratio += return_log_ratio(settings, tracks, system, now_ns);
+    }
     ExistenceEvidence {
-        is_believed: is_recognised || may_be_believed && settings.existence.believes(log_ratio, awaited),
+        is_believed: is_recognised || may_be_believed && believes(log_ratio),
         log_ratio,
         teaching: log_ratio - UNTAUGHT * silence,
         is_ripe: had_their_chance,
