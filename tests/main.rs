@@ -30,6 +30,7 @@ mod named_columns;
 mod named_rows;
 mod on_board;
 mod open;
+mod processor;
 mod score;
 mod send;
 mod simulate;

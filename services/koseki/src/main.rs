@@ -5,7 +5,8 @@
 //! [`status`], [`top`]), orders ([`order`]), files for the machine ([`mod@generate`]), and work on files
 //! ([`mod@recording_info`], [`decode`], [`encode`], [`bearings`], [`send`]). Commands on tables are in [`offline`].
 //! Rarely needed functions are in programs that are built separately, and executed by this program ([`programs`],
-//! [`link`], [`lab`]).
+//! [`link`], [`lab`]). Before everything else the program becomes the one for this processor, if there is one
+//! ([`processor`]).
 //!
 //! Every command ends with exit code 0, with 2 after wrong usage or configuration, or with 1 after a failure while
 //! running or with a result that is worth nothing; the latter two after a line on standard error (FM-16).
@@ -31,6 +32,7 @@ mod link;
 mod new_config;
 mod open;
 mod order;
+mod processor;
 mod programs;
 mod recording_copy;
 mod recording_export;
@@ -63,6 +65,7 @@ use config::Config;
 use recordings::{Depth, UnusableRecording};
 
 fn main() -> ExitCode {
+    processor::become_fastest();
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => return command_line::refuse_usage(&error, &Cli::command()),
