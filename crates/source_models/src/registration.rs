@@ -8,10 +8,10 @@
 //!
 //! Δ = x_j − x_k = H_j·θ_j − H_k·θ_k + noise.
 //!
-//! The normal equations of this model are summed for every pair of sources, with slow forgetting. At every tick a few
-//! sweeps of block Gauss–Seidel solve the equations for all sources together. Only differences are observable, so a
-//! reference is needed: either a configured reference source is taken as true, or the geometric median of all sources
-//! is. If two of three sources agree, the median attributes the error to the third.
+//! The normal equations of this model are summed for every pair of sources, with slow forgetting. At every tick, or at
+//! every fifth once nothing changes, a few sweeps of block Gauss–Seidel solve the equations for all sources together.
+//! Only differences are observable, so a reference is needed: either a configured reference source is taken as true, or
+//! the geometric median of all sources is. If two of three sources agree, the median attributes the error to the third.
 //!
 //! If all targets move in one direction, a time offset is indistinguishable from a position offset. With two sources
 //! the late clock is undetermined as well. Times of receipt resolve both cases: a clock that deviates from them gets
