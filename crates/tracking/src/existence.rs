@@ -171,7 +171,7 @@ mod tests {
             sensors: &[],
             memories: &[],
         };
-        // Of no sensor's field of view: both hazards, 1.01 per second.
+        // Outside every field of view both hazards add up: 1.01 per second.
         let predicted = Gaussian {
             mean: [0.0; 6],
             covariance: messages::Covariance::diagonal([1.0; 3], [1.0; 3]),

@@ -94,7 +94,7 @@ impl DeletionSettings {
 }
 
 impl Deletion {
-    /// Whether the target has probably gone.
+    /// Returns whether the target has probably gone.
     pub(crate) fn is_missed_too_often(&self, track: &Track) -> bool {
         track.existence() < self.existence_min
     }

@@ -100,8 +100,8 @@ impl Population {
         self.clusters.extend_from_slice(&before.clusters);
     }
 
-    /// Whether a cluster has a confirmed track and another track, branches not counted: each of several targets may be
-    /// missed because the sensor does not resolve them.
+    /// Returns whether a cluster has a confirmed track and another track, branches not counted: each of several targets
+    /// may be missed because the sensor does not resolve them.
     pub(crate) fn has_several(&self, cluster: &Cluster) -> bool {
         let tracks = &self.tracks[cluster.tracks.start as usize..cluster.tracks.end as usize];
         let mut numbers = tracks.iter().map(|track| track.number);

@@ -173,8 +173,8 @@ impl<'a> ClusterSupport<'a> {
         }
     }
 
-    /// Whether valid reports show at least as many targets as there are confirmed tracks: of several targets together
-    /// none has gone, though the sensor resolves fewer.
+    /// Returns whether valid reports show at least as many targets as there are confirmed tracks: then none of several
+    /// targets together has gone, though the sensor resolves fewer.
     pub(crate) fn shows_all(&self) -> bool {
         let targets: f64 = self.expectations().filter_map(|expectation| expectation.targets).sum();
         self.confirmed > 1 && targets >= self.confirmed as f64
