@@ -46,6 +46,32 @@ BRIGHTEST = """() => {
   return { most, drawn };
 }"""
 
+# How much wider than its panel what the panel holds is, and the text of the innermost element that is too wide.
+WIDTH = """() => {
+  const panel = document.getElementById("panel");
+  const over = Math.max(...[panel, document.body].map((e) => e.scrollWidth - e.clientWidth));
+  const edge = panel.getBoundingClientRect().left + panel.clientWidth + 0.5;
+  const out = [...panel.querySelectorAll("*")].filter(
+    (e) => e.getBoundingClientRect().right > edge || e.scrollWidth > e.clientWidth + 1);
+  return [over, out.at(-1)?.textContent.slice(0, 200) ?? ""];
+}"""
+
+# The same of an alarm that stands, and of one of the past, whose words are all longer than the panel is wide.
+WIDTH_OF_LONG_ALARMS = f"""() => {{
+  const {{ known, alarms }} = koseki;
+  const text = "/sys/fs/cgroup/" + "a".repeat(105);
+  const source = {{ ...known.sources[0], name: text }};
+  const alarm = {{ id: 1, code: 1, severity: "warning", text, remedy: text, process: text, source: source.number,
+    raised: 0, times: 1 }};
+  const past = {{ event: "acknowledged", severity: "warning", time_s: 0, operator: text, text }};
+  const held = [known.alarms, known.sources, alarms.past];
+  [known.alarms, known.sources, alarms.past] = [[alarm], [source], [past]];
+  alarms.show(document.getElementById("panel"));
+  const wide = ({WIDTH})();
+  [known.alarms, known.sources, alarms.past] = held;
+  return wide;
+}}"""
+
 # What the page knows of its selected track at one instant.
 SELECTED = """() => {
   const number = [...koseki.selected][0];
@@ -131,6 +157,11 @@ class Koseki:
         self.log.close()
 
 
+def check_width(page, what, measure=WIDTH):
+    over, text = page.evaluate(measure)
+    check(over <= 0, f"nothing is cut in the {what}" + (f": {over} pixels of {text!r}" if over > 0 else ""))
+
+
 def drive(page, url, folder, demo):
     began = time.monotonic()
     page.goto(url)
@@ -209,8 +240,10 @@ def drive(page, url, folder, demo):
     for tab in ["tracks", "track", "sources", "alarms", "latency", "system", "view"]:
         page.evaluate("tab => koseki.set({ tab })", tab)
         page.wait_for_timeout(700)
-        wide = page.evaluate("[document.getElementById('panel'), document.body].map((e) => e.scrollWidth - e.clientWidth)")
-        check(max(wide) <= 0, f"nothing is cut in the panel {tab}")
+        check_width(page, f"panel {tab}")
+    page.evaluate("koseki.set({ tab: 'alarms' })")
+    until(page, "document.querySelector('#panel h2')?.textContent === 'Alarms'")
+    check_width(page, "panel alarms with words of 120 letters", WIDTH_OF_LONG_ALARMS)
     page.evaluate("koseki.measure = null")
 
     print("sensor tracks are switched on")

@@ -157,8 +157,8 @@ export class Alarms {
         "tr",
         {},
         h("td.num", { title: dayAndClock(event.time_s) }, clock(event.time_s)),
-        h(`td.${calm}`, {}, event.event, ...(event.operator ? [h("div.soft", {}, event.operator)] : [])),
-        h("td", {}, event.text),
+        h(`td.${calm}`, {}, event.event, ...(event.operator ? [h("div.soft.told", {}, event.operator)] : [])),
+        h("td.told", {}, event.text),
       );
     });
     const head = ["UTC", "Event", "Alarm"].map((title) => h("th", {}, title));
