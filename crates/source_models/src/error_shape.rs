@@ -129,6 +129,16 @@ impl Stretch {
         north: 1.0,
     };
 
+    /// The elements: east, cross, north.
+    pub fn elements(&self) -> [f64; 3] {
+        [self.east, self.cross, self.north]
+    }
+
+    /// The stretch of these [`Self::elements`].
+    pub fn of_elements([east, cross, north]: [f64; 3]) -> Self {
+        Self { east, cross, north }
+    }
+
     /// Returns the reverse stretch.
     pub fn inverse(self) -> Self {
         Self {

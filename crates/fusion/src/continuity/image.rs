@@ -13,7 +13,7 @@ use crate::orders::order_table::OrderTable;
 
 /// Version of the parts of an image. The version rises with every change of a serialised type, samples included: the
 /// fingerprint of the checkpoint covers other types.
-const FORMAT: u64 = 18;
+const FORMAT: u64 = 19;
 
 impl Engine {
     /// Returns the fingerprint of images of this build with these settings.

@@ -277,7 +277,9 @@ impl TargetFilter {
             self.time_ns = time_ns;
         }
         let late_s = (self.time_ns - time_ns) as f64 / NS_PER_S;
-        let (mut z, mut r) = (measurement.position_m, measurement.covariance_m2);
+        // Kept measurements have single precision: a repeated update has to give the same bits.
+        let stored_m2 = measurement.covariance_m2.map(|value| f64::from(value as f32));
+        let (mut z, mut r) = (measurement.position_m, stored_m2);
         if late_s > 0.0 {
             let velocity = self.estimate.velocity_mps();
             for (z, velocity) in z.iter_mut().zip(velocity) {

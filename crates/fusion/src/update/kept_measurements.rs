@@ -22,10 +22,10 @@ use source_models::{FilterInnovation, Measurement, Motion};
 
 use crate::tables::system_tracks::SystemSlot;
 use crate::update::filter::TargetFilter;
-use crate::update::kept_measurement::{KeptMeasurement, UsedMeasurement};
+use crate::update::kept_measurement::{KeptMeasurement, StoredMeasurement, UsedMeasurement};
 
 /// Maximum number of bases of a system track.
-const BASES_MAX: usize = 6;
+const BASES_MAX: usize = 4;
 /// Distance between bases: number of measurements, or time in nanoseconds.
 const BASE_EVERY: u32 = 8;
 const BASE_EVERY_NS: i64 = 3_000_000_000;
@@ -39,7 +39,7 @@ const NOWHERE: Place = Place::MAX;
 /// A measurement in a chain.
 #[derive(Clone, Copy, Debug)]
 struct Link {
-    kept: KeptMeasurement,
+    stored: StoredMeasurement,
     /// Time of the filter after the update, nanoseconds: later than a measurement carried forward.
     at_ns: i64,
 }
@@ -47,7 +47,7 @@ struct Link {
 impl Link {
     /// Without a measurement.
     const FREE: Self = Self {
-        kept: KeptMeasurement::NONE,
+        stored: StoredMeasurement::NONE,
         at_ns: 0,
     };
 }
@@ -225,11 +225,7 @@ impl KeptMeasurements {
         }
         let mut at = chain.first;
         while at != NOWHERE {
-            let link = &mut self.links[at as usize];
-            for (axis, by) in by_m.into_iter().enumerate() {
-                link.kept.measurement.position_m[axis] += by;
-                link.kept.point_m[axis] -= by;
-            }
+            self.links[at as usize].stored.shift(by_m);
             at = self.next[at as usize];
         }
     }
@@ -245,12 +241,12 @@ impl KeptMeasurements {
     /// Appends the measurement of the latest filter update.
     #[inline]
     pub(crate) fn append(&mut self, system: SystemSlot, filter: &TargetFilter, used: &UsedMeasurement<'_>) {
-        self.append_with(system, filter, |kept| used.write(kept));
+        self.append_with(system, filter, |stored| stored.write(used));
     }
 
     /// Appends the measurement of the latest filter update.
     pub(crate) fn append_kept(&mut self, system: SystemSlot, filter: &TargetFilter, used: &KeptMeasurement) {
-        self.append_with(system, filter, |kept| *kept = *used);
+        self.append_with(system, filter, |stored| stored.write_kept(used));
     }
 
     /// Makes a link the last of a chain; returns the chain's newest base.
@@ -269,7 +265,7 @@ impl KeptMeasurements {
     }
 
     #[inline]
-    fn append_with(&mut self, system: SystemSlot, filter: &TargetFilter, write: impl FnOnce(&mut KeptMeasurement)) {
+    fn append_with(&mut self, system: SystemSlot, filter: &TargetFilter, write: impl FnOnce(&mut StoredMeasurement)) {
         let Some(place) = self.take_place(system) else {
             // Later measurements are kept again.
             self.forget(system);
@@ -277,7 +273,7 @@ impl KeptMeasurements {
             return;
         };
         let link = &mut self.links[place as usize];
-        write(&mut link.kept);
+        write(&mut link.stored);
         link.at_ns = filter.time_ns;
         let base = self.put_last(system, place);
         let passed_ns = filter.time_ns.saturating_sub(base.time_ns);
@@ -418,17 +414,16 @@ impl KeptMeasurements {
         };
         while next != NOWHERE && self.links[next as usize].at_ns <= kept.time_ns {
             let link = &self.links[next as usize];
-            link.kept.use_in(&mut again, &motion_of);
+            link.stored.use_in(&mut again, &motion_of);
             (before, next) = (next, self.next[next as usize]);
         }
         let mut innovation = kept.use_in(&mut again, &motion_of)?;
         if let Some((place, measurement)) = successor {
-            self.links[place as usize].kept.measurement = measurement;
+            self.links[place as usize].stored.replace(&measurement);
         }
-        self.links[place as usize] = Link {
-            kept: *kept,
-            at_ns: again.time_ns,
-        };
+        let link = &mut self.links[place as usize];
+        link.stored.write_kept(kept);
+        link.at_ns = again.time_ns;
         self.next[place as usize] = next;
         let chain = &mut self.chains[system as usize];
         match before {
@@ -443,7 +438,7 @@ impl KeptMeasurements {
         let mut later_bases = chain.bases[index + 1..chain.count].iter_mut().peekable();
         while next != NOWHERE {
             let link = &self.links[next as usize];
-            let later = link.kept.use_in(&mut again, &motion_of);
+            let later = link.stored.use_in(&mut again, &motion_of);
             innovation.gain *= 1.0 - later.map_or(0.0, |later| later.gain);
             let at = next;
             next = self.next[at as usize];
@@ -463,25 +458,25 @@ impl KeptMeasurements {
         system: SystemSlot,
         track: (u16, u32),
         time_ns: i64,
-    ) -> Option<(&KeptMeasurement, Option<Place>)> {
-        let (mut before, mut after) = (None::<&KeptMeasurement>, None::<(i64, Place)>);
+    ) -> Option<(KeptMeasurement, Option<Place>)> {
+        let (mut before, mut after) = (None::<&StoredMeasurement>, None::<(i64, Place)>);
         for (place, link) in self.chain(system) {
-            let kept = &link.kept;
-            if kept.track != track {
+            let stored = &link.stored;
+            if stored.track() != track {
                 continue;
             }
-            match kept.time_ns.cmp(&time_ns) {
+            match stored.time_ns().cmp(&time_ns) {
                 std::cmp::Ordering::Equal => return None,
-                std::cmp::Ordering::Less if before.is_none_or(|before| before.time_ns < kept.time_ns) => {
-                    before = Some(kept);
+                std::cmp::Ordering::Less if before.is_none_or(|before| before.time_ns() < stored.time_ns()) => {
+                    before = Some(stored);
                 }
-                std::cmp::Ordering::Greater if after.is_none_or(|(after_ns, _)| kept.time_ns < after_ns) => {
-                    after = Some((kept.time_ns, place));
+                std::cmp::Ordering::Greater if after.is_none_or(|(after_ns, _)| stored.time_ns() < after_ns) => {
+                    after = Some((stored.time_ns(), place));
                 }
                 _ => {}
             }
         }
-        before.map(|before| (before, after.map(|(_, place)| place)))
+        before.map(|before| (before.kept(), after.map(|(_, place)| place)))
     }
 
     /// Returns the measurements of a system track with places, in the order of use.
@@ -492,8 +487,8 @@ impl KeptMeasurements {
     }
 
     /// The measurement at a place.
-    pub(crate) fn at(&self, place: Place) -> &KeptMeasurement {
-        &self.links[place as usize].kept
+    pub(crate) fn at(&self, place: Place) -> KeptMeasurement {
+        self.links[place as usize].stored.kept()
     }
 
     /// Number of measurements kept.
@@ -505,7 +500,7 @@ impl KeptMeasurements {
 
 /// Content of a chain: bases with lengths, measurements with the time of the filter after each, and number of bases
 /// that made room.
-type ChainContent = (Vec<(TargetFilter, u32)>, Vec<(KeptMeasurement, i64)>, u32);
+type ChainContent = (Vec<(TargetFilter, u32)>, Vec<(StoredMeasurement, i64)>, u32);
 
 impl Serialize for KeptMeasurements {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -513,7 +508,7 @@ impl Serialize for KeptMeasurements {
             let system = system as SystemSlot;
             let bases = self.bases(system).iter();
             let bases = bases.map(|base| (self.filters[base.place as usize], base.length));
-            let links = self.chain(system).map(|(_, link)| (link.kept, link.at_ns));
+            let links = self.chain(system).map(|(_, link)| (link.stored, link.at_ns));
             (bases.collect(), links.collect(), self.chains[system as usize].replaced)
         };
         let chains: Vec<ChainContent> = (0..self.chains.len()).map(content).collect();
@@ -539,12 +534,12 @@ impl<'de> Deserialize<'de> for KeptMeasurements {
 
 impl KeptMeasurements {
     /// Appends measurements from elsewhere to the newest base of a chain.
-    fn restore(&mut self, system: SystemSlot, length: u32, from: &mut impl Iterator<Item = (KeptMeasurement, i64)>) {
-        for (kept, at_ns) in from.take(length as usize) {
+    fn restore(&mut self, system: SystemSlot, length: u32, from: &mut impl Iterator<Item = (StoredMeasurement, i64)>) {
+        for (stored, at_ns) in from.take(length as usize) {
             let Some(place) = self.free_place() else {
                 return;
             };
-            self.links[place as usize] = Link { kept, at_ns };
+            self.links[place as usize] = Link { stored, at_ns };
             self.put_last(system, place);
         }
     }

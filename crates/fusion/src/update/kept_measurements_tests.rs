@@ -285,3 +285,61 @@ fn bases_reach_back_over_the_window_and_are_dense_where_most_reports_come() {
     }
     assert!(late.kept.len() < 60, "{} measurements in 10 s", late.kept.len());
 }
+
+#[test]
+fn a_stored_measurement_takes_240_octets_and_gives_back_what_was_kept() {
+    assert_eq!(size_of::<Link>(), 240);
+    let mut random = Random::new(5);
+    let mut some = |scale: f64| random.between(-scale, scale);
+    let kept = KeptMeasurement {
+        state: Gaussian::new(
+            [some(3e5), some(3e5), some(1e4)],
+            [some(300.0), some(300.0), some(20.0)],
+            &Covariance::diagonal([40.0, 50.0, 20.0], [15.0, 16.0, 5.0]),
+        ),
+        correction: Correction {
+            shift_m: [some(900.0), some(900.0), some(90.0)],
+            covariance_scale: 1.7,
+            ..Correction::NONE
+        },
+        point_m: [some(200.0), some(200.0)],
+        point_m2: 12.5,
+        ..measurement(7, 4)
+    };
+    let mut stored = StoredMeasurement::NONE;
+    stored.write_kept(&kept);
+    let back = stored.kept();
+    assert_eq!(
+        (back.time_ns, back.track, back.is_used),
+        (kept.time_ns, kept.track, kept.is_used)
+    );
+    assert_eq!(back.measurement.position_m, kept.measurement.position_m);
+    assert_eq!(
+        (back.measurement.axes, back.has_height),
+        (kept.measurement.axes, kept.has_height)
+    );
+    assert_eq!(back.state.position_m(), kept.state.position_m());
+    let near = |found: f64, kept: f64, what: &str| assert!((found - kept).abs() <= 1e-7 * kept.abs(), "{what}");
+    for axis in 0..AXES {
+        near(
+            back.state.velocity_mps()[axis],
+            kept.state.velocity_mps()[axis],
+            "velocity",
+        );
+        near(back.correction.shift_m[axis], kept.correction.shift_m[axis], "shift");
+    }
+    for (found, kept) in back.state.covariance.upper.into_iter().zip(kept.state.covariance.upper) {
+        near(found, kept, "covariance");
+    }
+    for (found, kept) in back
+        .measurement
+        .covariance_m2
+        .into_iter()
+        .zip(kept.measurement.covariance_m2)
+    {
+        near(found, kept, "measured covariance");
+    }
+    near(back.correction.covariance_scale, 1.7, "scale");
+    near(back.point_m[1], kept.point_m[1], "point");
+    assert_eq!(back.point_m2, 12.5);
+}

@@ -146,12 +146,10 @@ impl Engine {
         if overtaken.is_used {
             out.input(|| overtaken.input(number, assumed));
         }
-        if let Some((place, _)) = successor
-            && kept.at(place).is_used
-        {
+        if let Some(later) = successor.map(|(place, _)| kept.at(place)).filter(|later| later.is_used) {
             out.input(|| FilterInput {
                 replaces: true,
-                ..kept.at(place).input(number, assumed)
+                ..later.input(number, assumed)
             });
         }
     }
