@@ -12,6 +12,15 @@ use test_support::S;
 
 const PLACES_M: [[f64; 2]; 3] = [[50e3, 0.0], [-30e3, 45e3], [-25e3, -40e3]];
 const PERIODS_S: [f64; 3] = [4.0, 5.0, 6.0];
+/// Place of a radar, east and north, metres, and its period, seconds: of further radars, on a circle.
+fn site(number: usize) -> ([f64; 2], f64) {
+    let Some((place_m, period_s)) = PLACES_M.get(number).zip(PERIODS_S.get(number)) else {
+        let (north, east) = (2.4 * number as f64).sin_cos();
+        return ([40e3 * east, 40e3 * north], 4.0 + (number % 3) as f64);
+    };
+    (*place_m, *period_s)
+}
+
 /// The radar that is off.
 const ERRING: usize = 1;
 /// Data that must be enough to tell, seconds.
@@ -64,10 +73,11 @@ fn reports_of(
     };
     let truth = Truth::new(&world, seed).unwrap();
     let mut all = Vec::new();
-    for (number, place_m) in PLACES_M.iter().enumerate().take(radars) {
+    for number in 0..radars {
+        let (place_m, period_s) = site(number);
         let mut settings = SensorSettings {
             position_m: Some([place_m[0], place_m[1], 0.0]),
-            period_s: Some(PERIODS_S[number]),
+            period_s: Some(period_s),
             identity: Some(identity),
             height_sigma_m: Some(50.0),
             ..SensorSettings::new(SensorKind::Radar)
@@ -110,11 +120,12 @@ fn reports_of(
 
 fn settings(radars: usize, gross: bool) -> Settings {
     let source = |number: usize| {
-        let usual = (PERIODS_S[number], number as u32);
+        let (place_m, period_s) = site(number);
+        let usual = (period_s, number as u32);
         let name = format!("radar-{number}");
         let accuracy = AccuracyTable::default();
-        let mut source = SourceSettings::new(&name, &Weighing::default(), usual, PLACES_M[number], &accuracy).unwrap();
-        source.place_m = Some(PLACES_M[number]);
+        let mut source = SourceSettings::new(&name, &Weighing::default(), usual, place_m, &accuracy).unwrap();
+        source.place_m = Some(place_m);
         source
     };
     let mut settings = Settings::default();
@@ -156,6 +167,19 @@ fn of_three_radars_the_one_that_is_off_is_told_and_put_right_where_that_is_wante
                 assert_eq!(engine.sources().gross_error(other), None, "{error}");
             }
         }
+    }
+}
+
+#[test]
+fn of_twenty_radars_the_one_that_is_off_is_told_although_not_all_pairs_are_compared() {
+    for case in CASES {
+        let engine = run(settings(20, true), &reports(3, 20, ENOUGH_S, Some(case)), &mut nobody());
+        let found: Vec<usize> = (0..20u16)
+            .filter(|source| engine.sources().gross_error(*source).is_some())
+            .map(usize::from)
+            .collect();
+        assert_eq!(found, [ERRING], "{:?} {}", case.kind, case.value);
+        assert!(is_near(engine.sources().gross_error(ERRING as u16).unwrap(), case));
     }
 }
 

@@ -74,6 +74,11 @@ pub(crate) struct PairFindings {
 }
 
 impl PairFindings {
+    /// Whether the two sources seemed to differ.
+    pub(super) fn is_open(&self) -> bool {
+        self.disagree || self.estimates.iter().any(|estimate| estimate.windows > 0)
+    }
+
     /// Index of the confirmed hypothesis with the highest score.
     pub(super) fn best(&self) -> Option<usize> {
         let believed = (0..HYPOTHESES.len()).filter(|h| self.estimates[*h].windows >= WINDOWS_MIN);

@@ -7,7 +7,8 @@
 //! Method: a generalised Hough transform, a bounded number of pairs of tracks with each report.
 //! 1. *Collect* the latest report of each fast, confirmed track in a part of the area. The part narrows until no source
 //!    has more than [`TRACKS_MAX`] tracks there, so that all sources contribute the same targets.
-//! 2. *Compare* every two sources, at first without a bias: if most tracks fit, the two sources agree.
+//! 2. *Compare* every two sources, at first without a bias: if most tracks fit, the two sources agree. Of many sources,
+//!    each is compared with [`PARTNERS_MAX`] others, and with those to which it seemed to be off.
 //! 3. *Vote*: each pair of tracks that move alike implies one value of each kind of bias. Values of pairs of different
 //!    targets are scattered; values of pairs of the same target pile up in a bin of the histogram.
 //! 4. *Refine* the fullest bin of each kind by the weighted mean of the fitting pairs, then *try* the refined value on
@@ -33,6 +34,10 @@ use crate::settings::{IdentitySettings, SourceSettings, longest_period_s};
 /// Largest and smallest number of compared tracks of a source.
 pub(super) const TRACKS_MAX: usize = 40;
 pub(super) const TRACKS_MIN: usize = 4;
+/// Largest number of other sources that a source is compared with, beside those that it differed from before: a verdict
+/// needs two that disagree, and one with which either agrees. The work of a search grows with the sources, not with
+/// their square.
+const PARTNERS_MAX: usize = 8;
 /// Largest number of pairs of tracks compared with a report, minus the pairs of one track.
 const STEP_PAIRS: usize = 128;
 /// Half-width of the searched part of the area, at first and at most, metres, and factors of change.
@@ -121,6 +126,9 @@ pub(super) struct BiasSearch {
     /// Centre and half-width of the part of the area with collected tracks.
     focus_m: Option<[f64; 2]>,
     reach_m: f64,
+    /// Rank of each source among those with enough tracks, and the number of these.
+    ranks: Vec<Option<usize>>,
+    ranked: usize,
     /// Compared sources, present stage, and the next track of the first source.
     pair: (usize, usize),
     job: Job,
@@ -150,6 +158,8 @@ impl BiasSearch {
             phase: Phase::Pause(i64::MIN),
             focus_m: None,
             reach_m: REACH_MAX_M,
+            ranks: vec![None; count],
+            ranked: 0,
             pair: (0, 0),
             job: Job::AsTheyAre,
             row: 0,
@@ -211,6 +221,7 @@ impl BiasSearch {
                 self.amiss = 0;
                 self.phase = Phase::Compare;
                 self.pair = (0, 0);
+                self.rank();
                 self.next_pair();
                 if self.pair.0 == self.samples.len() {
                     // Tracks are young, or few: the next collection should not be late.
@@ -280,10 +291,30 @@ impl BiasSearch {
         }
     }
 
-    /// Turns to the next two sources with enough tracks; a pause follows the last pair.
+    /// Ranks the sources with enough tracks.
+    fn rank(&mut self) {
+        self.ranked = 0;
+        for (rank, tracks) in self.ranks.iter_mut().zip(&self.samples) {
+            *rank = (tracks.len() >= TRACKS_MIN).then_some(self.ranked);
+            self.ranked += usize::from(rank.is_some());
+        }
+    }
+
+    /// Whether two sources are to be compared.
+    fn is_wanted(&self, first: usize, second: usize) -> bool {
+        let Some((one, other)) = self.ranks[first].zip(self.ranks[second]) else {
+            return false;
+        };
+        let apart = one.abs_diff(other);
+        let round = apart.min(self.ranked - apart);
+        round <= PARTNERS_MAX / 2
+            || self.ranked <= PARTNERS_MAX + 1
+            || self.pairs[first * self.samples.len() + second].is_open()
+    }
+
+    /// Turns to the next two sources to be compared; a pause follows the last pair.
     fn next_pair(&mut self) {
         let count = self.samples.len();
-        let enough = |source: usize| self.samples[source].len() >= TRACKS_MIN;
         let (mut first, mut second) = self.pair;
         loop {
             second += 1;
@@ -295,7 +326,7 @@ impl BiasSearch {
                 self.pair = (count, count);
                 return;
             }
-            if enough(first) && enough(second) {
+            if self.is_wanted(first, second) {
                 self.pair = (first, second);
                 self.turn_to(Job::AsTheyAre);
                 self.same_address = 0;
