@@ -27,11 +27,11 @@ pub(crate) type Octets = [CustomPayloadMarker];
 /// Header of a slice, likewise: a [`BatchHeader`].
 pub(crate) type Header = CustomHeaderMarker;
 
-/// Most processes that have a topic open at a time: 64 sources, the services, each perhaps twice, and spares.
-pub(crate) const NODES_MAX: usize = 256;
+/// Most processes that have a topic open at a time: 128 sources, the services, each perhaps twice, and spares.
+pub(crate) const NODES_MAX: usize = 384;
 
 /// Publishers of a topic that may leave between two looks of a subscriber without loss: all that there can be.
-pub(crate) const LEAVERS_MAX: usize = 128;
+pub(crate) const LEAVERS_MAX: usize = 192;
 
 /// Slices that a subscriber may keep at a time.
 pub const BORROWED_MAX: usize = 2;

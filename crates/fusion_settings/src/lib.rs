@@ -18,6 +18,7 @@ mod registration;
 mod rule;
 mod source;
 mod source_ref;
+mod source_set;
 mod target_size;
 
 pub use association::{AssociationSettings, GateProbability};
@@ -42,6 +43,7 @@ pub use rule::{
     RuleName, RuleSettings, Tie,
 };
 pub use source_ref::{SOURCES_MAX, SourceRef};
+pub use source_set::SourceSet;
 pub use target_size::TargetSizeSettings;
 
 /// Most scans that the index can look back over: one bit each.

@@ -1,7 +1,7 @@
 //! References of keys to sources, by name in a file and by number in the engine.
 
 /// Most sources.
-pub const SOURCES_MAX: usize = 64;
+pub const SOURCES_MAX: usize = 128;
 
 /// A source that a key names: its number follows when all sources are known.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

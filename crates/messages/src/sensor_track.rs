@@ -106,7 +106,8 @@ sample! {
         extent: Extent,
         /// Modes of movement and acceleration, as the source states them.
         movement: Movement,
-        /// Local sources whose sensors have contributed to a system track of another centre, as bits by number.
+        /// Local sources whose sensors have contributed to a system track of another centre, as bits by number; a source from
+        /// number 64 on has none.
         shared_sources: u64,
         /// Original deployment of a system track of another centre; else 0.
         origin: u32,
@@ -138,7 +139,9 @@ impl SensorTrack {
         let names_sensor = |contribution: &Contribution| contribution.sensor_uid != 0 && contribution.origin == 0;
         let is_known = has_all && contributions.iter().all(names_sensor);
         let shares = |uid: &u32| *uid == 0 || contributions.iter().any(|contribution| contribution.sensor_uid == *uid);
-        let shared = sensor_uids.iter().enumerate().filter(|(_, uid)| shares(uid));
+        let shared = (0..).zip(sensor_uids).filter(|(_, uid)| shares(uid));
+        // Sources beyond have no bit: with one of these, the contributors count as unknown.
+        let has_bits = shared.clone().all(|(number, _): (u32, _)| number < u64::BITS);
         let flag = |is_set: bool, bits| if is_set { bits } else { 0 };
         let has_climb = track.height_valid != 0 && track.covariance.knows_climb();
         Some(Self {
@@ -151,7 +154,7 @@ impl SensorTrack {
                 | flag(track.height_valid != 0, sensor_track_bits::HEIGHT)
                 | flag(has_climb, sensor_track_bits::VERTICAL_RATE)
                 | flag(track.on_ground != 0, sensor_track_bits::ON_GROUND)
-                | flag(is_known, sensor_track_bits::CONTRIBUTORS)
+                | flag(is_known && has_bits, sensor_track_bits::CONTRIBUTORS)
                 | flag(track.level_valid != 0, sensor_track_bits::LEVEL),
             identity: track.identity,
             position_m: track.position_m,
@@ -166,7 +169,7 @@ impl SensorTrack {
             target_type: track.target_type,
             extent: track.extent,
             movement: track.movement,
-            shared_sources: shared.fold(0, |bits, (number, _)| bits | 1 << number),
+            shared_sources: shared.fold(0, |bits, (number, _)| bits | 1_u64.checked_shl(number).unwrap_or(0)),
             origin: track.origin,
             ..Self::default()
         })

@@ -342,13 +342,13 @@ topics! {
     frame_origin() -> FrameOrigin: "system/frame-origin", 2 slices of 1, 4 to 16;
 
     /// State and counters of every process.
-    // One publisher per process: 64 sources, the services, and restarted processes whose predecessor is not yet
+    // One publisher per process: 128 sources, the services, and restarted processes whose predecessor is not yet
     // removed.
-    health() -> Health: "health", 8 slices of 80, 96 to 16;
+    health() -> Health: "health", 8 slices of 80, 160 to 16;
 
     /// Progress of each consumer of recorded data.
     // Published by fusion and recorder, read by every adapter of a recording.
-    progress() -> Progress: "progress", 16 slices of 80, 8 to 96;
+    progress() -> Progress: "progress", 16 slices of 80, 8 to 160;
 
     /// Initial state of a fusion with a predecessor: bit by bit, in the first moments.
     restored() -> Restored: "system/restored", 64 slices of 32, 4 to 4;

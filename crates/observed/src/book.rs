@@ -20,7 +20,7 @@ use crate::process::{ObservedProcess, ProcessState};
 
 /// Silence after which a process is silent, nanoseconds: five health messages are missing then.
 const SILENT_AFTER_NS: i64 = 1_000_000_000;
-/// Maximum number of entries: some 100 processes, three of them with 64 sources each, and spare entries.
+/// Maximum number of entries: some 170 processes, three of them with 128 sources each, and spare entries.
 const ENTRIES_MAX: usize = 1024;
 /// Maximum lead of a process's start over the reader's start, nanoseconds, so that the process's counters began at 0
 /// within sight of the reader.

@@ -23,6 +23,7 @@ use messages::{NS_PER_S, SensorTrack};
 use serde::{Deserialize, Serialize};
 
 use crate::registration::ClockError;
+use crate::settings::SourceSet;
 
 /// d² in the plane up to which two reports of a target agree: beyond in 0.3 % by chance.
 pub const AGREES: f64 = 12.0;
@@ -52,10 +53,10 @@ struct SourceRecord {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Credibility {
     sources: Vec<SourceRecord>,
-    /// Sources that are set aside, as bits.
-    set_aside: u64,
-    /// Sources that are not compared, as bits.
-    passed_over: u64,
+    /// Sources that are set aside.
+    set_aside: SourceSet,
+    /// Sources that are not compared.
+    passed_over: SourceSet,
 }
 
 /// Judgement of a report by the others of the same target.
@@ -63,9 +64,9 @@ pub(crate) struct Credibility {
 pub struct Judgement {
     source: u16,
     standing: Standing,
-    /// Other sources found wrong, and all compared sources, as bits.
-    wrong: u64,
-    others: u64,
+    /// Other sources found wrong, and all compared sources.
+    wrong: SourceSet,
+    others: SourceSet,
 }
 
 impl Judgement {
@@ -90,49 +91,46 @@ impl Credibility {
     pub(crate) fn new(sources: usize) -> Self {
         Self {
             sources: vec![SourceRecord::default(); sources],
-            set_aside: 0,
-            passed_over: 0,
+            set_aside: SourceSet::EMPTY,
+            passed_over: SourceSet::EMPTY,
         }
     }
 
     /// Forgets the standing of a source.
     pub(crate) fn reset(&mut self, source: u16) {
         self.sources[usize::from(source)] = SourceRecord::default();
-        self.set_aside &= !(1 << source);
+        self.set_aside.remove(source);
     }
 
     /// Whether a source is set aside.
     #[inline]
     pub(crate) fn is_set_aside(&self, source: u16) -> bool {
-        self.set_aside & (1 << source) != 0
+        self.set_aside.contains(source)
     }
 
-    /// Excludes these sources, as bits, from comparison: after a step of the error their states lag, their measurements
+    /// Excludes these sources from comparison: after a step of the error their states lag, their measurements
     /// do not.
-    pub(crate) fn pass_over(&mut self, sources: u64) {
-        let begun = sources & !self.passed_over;
-        for source in 0..self.sources.len() as u16 {
-            if begun & (1 << source) != 0 {
-                self.reset(source);
-            }
+    pub(crate) fn pass_over(&mut self, sources: SourceSet) {
+        for source in sources.without(self.passed_over).iter() {
+            self.reset(source);
         }
         self.passed_over = sources;
     }
 
     #[inline]
     fn is_passed_over(&self, source: u16) -> bool {
-        self.passed_over & (1 << source) != 0
+        self.passed_over.contains(source)
     }
 
-    /// Returns the sources that are set aside, as bits.
-    pub(crate) fn all_set_aside(&self) -> u64 {
+    /// Returns the sources that are set aside.
+    pub(crate) fn all_set_aside(&self) -> SourceSet {
         self.set_aside
     }
 
     /// Returns whether any source is set aside.
     #[inline]
     pub(crate) fn sets_aside(&self) -> bool {
-        self.set_aside != 0
+        !self.set_aside.is_empty()
     }
 
     /// Whether a report is near enough to the expected `place_m` of the target to need no comparison. `spread_m2` is
@@ -140,13 +138,13 @@ impl Credibility {
     /// anyway.
     #[inline]
     pub(crate) fn is_near(&self, (report, place_m): (&SensorTrack, [f64; 2]), spread_m2: f64) -> bool {
-        self.set_aside == 0 && distance_from(place_m, report, spread_m2) <= AGREES
+        self.set_aside.is_empty() && distance_from(place_m, report, spread_m2) <= AGREES
     }
 
     /// Whether reports of this source are used without a comparison.
     #[inline]
     pub(crate) fn is_exempt(&self, source: u16) -> bool {
-        self.passed_over != 0 && self.is_passed_over(source)
+        !self.passed_over.is_empty() && self.is_passed_over(source)
     }
 
     /// Learns from a report without need of a comparison.
@@ -166,13 +164,13 @@ impl Credibility {
         all_others: impl Fn() -> O,
     ) -> Judgement {
         let passed_over = self.passed_over;
-        let others = || all_others().filter(move |other| passed_over & (1 << other.source) == 0);
+        let others = || all_others().filter(move |other| !passed_over.contains(other.source));
         let distance = |other: &SensorTrack| apart(report, other, spread_m2);
         let mut judgement = Judgement {
             source: report.source,
             standing: Standing::Holds,
-            wrong: 0,
-            others: others().fold(0, |bits, other| bits | 1 << other.source),
+            wrong: SourceSet::EMPTY,
+            others: others().map(|other| other.source).collect(),
         };
         let (mut agreeing, mut against, mut one_against) = (0u32, 0u32, None);
         for other in others() {
@@ -207,7 +205,7 @@ impl Credibility {
             let majority = agreeing >= 1;
             let wrong = others()
                 .filter(|other| distance(other) > CONTRADICTS && (majority || is_worse(other.source, report.source)));
-            judgement.wrong = wrong.fold(0, |bits, other| bits | 1 << other.source);
+            judgement.wrong = wrong.map(|other| other.source).collect();
         }
         judgement
     }
@@ -221,8 +219,7 @@ impl Credibility {
 
     /// Learns from a judgement.
     pub(crate) fn learn_judgement(&mut self, judgement: &Judgement) {
-        let wrong = judgement.wrong;
-        for other in (0..self.sources.len() as u16).filter(|other| wrong & (1 << other) != 0) {
+        for other in judgement.wrong.iter() {
             self.learn(other, true);
         }
         if judgement.standing != Standing::Open {
@@ -232,7 +229,7 @@ impl Credibility {
 
     /// Whether a judged report may be used: the report is not wrong, and its source is not set aside beside others.
     pub(crate) fn admits(&self, judgement: &Judgement) -> bool {
-        let is_alone = judgement.others & !self.set_aside == 0;
+        let is_alone = judgement.others.without(self.set_aside).is_empty();
         judgement.standing != Standing::Contradicted && (!self.is_set_aside(judgement.source) || is_alone)
     }
 
@@ -245,12 +242,10 @@ impl Credibility {
             SET_ASIDE_FROM
         };
         record.is_set_aside = record.samples >= SAMPLES_MIN && record.share >= limit;
-        let bit = 1 << source;
-        self.set_aside = if record.is_set_aside {
-            self.set_aside | bit
-        } else {
-            self.set_aside & !bit
-        };
+        match record.is_set_aside {
+            true => self.set_aside.insert(source),
+            false => self.set_aside.remove(source),
+        }
     }
 }
 

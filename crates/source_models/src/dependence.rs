@@ -26,7 +26,7 @@ use association::distance::squared2;
 use messages::{NS_PER_S, SensorTrack};
 use serde::{Deserialize, Serialize};
 
-use crate::settings::SourceSettings;
+use crate::settings::{SourceSet, SourceSettings};
 
 /// Number of reports in the table.
 const PLACES: usize = 4096;
@@ -164,27 +164,28 @@ impl Dependence {
         partners
     }
 
-    /// Whether a source is an independent witness beside the sources in `others`, given as bits: a source with shared
+    /// Whether a source is an independent witness beside the sources in `others`: a source with shared
     /// errors repeats the measurements and the false tracks of the others.
-    pub(crate) fn is_witness_beside(&self, source: u16, others: u64) -> bool {
+    pub(crate) fn is_witness_beside(&self, source: u16, others: SourceSet) -> bool {
         let count = self.groups.len();
         let shares = |one: usize, other: usize| {
             let index = one * count + other;
             self.may_depend[index] && self.differences[index].iter().any(|mean| *mean < SHARED_ERRORS)
         };
         let own = usize::from(source);
-        (0..count)
-            .filter(|other| others & 1 << other != 0)
-            .all(|other| !shares(own, other) && !shares(other, own))
+        let mut others = others.iter().map(usize::from);
+        others.all(|other| !shares(own, other) && !shares(other, own))
     }
 
-    /// How many of the sources in `sources`, given as bits, bear witness beside each other.
-    pub(crate) fn witnesses_among(&self, sources: u64) -> u32 {
-        let heard = (0..self.groups.len() as u16).filter(|source| sources & 1 << source != 0);
-        let witnesses = heard.fold(0u64, |before, source| {
-            before | u64::from(self.is_witness_beside(source, before)) << source
-        });
-        witnesses.count_ones()
+    /// How many of the sources in `sources` bear witness beside each other.
+    pub(crate) fn witnesses_among(&self, sources: SourceSet) -> u32 {
+        let mut witnesses = SourceSet::EMPTY;
+        for source in sources.iter() {
+            if self.is_witness_beside(source, witnesses) {
+                witnesses.insert(source);
+            }
+        }
+        witnesses.count()
     }
 
     /// Learns from a report in the source's original form.
@@ -384,8 +385,11 @@ mod tests {
                 dependence.compare(&moving(1, off_m), &moving(0, 0.0));
             }
             assert_eq!(dependence.group_of(1), 1, "the filter takes both");
-            assert_eq!(dependence.witnesses_among(0b11), witnesses);
-            assert_eq!(dependence.witnesses_among(0b111), witnesses + 1);
+            assert_eq!(dependence.witnesses_among([0, 1].into_iter().collect()), witnesses);
+            assert_eq!(
+                dependence.witnesses_among([0, 1, 2].into_iter().collect()),
+                witnesses + 1
+            );
         }
     }
 }

@@ -7,6 +7,7 @@ use crate::credibility::Judgement;
 use crate::height_errors::HeightApart;
 use crate::innovation::FilterInnovation;
 use crate::measurement::{Correction, Measurement, gaussian_of};
+use crate::settings::SourceSet;
 use crate::tracker_gain::GainEvidence;
 
 /// The latest report of a sensor track, corrected as fusion uses the report.
@@ -109,10 +110,10 @@ pub struct FollowedTarget {
     pub place_m: [f64; AXES],
     /// Probability that there is a target.
     pub existence: f64,
-    /// Sources that follow the target, as bits.
-    pub follows: u64,
-    /// Sources that can be expected to follow the target, or do, as bits.
-    pub asked: u64,
+    /// Sources that follow the target.
+    pub follows: SourceSet,
+    /// Sources that can be expected to follow the target, or do.
+    pub asked: SourceSet,
 }
 
 /// A fact about the sources.

@@ -11,7 +11,7 @@ use crate::motion::Motion;
 use crate::points::Points;
 use crate::registration::SourceErrors;
 use crate::rhythm::Rhythm;
-use crate::settings::{AssociationSettings, CoverageArea, Settings, SourceSettings};
+use crate::settings::{AssociationSettings, CoverageArea, Settings, SourceSet, SourceSettings};
 use crate::source_model::SourceModel;
 use crate::sources::{Sources, place_of};
 
@@ -85,8 +85,8 @@ impl Sources {
         self.lifetimes.silence_at(rhythm, usual_ns)
     }
 
-    /// Time without a report after which a confirmed track of these sources (bits) ends, nanoseconds.
-    pub fn silence_of(&self, sources: u64) -> i64 {
+    /// Time without a report after which a confirmed track of these sources ends, nanoseconds.
+    pub fn silence_of(&self, sources: SourceSet) -> i64 {
         self.lifetimes.silence_of(sources)
     }
 
@@ -414,13 +414,13 @@ impl Sources {
         self.dependence.group_of(source)
     }
 
-    /// Whether a source is a witness beside others (bits), without errors in common.
-    pub fn is_witness_beside(&self, source: u16, others: u64) -> bool {
+    /// Whether a source is a witness beside others, without errors in common.
+    pub fn is_witness_beside(&self, source: u16, others: SourceSet) -> bool {
         self.dependence.is_witness_beside(source, others)
     }
 
-    /// How many of these sources (bits) bear witness beside each other.
-    pub fn witnesses_among(&self, sources: u64) -> u32 {
+    /// How many of these sources bear witness beside each other.
+    pub fn witnesses_among(&self, sources: SourceSet) -> u32 {
         self.dependence.witnesses_among(sources)
     }
 

@@ -126,7 +126,7 @@ impl Sources {
     fn learn_coverage(&mut self, target: &FollowedTarget) {
         let Self { coverage, moving, .. } = self;
         let [x, y, _] = target.place_m;
-        let detects = |source: u16| (target.asked & (1 << source) != 0).then_some(target.follows & (1 << source) != 0);
+        let detects = |source: u16| target.asked.contains(source).then_some(target.follows.contains(source));
         coverage.learn([x, y], target.existence, |source| {
             detects(source).filter(|_| !moving.moves(source))
         });

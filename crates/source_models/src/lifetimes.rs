@@ -17,7 +17,7 @@ use crate::gaps::Gaps;
 use crate::median::Median;
 use crate::restarts::Restarts;
 use crate::rhythm::Rhythm;
-use crate::settings::{FRESH_PERIODS, LifeSettings, SourceSettings};
+use crate::settings::{FRESH_PERIODS, LifeSettings, SourceSet, SourceSettings};
 
 /// Time allowed for a source's second report of a track, nanoseconds: slower sources are rare.
 const PATIENCE_NS: i64 = 60_000_000_000;
@@ -38,7 +38,7 @@ pub(crate) struct Lifetimes {
     /// The gaps of each source; empty with a configured life time.
     gaps: Vec<Gaps>,
     /// Sources with a configured validity time of reports, as bits.
-    states_fresh: u64,
+    states_fresh: SourceSet,
     /// Time without a report after which a tentative track ends, nanoseconds.
     pub(crate) tentative_ns: i64,
     /// Least time without a report after which a confirmed track ends, nanoseconds.
@@ -83,7 +83,8 @@ impl Lifetimes {
             states_fresh: (0..)
                 .zip(sources)
                 .filter(|(_, source)| source.states_fresh)
-                .fold(0, |bits, (number, _)| bits | 1 << number),
+                .map(|(number, _)| number)
+                .collect(),
             tentative_ns: 0,
             terminate_ns: 0,
             restarts: Restarts::new(sources.len()),
@@ -102,7 +103,7 @@ impl Lifetimes {
     /// the previous report.
     #[inline]
     pub(crate) fn learn_rhythm(&self, rhythm: &mut Rhythm, (source, is_named): (u16, bool), interval_ns: i64) {
-        if self.states_fresh & (1 << source) == 0 {
+        if !self.states_fresh.contains(source) {
             rhythm.learn(interval_ns, self.fresh_ns(source), is_named);
         }
     }
@@ -150,10 +151,11 @@ impl Lifetimes {
         }
     }
 
-    /// Time without a report after which a confirmed track of these sources (bits) ends, nanoseconds.
-    pub(crate) fn silence_of(&self, sources: u64) -> i64 {
-        (0..self.fresh_ns.len() as u16)
-            .filter(|source| sources & (1 << source) != 0)
+    /// Time without a report after which a confirmed track of these sources ends, nanoseconds.
+    pub(crate) fn silence_of(&self, sources: SourceSet) -> i64 {
+        sources
+            .iter()
+            .filter(|source| usize::from(*source) < self.fresh_ns.len())
             .map(|source| self.silence_ns(source))
             .max()
             .unwrap_or(self.terminate_ns)
@@ -281,13 +283,18 @@ mod tests {
         let mut settings = test_settings(2);
         let mut lifetimes = Lifetimes::new(&settings.life, &settings.sources);
         (0..10).for_each(|_| lifetimes.learn_gap(1, 30 * S));
-        let [one, other, both, all] = [0b01, 0b10, 0b11, u64::MAX].map(|sources| lifetimes.silence_of(sources));
+        let both = SourceSet::of(0) | SourceSet::of(1);
+        let sets = [SourceSet::of(0), SourceSet::of(1), both, SourceSet::ALL];
+        let [one, other, both, all] = sets.map(|sources| lifetimes.silence_of(sources));
         assert_eq!((one, both, all), (20 * S, other, other));
         assert!((30 * S..45 * S).contains(&other), "{other}");
         settings.life.terminate_s = Some(Seconds::of_ns(5 * S));
         let mut stated = Lifetimes::new(&settings.life, &settings.sources);
         stated.learn_gap(1, 30 * S);
-        assert_eq!((stated.silence_ns(1), stated.silence_of(0b10)), (5 * S, 5 * S));
+        assert_eq!(
+            (stated.silence_ns(1), stated.silence_of(SourceSet::of(1))),
+            (5 * S, 5 * S)
+        );
     }
 
     #[test]

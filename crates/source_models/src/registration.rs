@@ -68,6 +68,7 @@ use crate::registration::rows::{NormalMatrix, TIME};
 use crate::registration::sensitivity::{Sensitivity, Weighted, add_vector};
 use crate::registration::significance::PointsVariance;
 use crate::registration::steps::{FormerErrors, MISLED_TICKS, Seed, StepSearch};
+use crate::settings::SourceSet;
 use crate::stamps::StampError;
 
 pub use crate::registration::errors::SourceErrors;
@@ -141,7 +142,7 @@ kept! {
     #[derive(Clone, Copy, Debug)]
     pub(crate) struct KeptErrors {
         known: SourceErrors,
-        partners: u64,
+        partners: [u64; 2],
         contradicted: f64,
         fit: f64,
         ticks: u32,
@@ -153,8 +154,8 @@ kept! {
 pub(crate) struct Registration {
     sources: Vec<SourceErrors>,
     pairs: Vec<SourcePair>,
-    /// Compared partners of each source, as bits.
-    partners: Vec<u64>,
+    /// Compared partners of each source.
+    partners: Vec<SourceSet>,
     /// Share of contradicting differences among the latest differences of each source.
     contradicted: Vec<f64>,
     /// Mean square per axis of each source's latest residual differences, relative to the expected square.
@@ -196,7 +197,7 @@ impl Registration {
         let unknown = SourceErrors::unknown();
         Self {
             pairs: vec![EMPTY; sources * sources],
-            partners: vec![0; sources],
+            partners: vec![SourceSet::EMPTY; sources],
             contradicted: vec![0.0; sources],
             fits: vec![1.0; sources],
             places_m: vec![None; sources],
@@ -224,7 +225,7 @@ impl Registration {
     pub(crate) fn kept(&self, source: usize) -> KeptErrors {
         KeptErrors {
             known: self.sources[source],
-            partners: self.partners[source],
+            partners: self.partners[source].bits(),
             contradicted: self.contradicted[source],
             fit: self.fits[source],
             ticks: self.ticks[source],
@@ -234,7 +235,7 @@ impl Registration {
     /// Resumes from the stored state of a source.
     pub(crate) fn resume(&mut self, source: usize, kept: &KeptErrors) {
         self.sources[source] = kept.known;
-        self.partners[source] = kept.partners;
+        self.partners[source] = SourceSet::of_bits(kept.partners);
         self.contradicted[source] = kept.contradicted;
         self.fits[source] = kept.fit;
         self.ticks[source] = kept.ticks;
@@ -537,7 +538,7 @@ impl Registration {
         of_own.add_product(weighted, &mut pair.own);
         of_other.add_product(weighted, &mut pair.cross);
         add_vector(weighted, difference, &mut pair.right);
-        self.partners[usize::from(own)] |= 1 << other;
+        self.partners[usize::from(own)].insert(other);
         self.sources[usize::from(own)].samples += 1.0;
     }
 
@@ -577,9 +578,16 @@ impl Registration {
         self.doubt();
     }
 
+    /// Returns the compared partners of a source.
+    fn partners_of(&self, own: usize) -> impl Iterator<Item = usize> + use<> {
+        self.partners[own].iter().map(usize::from)
+    }
+
     /// Returns the mean squared speed of the targets in the comparisons of a source, m²/s²; at least 1.
     fn mean_squared_speed(&self, own: usize) -> f64 {
-        let pairs = partners(self.partners[own]).map(|other| &self.pairs[own * self.sources.len() + other].own);
+        let pairs = self
+            .partners_of(own)
+            .map(|other| &self.pairs[own * self.sources.len() + other].own);
         let (speeds, weights) = pairs.fold((0.0, 0.0), |(speeds, weights), sums| {
             (speeds + sums[(TIME, TIME)], weights + sums[(0, 0)])
         });
@@ -590,15 +598,6 @@ impl Registration {
 /// Returns whether a vector is no longer than `limit`.
 fn is_within([x, y]: [f64; 2], limit: f64) -> bool {
     x * x + y * y <= limit * limit
-}
-
-/// Returns the sources in the bit set `bits`, in rising order.
-fn partners(mut bits: u64) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let source = bits.trailing_zeros() as usize;
-        bits &= bits.wrapping_sub(1);
-        (source < u64::BITS as usize).then_some(source)
-    })
 }
 
 #[cfg(test)]

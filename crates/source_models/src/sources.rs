@@ -19,7 +19,7 @@ use crate::pressure::PressureOffsets;
 use crate::purity::Purity;
 use crate::registration::{ClockError, Registration};
 use crate::sampling::Sampling;
-use crate::settings::{AccuracyBase, Settings, SourceSettings};
+use crate::settings::{AccuracyBase, Settings, SourceSet, SourceSettings};
 use crate::source_model::SourceModel;
 use crate::stamps::Stamps;
 use crate::step_memory::StepMemory;
@@ -57,7 +57,7 @@ pub struct Sources {
     /// Usual factor between true and stated covariances without indication of a filter.
     pub(crate) usual_claim: f64,
     /// Sources set aside at the last look, as bits.
-    pub(crate) was_set_aside: u64,
+    pub(crate) was_set_aside: SourceSet,
     pub(crate) before_step: StepMemory,
     /// Which reports teach.
     pub(crate) sampling: Sampling,
@@ -105,7 +105,7 @@ impl Sources {
             clocks: vec![ClockError::default(); count],
             corrects_clocks: false,
             usual_claim: 1.0,
-            was_set_aside: 0,
+            was_set_aside: SourceSet::EMPTY,
             before_step: StepMemory::new(count),
             sampling: Sampling::new(count),
             stamps: vec![Stamps::default(); count],

@@ -21,7 +21,7 @@ use crate::summary::Summary;
 /// Longest recorded latency, nanoseconds: ten minutes.
 pub const VALUE_MAX_NS: u64 = 600_000_000_000;
 /// Maximum number of sources with own histograms.
-pub const SOURCES_MAX: usize = 64;
+pub const SOURCES_MAX: usize = 128;
 /// Source number under which sources beyond the maximum are recorded together.
 pub const OTHER_SOURCES: u16 = NO_SOURCE;
 

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 const TARGETS_MAX: u32 = 1_000_000;
 const PROCESS_TARGETS_MAX: u32 = 100_000;
 const SENSOR_TRACKS_MAX: u64 = 8_000_000;
-const SOURCES_MAX: u16 = 64;
+const SOURCES_MAX: u16 = 128;
 /// Maximum number of reports in a slice of a sensor's topic.
 const BATCH_MAX: usize = 64;
 /// Range of rates, reports per second.
@@ -255,7 +255,7 @@ mod tests {
         refused(|s| s.targets = 0, "--targets 0");
         refused(|s| s.targets = 100_001, "--targets 100001");
         refused(|s| s.targets = 1_000_001, "--targets 1000001");
-        refused(|s| s.sources = 65, "--sources 65");
+        refused(|s| s.sources = 129, "--sources 129");
         refused(|s| (s.targets, s.sources) = (1_000_000, 9), "9000000 sensor tracks");
         let many = Settings {
             targets: 1_000_000,

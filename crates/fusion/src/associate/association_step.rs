@@ -20,7 +20,7 @@ use messages::{Covariance, Identity, NS_PER_S, SensorTrack, TrackState, sensor_t
 use source_models::{SILENT, gaussian_of};
 
 use crate::associate::identity;
-use crate::settings::Settings;
+use crate::settings::{Settings, SourceSet};
 use crate::tables::sensor_tracks::{NO_SYSTEM, SensorEntry, SensorSlot};
 use crate::tables::system_tracks::{Bond, SystemSlot};
 use crate::tables::tracks::Tracks;
@@ -166,7 +166,7 @@ impl Search<'_> {
         let sources = self.tracks.sources_of(duplicate, now_ns);
         let mut second = f64::INFINITY;
         self.alike(own, now_ns, spread_m2, |system, d2| {
-            if system != duplicate && self.tracks.sources_of(system, now_ns) & sources != 0 {
+            if system != duplicate && self.tracks.sources_of(system, now_ns).meets(sources) {
                 second = second.min(d2);
             }
         });
@@ -192,10 +192,7 @@ impl Search<'_> {
     pub(crate) fn is_shown_elsewhere(&self, own: SystemSlot, now_ns: i64) -> bool {
         let sources = self.tracks.sources_of(own, now_ns);
         let is_doubtful = |source: u16| self.tracks.sources.is_doubtful(source);
-        if !(0..u64::BITS as u16)
-            .filter(|source| sources & (1 << source) != 0)
-            .all(is_doubtful)
-        {
+        if !sources.iter().all(is_doubtful) {
             return false;
         }
         self.is_shown_within(own, now_ns, self.settings.identity.reach_m)
@@ -215,8 +212,7 @@ impl Search<'_> {
     /// - All sensor tracks of `own` have just left another system track, where their stated accuracy was wrong.
     pub(crate) fn is_shown_aside(&self, own: SystemSlot, now_ns: i64, is_new: bool) -> bool {
         let sources = self.tracks.sources_of(own, now_ns);
-        let of_own = |source: &u16| sources & (1 << source) != 0;
-        let mut own_sources = (0..self.settings.sources.len() as u16).filter(of_own);
+        let mut own_sources = sources.iter();
         let is_acquainted = |source| self.tracks.sources.is_acquainted(source);
         let is_comparable = own_sources
             .clone()
@@ -240,10 +236,10 @@ impl Search<'_> {
         self.is_shown_within(own, now_ns, reach_m)
     }
 
-    /// Sources with a track of their own that may be [another point](Self::points_aside) of the target of `own`, as
-    /// bits: their silence here is no evidence.
-    pub(crate) fn sources_aside(&self, own: SystemSlot, now_ns: i64) -> u64 {
-        let mut aside = 0;
+    /// Sources with a track of their own that may be [another point](Self::points_aside) of the target of `own`:
+    /// their silence here is no evidence.
+    pub(crate) fn sources_aside(&self, own: SystemSlot, now_ns: i64) -> SourceSet {
+        let mut aside = SourceSet::EMPTY;
         self.points_aside(own, now_ns, |system| aside |= self.tracks.sources_of(system, now_ns));
         aside
     }
@@ -308,10 +304,7 @@ impl Search<'_> {
         let sources = self.tracks.sources_of(own, now_ns);
         let began_ns = self.tracks.systems.get(own).first_seen_ns;
         let has_restarted = |source: u16| known.has_restarted_before(source, began_ns);
-        if !(0..u64::BITS as u16)
-            .filter(|source| sources & (1 << source) != 0)
-            .all(has_restarted)
-        {
+        if !sources.iter().all(has_restarted) {
             return false;
         }
         let state = self.state(own, now_ns);
@@ -321,7 +314,7 @@ impl Search<'_> {
             let mut members = self.tracks.member_entries(system);
             is_shown |= matches!(life, TrackState::Confirmed | TrackState::Coasted)
                 && members.any(|(_, member)| {
-                    sources & (1 << member.source) != 0 && known.is_before_restart(member.source, member.time_ns)
+                    sources.contains(member.source) && known.is_before_restart(member.source, member.time_ns)
                 });
         });
         is_shown
@@ -361,7 +354,7 @@ impl Search<'_> {
             .systems
             .grid
             .near(x, y, reach_m, SEARCH_CELLS_MAX, |system| {
-                if system == own || self.tracks.sources_of(system, now_ns) & sources != 0 {
+                if system == own || self.tracks.sources_of(system, now_ns).meets(sources) {
                     return;
                 }
                 let other = self.tracks.systems.get(system);

@@ -19,7 +19,7 @@ use crate::associate::association_step::Search;
 use crate::associate::crossing::{self, CROSSED};
 use crate::explanation::Sink;
 use crate::publish::outlet::Outlet;
-use crate::settings::Settings;
+use crate::settings::{Settings, SourceSet};
 use crate::tables::sensor_tracks::{NO_SYSTEM, Role, SensorSlot};
 use crate::tables::system_tracks::{Bond, SystemEntry, SystemSlot};
 use crate::tables::tracks::Tracks;
@@ -145,7 +145,7 @@ impl Linking<'_> {
             entry.is_foreign
         };
         let entry = self.tracks.systems.get_mut(system);
-        (entry.is_foreign, entry.contributors) = (is_foreign, 1 << source);
+        (entry.is_foreign, entry.contributors) = (is_foreign, SourceSet::of(source));
         out.decision(&self.tracks.decision(sensor, DecisionKind::Started, f64::NAN, f64::NAN));
         self.tracks.assign_role(sensor);
         true
@@ -322,12 +322,12 @@ impl Linking<'_> {
     fn look_for_duplicate<S: Sink>(
         &mut self,
         system: SystemSlot,
-        (now_ns, sources): (i64, u64),
+        (now_ns, sources): (i64, SourceSet),
         out: &mut Outlet<'_, S>,
     ) -> Next {
         let entry = self.tracks.systems.get(system);
         let complete = self.settings.sources.len() as u32;
-        if now_ns < entry.duplicate_due_ns || sources.count_ones() >= complete {
+        if now_ns < entry.duplicate_due_ns || sources.count() >= complete {
             return Next::Done;
         }
         let found = self.search().duplicate(system, now_ns).map(|(duplicate, d2)| {

@@ -8,6 +8,7 @@ use source_models::gaussian_of;
 
 use crate::associate::association_step::Search;
 use crate::associate::identity::{self, DECIDES, Name};
+use crate::settings::SourceSet;
 use crate::tables::sensor_tracks::{NO_SYSTEM, SensorEntry, SensorSlot};
 use crate::tables::system_tracks::{Bond, SystemSlot};
 
@@ -68,7 +69,7 @@ impl Search<'_> {
             .find_map(|member| self.namesake(member))
             .filter(|(system, _)| {
                 let both = [own, *system].map(|slot| self.tracks.systems.get(slot));
-                self.tracks.sources_of(*system, now_ns) & sources == 0
+                !self.tracks.sources_of(*system, now_ns).meets(sources)
                     && both.iter().all(|entry| entry.bond == Bond::Free)
                     && !self.are_two_targets(own, *system)
             })
@@ -77,7 +78,7 @@ impl Search<'_> {
     /// Returns whether a name (a Mode 3/A code is its own [`Name`]) is rare around a place at `now_ns`: no list has
     /// it, and no source has two fresh tracks with it there. Codes are used again far away.
     pub(crate) fn is_rare(&self, name: Name, place_m: [f64; 2], now_ns: i64) -> bool {
-        let mut sources = 0;
+        let mut sources = SourceSet::EMPTY;
         let around_m = RIVALS * self.settings.identity.reach_m;
         let Some(carriers) = self.tracks.sensors.names.carriers(name).filter(|_| name != 0) else {
             return false;
@@ -91,9 +92,8 @@ impl Search<'_> {
                 self.tracks.is_fresh(entry, now_ns) && east_m * east_m + north_m * north_m <= around_m * around_m
             });
         let is_first = |entry: &SensorEntry| {
-            let bit = 1_u64 << entry.source;
-            let is_first = sources & bit == 0;
-            sources |= bit;
+            let is_first = !sources.contains(entry.source);
+            sources.insert(entry.source);
             is_first
         };
         rivals.all(is_first) && !self.is_shared_code(name)

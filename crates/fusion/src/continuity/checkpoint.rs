@@ -38,11 +38,9 @@ pub use kept::{Memory, MemoryRefusal};
 use crate::settings::{Capacity, SourceSettings};
 
 /// Version of the records; increase with each change of their contents.
-const FORMAT: u64 = 13;
+const FORMAT: u64 = 14;
 /// Word that names the report in work, as [`report_key`](super::suspects::report_key) does; 0 before the first report.
 pub const IN_WORK: usize = HEAD;
-/// Most words of a record's contents.
-const RECORD_MAX: usize = 144;
 /// Records that a kill can leave torn.
 const TORN_MAX: usize = 1;
 
@@ -149,7 +147,6 @@ impl CheckpointLayout {
                 RecordKind::Cells => sizes.cells,
                 RecordKind::Orders => sizes.orders,
             };
-            debug_assert!(words <= RECORD_MAX);
             let area = RecordArea { first, places, words };
             first += area.len();
             area
@@ -190,7 +187,7 @@ pub(crate) struct CheckpointWriter {
     /// Next record of the round: index of the kind, and place.
     turn: (usize, usize),
     /// The record that is being written.
-    words: Box<[u64; RECORD_MAX]>,
+    words: Box<[u64]>,
 }
 
 impl CheckpointWriter {
@@ -202,13 +199,14 @@ impl CheckpointWriter {
             places - area.places
         });
         mark(memory.words(), layout.fingerprint());
+        let longest = layout.areas.iter().map(|area| area.words).max();
         Self {
             memory,
             layout,
             times: vec![0; places],
             begins,
             turn: (0, 0),
-            words: Box::new([0; RECORD_MAX]),
+            words: vec![0; longest.unwrap_or_default()].into(),
         }
     }
 

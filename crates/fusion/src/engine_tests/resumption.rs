@@ -12,6 +12,7 @@ use test_support::Random;
 
 use super::*;
 use crate::continuity::checkpoint::{CheckpointClock, Memory, MemoryRefusal, Snapshot};
+use crate::settings::SOURCES_MAX;
 
 /// Memory that outlives the engine.
 #[derive(Clone, Debug)]
@@ -88,6 +89,35 @@ fn shown(tracks: &[SystemTrack], into: &mut BTreeMap<u32, Vec<u32>>) {
             numbers.push(track.track_number);
         }
     }
+}
+
+#[test]
+fn as_many_sources_as_there_can_be_see_one_target_and_a_successor_knows_all() {
+    let sources = SOURCES_MAX as u16;
+    let mut settings = test_settings(usize::from(sources));
+    settings.capacity.sensor_tracks = Some(4 * SOURCES_MAX);
+    let (mut harness, memory) = kept(Harness::new(settings));
+    let take = |harness: &mut Harness, scans: std::ops::Range<u32>| {
+        for scan in scans {
+            for source in 0..sources {
+                let time_s = f64::from(scan) + 0.007 * f64::from(source);
+                harness.take(&report(source, 7, time_s, [0.0; 2], [100.0, 0.0]));
+            }
+        }
+    };
+    take(&mut harness, 0..8);
+    let last = *harness.published.last().unwrap();
+    assert_eq!(last.source_count, sources);
+    assert_eq!(harness.live(), 1);
+    let (mut next, _) = successor(harness, &memory, false);
+    take(&mut next, 8..12);
+    let shown = next.published.last().unwrap();
+    assert_eq!(
+        (shown.track_number, shown.source_count, next.live()),
+        (last.track_number, sources, 1)
+    );
+    let contributors = next.engine.tracks.systems.get(0).contributors;
+    assert!(contributors.iter().eq(0..sources));
 }
 
 #[test]

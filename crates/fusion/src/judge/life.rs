@@ -24,7 +24,7 @@ use crate::explanation::Sink;
 use crate::judge::existence::{SingleSourceClaim, awaited, probability};
 use crate::publish::outlet::Outlet;
 use crate::publish::system_track_message::{publish_change, publish_extrapolated};
-use crate::settings::{Settings, SourceSettings};
+use crate::settings::{Settings, SourceSet, SourceSettings};
 use crate::tables::sensor_tracks::SensorEntry;
 use crate::tables::silent_tracks::SUSPENDED_MAX;
 use crate::tables::system_tracks::SystemSlot;
@@ -195,14 +195,14 @@ pub(crate) fn update_existence<S: Sink>(
 
 /// Weighs the evidence for the target of a system track.
 fn evidence(settings: &Settings, tracks: &Tracks, system: SystemSlot, now_ns: i64) -> ExistenceEvidence {
-    let (mut sources, mut reports, mut is_established) = (0u64, 0u32, false);
+    let (mut sources, mut reports, mut is_established) = (SourceSet::EMPTY, 0u32, false);
     for member in tracks.contributing(system, now_ns) {
         let entry = tracks.sensors.get(member);
         if entry.is_foreign && entry.latest.state == TrackState::Confirmed as u8 {
             // Another centre confirms the track, with any number of sensors.
             return ExistenceEvidence::certain(f64::NAN);
         }
-        sources |= 1 << entry.source;
+        sources.insert(entry.source);
         is_established |= tracks.is_established(member);
         reports = reports.saturating_add(entry.reports);
     }
@@ -220,10 +220,9 @@ fn evidence(settings: &Settings, tracks: &Tracks, system: SystemSlot, now_ns: i6
         return ExistenceEvidence::certain(f64::from(witnesses));
     }
     let (silence, had_their_chance) = silence_of_others(settings, tracks, (system, now_ns), sources);
-    let (purity, awaited) = match witnesses {
+    let (purity, awaited) = match (witnesses, sources.iter().next()) {
         // A single source, not a copy of another source.
-        1 => {
-            let source = sources.trailing_zeros() as u16;
+        (1, Some(source)) => {
             let period_s = settings.sources[usize::from(source)].period_ns as f64 / NS_PER_S;
             let false_share = tracks.sources.false_share(source);
             (tracks.sources.target_log_odds(source), awaited(period_s, false_share))
@@ -277,20 +276,19 @@ fn silence_of_others(
     settings: &Settings,
     tracks: &Tracks,
     (system, now_ns): (SystemSlot, i64),
-    sources: u64,
+    sources: SourceSet,
 ) -> (f64, bool) {
     let entry = tracks.systems.get(system);
     let (filter, age_ns) = (&entry.filter, (now_ns - entry.first_seen_ns) as f64);
-    let groups = |bits: u64, source: u16| bits | 1 << tracks.sources.group_of(source);
-    let heard = (0..settings.sources.len() as u16)
-        .filter(|source| sources & (1 << source) != 0)
-        .fold(0, groups);
+    let group_of = |source: u16| tracks.sources.group_of(source);
+    let heard: SourceSet = sources.iter().map(group_of).collect();
     let aside = Search { settings, tracks }.sources_aside(system, now_ns);
     let (mut silence, mut had_their_chance) = (0.0, true);
     for (index, source) in settings.sources.iter().enumerate() {
         // The silence of a source about a target above the source's ceiling is no evidence.
         let may_see = !source.is_out && (!filter.has_height || filter.estimate.mean[2] <= source.ceiling_m);
-        let is_silent = (groups(0, index as u16) & heard) | (aside & 1 << index) == 0
+        let is_silent = !heard.contains(group_of(index as u16))
+            && !aside.contains(index as u16)
             && tracks.sources.is_witness_beside(index as u16, sources);
         if is_silent && may_see && !source.is_centre {
             let place_m = filter.estimate.position_m();
@@ -318,18 +316,16 @@ fn learn_coverage(settings: &Settings, tracks: &mut Tracks, (system, now_ns): (S
     let place_m = entry.filter.estimate.position_m();
     let [x, y, _] = place_m;
     // A source with another track near by may follow the target there: the source is left out.
-    let mut near = 0;
+    let mut near = SourceSet::EMPTY;
     tracks.systems.grid.near(x, y, NEAR_M, SEARCH_CELLS_MAX, |other| {
         near |= tracks.sources_of(other, now_ns);
     });
-    let is_known = |source: usize, settings: &SourceSettings| {
-        let is_asked = near & (1 << source) == 0 && age_ns >= settings.period_ns;
-        !settings.is_out && (sources & (1 << source) != 0 || is_asked)
+    let is_known = |(source, settings): &(u16, &SourceSettings)| {
+        let is_asked = !near.contains(*source) && age_ns >= settings.period_ns;
+        !settings.is_out && (sources.contains(*source) || is_asked)
     };
-    let all = settings.sources.iter().enumerate();
-    let asked = all.fold(0u64, |bits, (source, settings)| {
-        bits | u64::from(is_known(source, settings)) << source
-    });
+    let known = (0..).zip(&settings.sources).filter(is_known);
+    let asked = known.map(|(source, _)| source).collect();
     let target = FollowedTarget {
         time_ns: now_ns,
         place_m,
@@ -360,7 +356,7 @@ fn count_target_if_sure(settings: &Settings, tracks: &mut Tracks, system: System
         return;
     }
     tracks.systems.get_mut(system).is_counted = true;
-    for source in (0..u64::BITS as u16).filter(|source| sources & (1 << source) != 0) {
+    for source in sources.iter() {
         tracks.sources.learn(
             settings,
             Fact::Target(TargetFact::Proved {
@@ -374,9 +370,10 @@ fn count_target_if_sure(settings: &Settings, tracks: &mut Tracks, system: System
 /// Counts a system track of a single source as no target, once, after the end of its reports.
 fn count_false(settings: &Settings, tracks: &mut Tracks, system: SystemSlot) {
     let entry = tracks.systems.get_mut(system);
-    if !entry.is_counted && entry.contributors.count_ones() == 1 {
+    let mut contributors = entry.contributors.iter();
+    let only = contributors.next().filter(|_| contributors.next().is_none());
+    if let Some(source) = only.filter(|_| !entry.is_counted) {
         entry.is_counted = true;
-        let source = entry.contributors.trailing_zeros() as u16;
         tracks.sources.learn(
             settings,
             Fact::Target(TargetFact::Proved {

@@ -13,7 +13,7 @@ use crate::publish::outlet::Outlet;
 use crate::publish::system_track_message::{list_silent_centres, weight, write};
 use crate::publish::weighing::{Weighed, Weigher};
 use crate::rules::{self, Candidate, RuleEntry, RuleFunction, RuleMethod};
-use crate::settings::{AccuracyBase, BorderSettings, Settings, SourceSettings};
+use crate::settings::{AccuracyBase, BorderSettings, Settings, SourceSet, SourceSettings};
 use crate::tables::description::Description;
 use crate::tables::sensor_tracks::SensorSlot;
 use crate::tables::system_tracks::SystemSlot;
@@ -319,7 +319,10 @@ impl TrackPublisher {
                 ..Candidate::default()
             };
             let knows = centre.latest.has(sensor_track_bits::CONTRIBUTORS);
-            shares_none &= knows && centre.latest.shared_sources & entry.contributors == 0;
+            shares_none &= knows
+                && !entry
+                    .contributors
+                    .meets(SourceSet::of_bits([centre.latest.shared_sources, 0]));
             centres[count] = (member, candidate);
             count += 1;
         }
@@ -354,12 +357,12 @@ impl TrackPublisher {
     }
 }
 
-/// Lists, after the contributions, `contributors` (sources, as bits) without a present contribution: their information
+/// Lists, after the contributions, `contributors` without a present contribution: their information
 /// is in the state.
-fn list_contributors(message: &mut SystemTrack, sources: &[SourceSettings], contributors: u64) {
+fn list_contributors(message: &mut SystemTrack, sources: &[SourceSettings], contributors: SourceSet) {
     for (number, source) in (0..).zip(sources) {
         let is_listed = message.contributions().iter().any(|listed| listed.source == number);
-        if contributors & 1 << number == 0 || is_listed {
+        if !contributors.contains(number) || is_listed {
             continue;
         }
         message.source_count += 1;

@@ -16,6 +16,7 @@ use crate::judge::existence::probability;
 use crate::places::{self, TablePlace};
 use crate::publish::border::Ownership;
 use crate::rules::RuleMemory;
+use crate::settings::SourceSet;
 use crate::state::State;
 use crate::tables::description::Description;
 use crate::tables::number_hasher::{NumberHasher, table};
@@ -88,8 +89,8 @@ pub(crate) struct SystemEntry {
     pub(crate) has_led_off: bool,
     /// Whether measurements of a detection point that may have leapt wait.
     pub(crate) awaits_leap: bool,
-    /// Sources used by the filter, as bits.
-    pub(crate) contributors: u64,
+    /// Sources used by the filter.
+    pub(crate) contributors: SourceSet,
     /// Number of another system track that seems to be the same target, and the number of successive findings.
     pub(crate) duplicate: Option<(u32, u32)>,
     /// Time of the next check for such a track, nanoseconds.
@@ -241,7 +242,7 @@ impl SystemEntry {
             is_known: kept.identity.unique_number().is_some() || !kept.was_shown,
             was_shown: kept.was_shown,
             is_counted: kept.was_shown,
-            contributors: u64::MAX,
+            contributors: SourceSet::ALL,
             reports: kept.reports,
             extrapolations: 0,
             last_report_ns: kept.last_report_ns,
@@ -281,7 +282,7 @@ impl SystemEntry {
             is_foreign: false,
             has_led_off: false,
             awaits_leap: false,
-            contributors: 0,
+            contributors: SourceSet::EMPTY,
             duplicate: None,
             duplicate_due_ns: i64::MIN,
             coverage_due_ns: i64::MIN,

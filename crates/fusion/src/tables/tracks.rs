@@ -8,7 +8,7 @@ use source_models::{Fact, Measurement, PairFact, Rhythm, Sources};
 
 use crate::continuity::checkpoint::{CheckpointWriter, RecordKind};
 use crate::continuity::numbering;
-use crate::settings::Settings;
+use crate::settings::{Settings, SourceSet};
 use crate::tables::former_members::FormerMembers;
 use crate::tables::sensor_tracks::{MemberEntries, MemberLink, NO_SYSTEM, Role, SensorEntry, SensorSlot, SensorTracks};
 use crate::tables::system_tracks::{SystemEntry, SystemSlot, SystemTracks};
@@ -309,24 +309,22 @@ impl Tracks {
             .map(|(member, _)| member)
     }
 
-    /// The sources that contribute to a system track, as bits, without sources with tracks from before a restart.
-    pub(crate) fn sources_of(&self, system: SystemSlot, now_ns: i64) -> u64 {
-        let mut bits = 0;
-        for (_, entry) in self.contributing_entries(system, now_ns) {
-            let is_before = self.sources.is_before_restart(entry.source, entry.time_ns);
-            bits |= u64::from(!is_before) << entry.source;
-        }
-        bits
+    /// The sources that contribute to a system track, without sources with tracks from before a restart.
+    pub(crate) fn sources_of(&self, system: SystemSlot, now_ns: i64) -> SourceSet {
+        self.contributing_entries(system, now_ns)
+            .filter(|(_, entry)| !self.sources.is_before_restart(entry.source, entry.time_ns))
+            .map(|(_, entry)| entry.source)
+            .collect()
     }
 
-    /// The sources that contribute to the system track of `own`, as bits, and whether `own` alone contributes.
-    pub(crate) fn sources_beside(&self, own: SensorSlot, now_ns: i64) -> (u64, bool) {
-        let (mut bits, mut is_alone) = (0, true);
+    /// The sources that contribute to the system track of `own`, and whether `own` alone contributes.
+    pub(crate) fn sources_beside(&self, own: SensorSlot, now_ns: i64) -> (SourceSet, bool) {
+        let (mut sources, mut is_alone) = (SourceSet::EMPTY, true);
         for (member, entry) in self.contributing_entries(self.sensors.get(own).system, now_ns) {
-            bits |= 1 << entry.source;
+            sources.insert(entry.source);
             is_alone &= member == own;
         }
-        (bits, is_alone)
+        (sources, is_alone)
     }
 
     /// Whether `own` alone contributes to its system track.
@@ -475,7 +473,7 @@ impl Tracks {
         let system = self.systems.get_mut(entry.system);
         system.filter = TargetFilter::of_report(&entry.latest);
         system.is_foreign = entry.is_foreign;
-        system.contributors = 1 << entry.source;
+        system.contributors = SourceSet::of(entry.source);
         self.kept.forget(entry.system);
     }
 

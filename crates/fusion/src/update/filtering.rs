@@ -90,7 +90,7 @@ impl Engine {
         referred.is_usable &= self.settings.sources[usize::from(source)].is_registered
             || !self.is_known_better(system, source, measurement.variance_m2());
         let doubt_m2 = self.tracks.sources.doubt_m2(source);
-        if doubt_m2 > 0.0 && self.tracks.systems.get(system).contributors & !(1 << source) != 0 {
+        if doubt_m2 > 0.0 && self.tracks.systems.get(system).contributors.has_others_than(source) {
             referred.variance_m2 += doubt_m2;
         }
         let mut relative = *measurement;
@@ -135,7 +135,7 @@ impl Engine {
         let nis = innovation.squared.min(f64::from(f32::MAX));
         let target = self.tracks.systems.get_mut(system);
         target.nis = nis as f32;
-        target.contributors |= 1 << source;
+        target.contributors.insert(source);
         let velocity = [target.filter.estimate.mean[3], target.filter.estimate.mean[4]];
         let speed = (velocity[0] * velocity[0] + velocity[1] * velocity[1]).sqrt();
         if speed > COURSE_SPEED_MIN_MPS {
@@ -242,7 +242,7 @@ impl Engine {
     #[cold]
     fn is_known_better(&self, system: SystemSlot, source: u16, variance_m2: f64) -> bool {
         let target = self.tracks.systems.get(system);
-        target.contributors & !(1 << source) != 0 && KNOWN_BETTER * target.filter.variance_m2() < variance_m2
+        target.contributors.has_others_than(source) && KNOWN_BETTER * target.filter.variance_m2() < variance_m2
     }
 
     /// Returns whether the sensor track is the only contributor to the system track.

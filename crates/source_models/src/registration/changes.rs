@@ -13,7 +13,8 @@ use crate::registration::errors::{SAMPLES_MIN, SourceErrors};
 use crate::registration::recent::{Recent, SOLUTIONS_MIN, step_limit};
 use crate::registration::rows::{AZIMUTH, Errors, RANGE};
 use crate::registration::steps::{FormerErrors, MISLED_TICKS, Seed, Step, YOUNG_TICKS};
-use crate::registration::{EMPTY, Registration, TARGETS_MIN, partners};
+use crate::registration::{EMPTY, Registration, TARGETS_MIN};
+use crate::settings::SourceSet;
 
 /// Number of samples as which the innovations of a detected step count.
 const SEEDED_SAMPLES: f64 = 1.2 * SAMPLES_MIN;
@@ -28,12 +29,12 @@ impl Registration {
     /// Drops the estimate of a source and all sums behind it.
     pub(crate) fn forget(&mut self, own: usize) {
         let count = self.sources.len();
-        for other in partners(self.partners[own]) {
+        for other in self.partners_of(own) {
             self.pairs[own * count + other] = EMPTY;
             self.pairs[other * count + own] = EMPTY;
-            self.partners[other] &= !(1 << own);
+            self.partners[other].remove(own as u16);
         }
-        self.partners[own] = 0;
+        self.partners[own] = SourceSet::EMPTY;
         self.contradicted[own] = 0.0;
         self.fits[own] = 1.0;
         self.recents[own] = Recent::default();
@@ -92,12 +93,13 @@ impl Registration {
         self.young[usize::from(source)] > 0
     }
 
-    /// Returns the sources with a recent, estimated step, as bits. The states of the trackers lag behind the step and
+    /// Returns the sources with a recent, estimated step. The states of the trackers lag behind the step and
     /// contradict the other sources without need.
-    pub(crate) fn with_known_steps(&self) -> u64 {
+    pub(crate) fn with_known_steps(&self) -> SourceSet {
         let is_known =
             |own: usize| self.young[own] > 0 && self.seeds[own].normal[(2, 2)] > 0.0 && self.is_corrected(own);
-        (0..self.sources.len()).fold(0, |bits, own| bits | u64::from(is_known(own)) << own)
+        let known = (0..self.sources.len()).filter(|own| is_known(*own));
+        known.map(|own| own as u16).collect()
     }
 
     /// Returns whether a step was found at this tick or the previous tick.
@@ -167,7 +169,7 @@ impl Registration {
         let keep = known_m2 / (known_m2 + step.variance_m2());
         let mut by = Errors::zeros();
         (by[0], by[1]) = (step.by.x, step.by.y);
-        for other in partners(self.partners[own]) {
+        for other in self.partners_of(own) {
             let pair = &mut self.pairs[own * count + other];
             pair.right += pair.own * by;
             pair.fade(keep);
@@ -182,11 +184,11 @@ impl Registration {
         self.recents.fill(Recent::default());
     }
 
-    /// Returns the sources with a removed horizontal error, as bits.
-    pub(crate) fn removing(&self) -> u64 {
+    /// Returns the sources with a removed horizontal error.
+    pub(crate) fn removing(&self) -> SourceSet {
         let is_removed = |known: &SourceErrors| [0, RANGE, AZIMUTH].into_iter().any(|row| known.removed[row]);
-        let sources = self.sources.iter().enumerate();
-        sources.fold(0, |bits, (own, known)| bits | u64::from(is_removed(known)) << own)
+        let removed = (0..).zip(&self.sources).filter(|(_, known)| is_removed(known));
+        removed.map(|(own, _)| own).collect()
     }
 
     /// Returns whether the present estimate of a changed source has just been solved for the first time, and corrects

@@ -10,7 +10,7 @@ use crate::registration::progress::SETTLED_MIN;
 use crate::registration::recent::{Recent, SOLUTIONS_MIN};
 use crate::registration::rows::{Errors, NormalMatrix, TIME};
 use crate::registration::steps::MISLED_TICKS;
-use crate::registration::{Registration, SAMPLE_WEIGHT, gauge, partners};
+use crate::registration::{Registration, SAMPLE_WEIGHT, gauge};
 use crate::stamps::StampError;
 
 /// Sweeps of Gauss–Seidel per solution.
@@ -99,7 +99,7 @@ impl Registration {
             if sweep == SWEEPS + 1 {
                 self.compare_models(own, clock_of(clocks, own));
                 self.solution.votes[own] = self.vote(own);
-                work += SELECT_WORK + 2 * self.partners[own].count_ones() as usize;
+                work += SELECT_WORK + 2 * self.partners[own].count() as usize;
                 own += 1;
                 if own == self.sources.len() {
                     sweep += 1;
@@ -110,7 +110,7 @@ impl Registration {
                 self.forget_and_factor(own, clock_of(clocks, own));
                 work += FACTOR_WORK;
             }
-            work += SOLVE_WORK + self.partners[own].count_ones() as usize;
+            work += SOLVE_WORK + self.partners[own].count() as usize;
             if sweep > 0 || self.solutions[own] == 0 {
                 self.solve(own, clock_of(clocks, own));
             }
@@ -157,14 +157,14 @@ impl Registration {
         let before = self.keep.powi(ticks - 1);
         let (mut normal, _) = prior(clock, self.sources[own].stamps);
         normal += self.seeds[own].normal;
-        for other in partners(self.partners[own]) {
+        for other in self.partners_of(own) {
             let pair = &mut self.pairs[own * count + other];
             let drifts = self.recents[own].is_drift() || self.recents[other].is_drift();
             let keep = if drifts { self.keep_drifting } else { self.keep };
             pair.fade(before * keep);
             normal += pair.own;
         }
-        let sums = partners(self.partners[own]).map(|other| &self.pairs[own * count + other].own);
+        let sums = self.partners_of(own).map(|other| &self.pairs[own * count + other].own);
         self.displacements[own] = Displacement::new(&self.seeds[own].normal, sums);
         self.solution.sources[own].model.hold(&mut normal);
         let is_sought = self.reference != Some(own as u16) && self.sources[own].samples != 0.0;
@@ -184,7 +184,7 @@ impl Registration {
         let count = self.sources.len();
         let (_, mut right) = prior(clock, self.sources[own].stamps);
         right += self.seeds[own].right;
-        for other in partners(self.partners[own]) {
+        for other in self.partners_of(own) {
             let pair = &self.pairs[own * count + other];
             right += pair.right + pair.cross * self.solution.sources[other].errors;
         }
@@ -198,7 +198,7 @@ impl Registration {
         let (mut normal, mut right) = prior(clock, self.sources[own].stamps);
         normal += self.seeds[own].normal;
         right += self.seeds[own].right;
-        for other in partners(self.partners[own]) {
+        for other in self.partners_of(own) {
             if self.sources[other].samples >= SETTLED_MIN {
                 let pair = &self.pairs[own * count + other];
                 normal += pair.own;

@@ -15,7 +15,7 @@
 use crate::registration::errors::{SAMPLES_MIN, SourceErrors};
 use crate::registration::progress::Vote;
 use crate::registration::rows::{AZIMUTH, Errors, NormalMatrix};
-use crate::registration::{MAJORITY, Registration, partners};
+use crate::registration::{MAJORITY, Registration};
 use crate::settings::SOURCES_MAX;
 
 /// Largest difference of two rotations that count as one, relative to the larger.
@@ -110,7 +110,9 @@ impl Registration {
 
     /// Returns the sum of the normal equations over the partners of a source.
     fn form(&self, own: usize) -> NormalMatrix {
-        let sums = partners(self.partners[own]).map(|other| &self.pairs[own * self.sources.len() + other].own);
+        let sums = self
+            .partners_of(own)
+            .map(|other| &self.pairs[own * self.sources.len() + other].own);
         sums.fold(NormalMatrix::zeros(), |sum, pair| sum + pair)
     }
 
