@@ -29,6 +29,7 @@ const ORDER: &[&str] = &[
     "telemetry",
     "alarms",
     "observed",
+    "areas",
     "association",
     "scenario",
     "scoring",

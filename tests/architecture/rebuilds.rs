@@ -19,6 +19,7 @@ const NAMED_MAX: usize = 6;
 const BOUNDS: &[(&str, usize)] = &[
     ("adapter", 1),
     ("alarms", 6),
+    ("areas", 4),
     ("association", 14),
     ("asterix", 9),
     ("bench-service", 0),
@@ -30,7 +31,7 @@ const BOUNDS: &[(&str, usize)] = &[
     ("display", 1),
     ("estimation", 25),
     ("formats", 6),
-    ("frames", 30),
+    ("frames", 31),
     ("fusion", 3),
     ("fusion-service", 1),
     ("fusion_rules", 6),

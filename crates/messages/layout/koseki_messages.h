@@ -484,7 +484,7 @@ typedef struct KosekiSensorTrack {
     KosekiTargetType target_type; /* Type of the target. */
     KosekiExtent extent; /* Size of the target, as stated or measured by its source. */
     KosekiMovement movement; /* Modes of movement and acceleration, as the source states them. */
-    uint64_t shared_sources; /* Local sources whose sensors have contributed to a system track of another centre, as bits by number; a source from */
+    uint64_t shared_sources; /* Local sources whose sensors have contributed to a system track of another centre, as bits by number; sources */
     uint32_t origin; /* Original deployment of a system track of another centre; else 0. */
     uint32_t level_age_ms; /* Age of `level` at the time of measurement, milliseconds. */
     KosekiIdentityAges identity_ages; /* Ages of the values of `identity` at the time of measurement. */

@@ -552,7 +552,7 @@ class SensorTrack(ctypes.Structure):
         ("target_type", TargetType),  # Type of the target.
         ("extent", Extent),  # Size of the target, as stated or measured by its source.
         ("movement", Movement),  # Modes of movement and acceleration, as the source states them.
-        ("shared_sources", ctypes.c_uint64),  # Local sources whose sensors have contributed to a system track of another centre, as bits by number; a source from
+        ("shared_sources", ctypes.c_uint64),  # Local sources whose sensors have contributed to a system track of another centre, as bits by number; sources
         ("origin", ctypes.c_uint32),  # Original deployment of a system track of another centre; else 0.
         ("level_age_ms", ctypes.c_uint32),  # Age of `level` at the time of measurement, milliseconds.
         ("identity_ages", IdentityAges),  # Ages of the values of `identity` at the time of measurement.

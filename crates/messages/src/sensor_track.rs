@@ -106,8 +106,8 @@ sample! {
         extent: Extent,
         /// Modes of movement and acceleration, as the source states them.
         movement: Movement,
-        /// Local sources whose sensors have contributed to a system track of another centre, as bits by number; a source from
-        /// number 64 on has none.
+        /// Local sources whose sensors have contributed to a system track of another centre, as bits by number; sources
+        /// from number 64 on have none.
         shared_sources: u64,
         /// Original deployment of a system track of another centre; else 0.
         origin: u32,

@@ -54,7 +54,7 @@ pub use resolution::{
 pub use scorecard::{
     AddressCheck, AreaCard, AreaKind, CardReference, CardSettings, ErrorSample, ErrorSpread, GroupConsistency,
     LineLimit, LineMeasure, LineResult, LineVerdict, MOVEMENT_PHASES, MeasuredFigure, MovementPhase, PhaseFigures,
-    PhaseLimits, PhaseSet, PhaseTable, PolygonRings, SURVEILLANCE_STANDARDS, Scorecard, ScoredArea, SpreadConsistency,
-    StandardCard, StandardLine, SurveillanceStandard, score_card, surveillance_standard,
+    PhaseLimits, PhaseSet, PhaseTable, SURVEILLANCE_STANDARDS, Scorecard, ScoredArea, SpreadConsistency, StandardCard,
+    StandardLine, SurveillanceStandard, score_card, surveillance_standard,
 };
 pub use words::Word;

@@ -54,7 +54,7 @@ tracks:  time_s,system_track_id (or sensor_track_id),x,y,z,vx,vy,vz
          tables do). Columns may have the names and units, and times the forms,
          of `koseki fuse --help`; without a number, address or mmsi identifies
          the target
-areas:   GeoJSON: polygons with a name and, for lines of certain areas, a kind:
+areas:   airspaces (OpenAir), or GeoJSON: polygons with a name and a kind:
          manoeuvring, runway, taxiway, apron, stand, approach, outer-approach,
          terminal or en-route
 Columns are found by name, other columns are ignored. A figure that cannot be

@@ -242,7 +242,7 @@ mod tests {
         // 2 s to the first report, 4 s, 1 s, and 1 s to the end.
         assert_eq!((found.gaps_s.as_slice(), found.number), ([2, 4, 1, 1].as_slice(), 3));
         assert_eq!(times(&seconds(1, 10, "....")).gaps_s, [3], "never reported");
-        assert_eq!(times(&seconds(1, 10, "x")).gaps_s, []);
+        assert!(times(&seconds(1, 10, "x")).gaps_s.is_empty());
     }
 
     #[test]

@@ -20,7 +20,7 @@ use serde::Serialize;
 
 use crate::picture::{PictureError, Timeline};
 
-pub use areas::{AreaKind, PolygonRings, ScoredArea};
+pub use self::areas::{AreaKind, ScoredArea};
 pub use figures::{ErrorSpread, GroupConsistency, PhaseFigures, PhaseTable, SpreadConsistency};
 pub use measures::{LineMeasure, MeasuredFigure};
 pub use phases::{MOVEMENT_PHASES, MovementPhase, PhaseLimits, PhaseSet};
@@ -104,7 +104,7 @@ impl AreaCard {
         reference: CardReference,
         standards: &[&SurveillanceStandard],
     ) -> Self {
-        let inside = |place_m: [f64; 2]| area.is_none_or(|area| area.contains(place_m));
+        let inside = |place_m: [f64; 2]| area.is_none_or(|area| area.outline.contains(place_m));
         let errors: Vec<&ErrorSample> = samples.errors.iter().filter(|error| inside(error.place_m)).collect();
         let seconds: Vec<_> = samples.targets.iter().filter(|target| inside(target.place_m)).collect();
         let phases = PhaseTable::of(&errors);

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use areas::Outline;
 use proptest::prelude::*;
 use scoring::{
     AreaKind, CardReference, CardSettings, LineResult, LineVerdict, MOVEMENT_PHASES, PhaseFigures,
@@ -223,7 +224,7 @@ fn an_area_has_its_own_seconds_and_the_lines_of_its_kind() {
     let area = |name: &str, kind, from, to| ScoredArea {
         name: name.to_owned(),
         kind,
-        polygons: vec![square(from, to)],
+        outline: Outline::new(vec![square(from, to)]),
     };
     let areas = [
         area("runway", Some(AreaKind::RUNWAY), 2750.0, 3150.0),

@@ -59,7 +59,7 @@ pub(super) fn page(head: &PageHead<'_>, card: &Scorecard, areas: &[ScoredArea]) 
     );
     let cards = std::iter::once((&card.all, None)).chain(card.areas.iter().zip(areas.iter().map(Some)));
     for (area, outline) in cards {
-        let inside = |error: &&ErrorSample| outline.is_none_or(|outline| outline.contains(error.place_m));
+        let inside = |error: &&ErrorSample| outline.is_none_or(|outline| outline.outline.contains(error.place_m));
         let errors: Vec<&ErrorSample> = card.errors.iter().filter(inside).collect();
         write_card(&mut page, area, &errors, card, areas);
     }

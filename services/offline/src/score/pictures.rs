@@ -175,7 +175,7 @@ fn map(errors: &[&ErrorSample], areas: &[ScoredArea], (low, high): (f64, f64)) -
     let (x, y) = (ChartAxis::linear(x, "east, km"), ChartAxis::linear(y, "north, km"));
     let mut chart = Chart::new("Places of the targets", MAP_SIZE, x, y);
     for area in areas {
-        for rings in &area.polygons {
+        for rings in area.outline.polygons() {
             let rings: Vec<Vec<[f64; 2]>> = rings
                 .iter()
                 .map(|ring| ring.iter().map(|place| place.map(|metres| metres / 1000.0)).collect())
