@@ -38,6 +38,7 @@ use crate::tables::system_tracks::{SystemSlot, SystemTracks};
 use crate::tables::tracks::Tracks;
 use crate::update::filter_input::UnseenErrors;
 use crate::update::kept_measurements::KeptMeasurements;
+use crate::update::led_off::ComparedMeans;
 
 /// Largest time of a report ahead of the engine's time, nanoseconds. The limit holds even if the clock of the source
 /// is unknown: it bounds the lifetime of tracks and the number of steps through time.
@@ -58,6 +59,7 @@ pub struct Engine {
     pub(crate) orders: OrderTable,
     pub(crate) outbox: EngineOutbox,
     pub(crate) sound_covariances: SoundCovariances,
+    pub(crate) compared: ComparedMeans,
 }
 
 impl Engine {
@@ -102,6 +104,7 @@ impl Engine {
             orders: OrderTable::new(Configured::of(&settings)),
             outbox: EngineOutbox::new(sources),
             sound_covariances: SoundCovariances::new(sources),
+            compared: ComparedMeans::new(sources),
             settings,
         })
     }

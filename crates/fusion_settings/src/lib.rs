@@ -43,7 +43,7 @@ pub use rule::{
     RuleName, RuleSettings, Tie,
 };
 pub use source_ref::{SOURCES_MAX, SourceRef};
-pub use source_set::SourceSet;
+pub use source_set::{SourceIter, SourceSet};
 pub use target_size::TargetSizeSettings;
 
 /// Most scans that the index can look back over: one bit each.

@@ -97,12 +97,27 @@ impl SourceSet {
     }
 
     /// The sources, in rising order.
-    pub fn iter(self) -> impl Iterator<Item = u16> + Clone {
-        (0..).zip(self.0).flat_map(|(word, bits): (u16, u64)| {
-            let rest = |bits: &u64| Some(bits & (bits - 1)).filter(|rest| *rest != 0);
-            let with_bits = std::iter::successors(Some(bits).filter(|bits| *bits != 0), rest);
-            with_bits.map(move |bits| word * u64::BITS as u16 + bits.trailing_zeros() as u16)
-        })
+    #[inline]
+    pub fn iter(self) -> SourceIter {
+        SourceIter { rest: self.0 }
+    }
+}
+
+/// The sources of a set, in rising order.
+#[derive(Clone, Debug)]
+pub struct SourceIter {
+    rest: [u64; WORDS],
+}
+
+impl Iterator for SourceIter {
+    type Item = u16;
+
+    #[inline]
+    fn next(&mut self) -> Option<u16> {
+        let (word, bits) = (0..).zip(&mut self.rest).find(|(_, bits)| **bits != 0)?;
+        let bit = bits.trailing_zeros() as u16;
+        *bits &= *bits - 1;
+        Some(word * u64::BITS as u16 + bit)
     }
 }
 

@@ -8,7 +8,7 @@ use crate::facts::{Fact, FollowedTarget, Innovation, InnovationFact, PairFact, R
 use crate::knowledge::is_aligned;
 use crate::measurement::CLAIM_MAX;
 use crate::registration::TARGETS_MIN;
-use crate::settings::{SOURCES_MAX, Settings, SourceSettings};
+use crate::settings::{Settings, SourceSettings};
 use crate::source_model::{MEAN_VARIANCE, SourceModel};
 use crate::sources::{Sources, place_of};
 use crate::stamps::{self, Stamps};
@@ -288,17 +288,17 @@ impl Sources {
     /// Takes over the process noise of the sources' own trackers: the median over the trackers.
     fn look_at_motion(&mut self) {
         self.look_at_claims();
-        let mut known = [NearlyConstantVelocity::new(0.0, 0.0); SOURCES_MAX];
-        let mut count = 0;
-        for motion in self.models.iter().filter_map(SourceModel::process_noise) {
-            known[count] = motion;
-            count += 1;
+        let known = || self.models.iter().filter_map(SourceModel::process_noise);
+        let order =
+            |a: &NearlyConstantVelocity, b: &NearlyConstantVelocity| a.density_m2ps3[0].total_cmp(&b.density_m2ps3[0]);
+        let middle = known().count() / 2;
+        let is_middle = |motion: &NearlyConstantVelocity| {
+            let less = known().filter(|other| order(other, motion).is_lt()).count();
+            let equal = known().filter(|other| order(other, motion).is_eq()).count();
+            (less..less + equal).contains(&middle)
+        };
+        if let Some(motion) = known().find(is_middle) {
+            self.manoeuvres.assume(motion);
         }
-        if count == 0 {
-            return;
-        }
-        let known = &mut known[..count];
-        known.sort_unstable_by(|a, b| a.density_m2ps3[0].total_cmp(&b.density_m2ps3[0]));
-        self.manoeuvres.assume(known[count / 2]);
     }
 }

@@ -34,6 +34,7 @@ impl Engine {
             orders,
             outbox: _,
             sound_covariances: _,
+            compared: _,
         } = self;
         let periods: Vec<_> = settings
             .sources

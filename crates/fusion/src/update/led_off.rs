@@ -9,7 +9,6 @@ use source_models::{MEAN_VARIANCE, MeanInnovation, odd_one};
 
 use crate::associate::association_step::Search;
 use crate::engine::Engine;
-use crate::settings::SOURCES_MAX;
 use crate::tables::sensor_tracks::SensorSlot;
 use crate::update::mean_errors::MEAN_REPORTS_MIN;
 
@@ -18,6 +17,23 @@ const SUSPICIOUS: f64 = 9.2;
 /// Squared statistical lengths: a source leads a target off above the first, and no longer below the second.
 const LEADS_OFF: f64 = 25.0;
 const AGREES: f64 = 9.2;
+
+/// Room for the means of a target's sensor tracks while these are compared.
+#[derive(Debug, Default)]
+pub(crate) struct ComparedMeans {
+    means: Vec<MeanInnovation>,
+    members: Vec<SensorSlot>,
+}
+
+impl ComparedMeans {
+    /// Room for a sensor track of each source.
+    pub(crate) fn new(sources: usize) -> Self {
+        Self {
+            means: Vec::with_capacity(sources),
+            members: Vec::with_capacity(sources),
+        }
+    }
+}
 
 impl Engine {
     /// Checks whether a source leads the target of a sensor track off, if the track's mean innovation is suspicious.
@@ -41,8 +57,9 @@ impl Engine {
             tracks.sensors.get_mut(sensor).is_led_off = false;
             return;
         }
-        let (mut means, mut count) = ([MeanInnovation::default(); SOURCES_MAX], 0);
-        let mut members = [0; SOURCES_MAX];
+        let ComparedMeans { mut means, mut members } = std::mem::take(&mut self.compared);
+        means.clear();
+        members.clear();
         let extent_m = self.settings.association.extent_sigma_m;
         let points_m2 = tracks.sources.possible_points_m2(extent_m * extent_m);
         let tracks = &self.tracks;
@@ -52,21 +69,20 @@ impl Engine {
         };
         for (member, other) in tracks.contributing_entries(system, now_ns) {
             let is_known = other.residuals >= MEAN_REPORTS_MIN && tracks.sources.is_settled(other.source);
-            if !is_known || count == SOURCES_MAX {
+            if !is_known || members.len() == members.capacity() {
                 continue;
             }
             let variance_m2 = MEAN_VARIANCE * other.residual_variance_m2 + points_m2;
-            means[count] = MeanInnovation {
-                source: count,
+            means.push(MeanInnovation {
+                source: members.len(),
                 mean_m: search.mean_about_point(other),
                 covariance_m2: [variance_m2, 0.0, variance_m2],
-            };
-            members[count] = member;
-            count += 1;
+            });
+            members.push(member);
         }
         let tracks = &mut self.tracks;
-        let (odd, mut has_led_off) = (odd_one(&mut means[..count]), false);
-        for (place, member) in members[..count].iter().enumerate() {
+        let (odd, mut has_led_off) = (odd_one(&mut means), false);
+        for (place, member) in members.iter().enumerate() {
             let length = odd
                 .and_then(|(odd, length)| (odd == place).then_some(length))
                 .unwrap_or_default();
@@ -76,5 +92,6 @@ impl Engine {
             has_led_off |= entry.is_led_off;
         }
         tracks.systems.get_mut(system).has_led_off = has_led_off;
+        self.compared = ComparedMeans { means, members };
     }
 }
