@@ -31,6 +31,9 @@ pub struct DetectionPoint {
     pub is_reference: bool,
     /// Whether the detection point has leapt to another place on the target: see `point_leaps`.
     pub has_leapt: bool,
+    /// Whether this target shows the point apart from others, whatever other targets show: the source had a track of
+    /// its own there.
+    pub is_apart: bool,
     /// Epoch of the estimate: see [`Points::follows`].
     pub epoch: u32,
 }
@@ -150,10 +153,15 @@ impl Points {
         self.apart_m2
     }
 
-    /// Known place of a detection point on a target with this course. The variances per axis are the variances of the
-    /// measurement and of the target's place, m².
+    /// Known place of a detection point on a target with this course, and the variance of the course, rad². The
+    /// variances per axis are the variances of the measurement and of the target's place, m².
     #[inline]
-    pub fn known(&self, point: &DetectionPoint, course: [f64; 2], (measured_m2, place_m2): (f64, f64)) -> Referred {
+    pub fn known(
+        &self,
+        point: &DetectionPoint,
+        (course, course_rad2): ([f64; 2], f64),
+        (measured_m2, place_m2): (f64, f64),
+    ) -> Referred {
         if !self.follows(point) || (point.epoch == self.epoch && point.is_reference) {
             return Referred::ITSELF;
         }
@@ -168,7 +176,7 @@ impl Points {
         Referred {
             is_usable: true,
             point_m: from_body(point.offset_m, course),
-            variance_m2: measured_m2 / f64::from(point.reports),
+            variance_m2: point.variance_m2(measured_m2, course_rad2),
         }
     }
 
@@ -181,20 +189,35 @@ impl Points {
     /// Returns whether a detection point and the target's reference point are two points.
     #[inline]
     pub fn follows(&self, point: &DetectionPoint) -> bool {
-        self.keeps_points || (point.has_leapt && point.epoch == self.epoch)
+        self.keeps_points || (point.stands_apart() && point.epoch == self.epoch)
     }
 
     /// Whether the place of a detection point is known.
     #[inline]
     pub fn is_known(&self, point: &DetectionPoint) -> bool {
-        !self.follows(point) || (point.epoch == self.epoch && (point.is_reference || point.reports >= REPORTS_MIN))
+        !self.follows(point)
+            || (point.epoch == self.epoch && (point.is_reference || point.is_apart || point.reports >= REPORTS_MIN))
     }
 
-    /// Discards estimates of a detection point from before the latest change of `keeps_points`.
+    /// Discards estimates of a detection point from before the latest change of `keeps_points`, unless the target shows
+    /// the point apart.
     #[inline]
     pub fn refresh(&self, point: &mut DetectionPoint) {
-        if point.epoch != self.epoch {
+        if point.is_apart {
+            point.epoch = self.epoch;
+        } else if point.epoch != self.epoch {
             *point = self.unknown();
+        }
+    }
+
+    /// A detection point apart from others, first seen at an offset along and across the target's course, metres.
+    #[inline]
+    pub fn apart(&self, offset_m: [f64; 2]) -> DetectionPoint {
+        DetectionPoint {
+            offset_m,
+            reports: 1,
+            is_apart: true,
+            ..self.unknown()
         }
     }
 
@@ -220,6 +243,24 @@ impl Points {
 }
 
 impl DetectionPoint {
+    /// Whether the target itself shows that the point is not that of other sources.
+    #[inline]
+    pub fn stands_apart(&self) -> bool {
+        self.has_leapt || self.is_apart
+    }
+
+    /// Variance per axis of the place, m², learned from measurements with a variance per axis, on a target whose course
+    /// has a variance, rad²: with the course, a point far off turns about the reference point.
+    #[inline]
+    pub fn variance_m2(&self, measured_m2: f64, course_rad2: f64) -> f64 {
+        if !self.is_apart {
+            return measured_m2 / f64::from(self.reports);
+        }
+        let [along_m, across_m] = self.offset_m;
+        let turned_m2 = 0.5 * (along_m * along_m + across_m * across_m) * course_rad2;
+        measured_m2 * (1.0 / f64::from(self.reports.max(1))).max(GAIN_MIN) + turned_m2
+    }
+
     /// Moves towards the place shown by an innovation, east and north, metres, on a target with this course.
     #[inline]
     pub fn add(&mut self, residual_m: [f64; 2], course: [f64; 2]) {
@@ -229,5 +270,36 @@ impl DetectionPoint {
         for (offset, seen) in self.offset_m.iter_mut().zip(seen) {
             *offset += gain * (seen - *offset);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_apart_stays_when_other_targets_show_points_and_turns_with_the_course() {
+        let mut points = Points::new(2);
+        let mut point = points.apart([200.0, 0.0]);
+        assert!(points.is_known(&point) && points.follows(&point));
+        points.epoch += 1;
+        assert!(!points.follows(&point));
+        points.refresh(&mut point);
+        let known = |course, course_rad2| points.known(&point, (course, course_rad2), (100.0, 1.0));
+        assert_eq!(known([0.0, 1.0], 0.0).point_m, [0.0, 200.0]);
+        assert_eq!(known([1.0, 0.0], 0.0).point_m, [200.0, 0.0]);
+        // A course that is known to 0.1 rad leaves 20 m across, on average over both axes.
+        let turned_m2 = known([0.0, 1.0], 0.01).variance_m2 - known([0.0, 1.0], 0.0).variance_m2;
+        assert!((turned_m2 - 200.0).abs() < 1e-9, "{turned_m2}");
+    }
+
+    #[test]
+    fn the_place_of_a_point_apart_is_never_known_exactly() {
+        let points = Points::new(2);
+        let mut point = points.apart([200.0, 0.0]);
+        for _ in 0..1000 {
+            point.add([200.0, 0.0], [1.0, 0.0]);
+        }
+        assert_eq!(point.variance_m2(100.0, 0.0), 100.0 * GAIN_MIN);
     }
 }

@@ -1,7 +1,9 @@
 //! Selection of reports that may move a track: not contradicted by other reports of the target (module `credibility`).
 
 use messages::{Counter, TrackState};
-use source_models::{AGREES, CONTRADICTS, Fact, InnovationFact, Measurement, Nearness, PairFact, apart, distance_from};
+use source_models::{
+    AGREES, CONTRADICTS, Fact, InnovationFact, Measurement, Nearness, PairFact, apart, distance_from, from_body,
+};
 
 use crate::engine::Engine;
 use crate::tables::sensor_tracks::{Role, SensorEntry, SensorSlot};
@@ -61,7 +63,12 @@ impl Engine {
             ..
         } = &mut self.tracks;
         let entry = sensors.get(sensor);
-        let [x, y, _] = systems.get(entry.system).filter.place_at(entry.time_ns);
+        let target = systems.get(entry.system);
+        let [mut x, mut y, _] = target.filter.place_at(entry.time_ns);
+        if entry.point.stands_apart() {
+            let [east_m, north_m] = from_body(entry.point.offset_m, target.course);
+            (x, y) = (x + east_m, y + north_m);
+        }
         match sources.nearness(&self.settings.association, (&entry.latest, [x, y])) {
             Nearness::Exempt => true,
             Nearness::Near => {
@@ -79,7 +86,8 @@ impl Engine {
         let (tracks, entry) = (&self.tracks, self.tracks.sensors.get(sensor));
         let others = || {
             let others = tracks.contributing_entries(entry.system, entry.time_ns);
-            let of_others = |other: &&SensorEntry| !other.is_foreign && other.source != entry.source;
+            let of_others =
+                |other: &&SensorEntry| !other.is_foreign && other.source != entry.source && !other.point.stands_apart();
             others
                 .map(|(_, other)| other)
                 .filter(of_others)

@@ -22,7 +22,7 @@ use source_models::{SILENT, gaussian_of};
 use crate::associate::identity;
 use crate::settings::{Settings, SourceSet};
 use crate::tables::sensor_tracks::{NO_SYSTEM, SensorEntry, SensorSlot};
-use crate::tables::system_tracks::{Bond, SystemSlot};
+use crate::tables::system_tracks::{Bond, SystemEntry, SystemSlot};
 use crate::tables::tracks::Tracks;
 
 /// Most cells of the grid along one side of a search.
@@ -237,28 +237,43 @@ impl Search<'_> {
     }
 
     /// Sources with a track of their own that may be [another point](Self::points_aside) of the target of `own`:
-    /// their silence here is no evidence.
-    pub(crate) fn sources_aside(&self, own: SystemSlot, now_ns: i64) -> SourceSet {
-        let mut aside = SourceSet::EMPTY;
-        self.points_aside(own, now_ns, |system| aside |= self.tracks.sources_of(system, now_ns));
-        aside
+    /// their silence here is no evidence. Of a target that may be large, also the reports of these tracks, which are
+    /// reports of the same target.
+    pub(crate) fn sources_aside(&self, own: SystemSlot, now_ns: i64) -> (SourceSet, u32) {
+        let (mut aside, mut reports) = (SourceSet::EMPTY, 0u32);
+        self.points_aside(own, now_ns, |system| {
+            aside |= self.tracks.sources_of(system, now_ns);
+            reports = reports.saturating_add(self.tracks.systems.get(system).reports);
+        });
+        let pools = !aside.is_empty() && self.may_be_large(own, now_ns);
+        (aside, if pools { reports } else { 0 })
     }
 
-    /// Returns whether a source that comes first may soon show the target of `own` at
-    /// [another point](Self::points_aside), the point to be kept.
-    pub(crate) fn has_leader_aside(&self, own: SystemSlot, now_ns: i64) -> bool {
+    /// Whether the target of `own` may be larger than most.
+    pub(crate) fn may_be_large(&self, own: SystemSlot, now_ns: i64) -> bool {
+        self.size_m(own, now_ns) > self.settings.target_size.unknown_m
+    }
+
+    /// Returns the tentative track that shows the target of `own` at [another point](Self::points_aside), of a source
+    /// that comes first: the point to be kept.
+    pub(crate) fn leader_aside(&self, own: SystemSlot, now_ns: i64) -> Option<SystemSlot> {
         let first = |system| {
             let members = self.tracks.contributing_entries(system, now_ns);
             members.map(|(_, entry)| self.settings.rank(entry.source)).min()
         };
-        let (own_first, least) = (first(own), self.settings.life.confirm_reports);
-        let mut has_leader = false;
+        let (mut least, mut leader) = (first(own), None);
+        let least_reports = match self.may_be_large(own, now_ns) {
+            true => 0,
+            false => self.settings.life.confirm_reports,
+        };
         self.points_aside(own, now_ns, |system| {
-            let other = self.tracks.systems.get(system);
-            let is_ready = other.life == TrackState::Tentative && other.reports >= least;
-            has_leader |= is_ready && first(system) < own_first;
+            let (rank, other) = (first(system), self.tracks.systems.get(system));
+            let is_ready = other.life == TrackState::Tentative && other.reports >= least_reports;
+            if is_ready && rank.is_some() && rank < least {
+                (least, leader) = (rank, Some(system));
+            }
         });
-        has_leader
+        leader
     }
 
     /// Calls `visit` with every system track that may be another point of the target of `own`: it moves alike and lies
@@ -274,6 +289,120 @@ impl Search<'_> {
                 }
             });
         }
+    }
+
+    /// Largest size of the target of `own` by its type and speed, metres.
+    pub(crate) fn size_m(&self, own: SystemSlot, now_ns: i64) -> f64 {
+        let members = self.tracks.contributing_entries(own, now_ns);
+        members
+            .map(|(_, member)| member.size_m(&self.settings.target_size))
+            .fold(0.0, f64::max)
+    }
+
+    /// Returns the system track that may show the target of `own` at another point, and the log-likelihood ratio of one
+    /// target to two, as far as silence shows it: of two targets so near, each source follows one and not the other.
+    /// The ratio is −∞ before each source had time for both. `None` while another target near by, followed by one of
+    /// the sources as well, makes the choice ambiguous.
+    pub(crate) fn other_point(&self, own: SystemSlot, now_ns: i64) -> Option<(SystemSlot, f64)> {
+        let entry = self.tracks.systems.get(own);
+        let size_m = self.size_m(own, now_ns);
+        if size_m <= self.settings.target_size.unknown_m {
+            return None;
+        }
+        let gate = self.settings.association.join_gate();
+        // Nearer points join by their distance alone.
+        if entry.is_foreign || size_m * size_m < gate * entry.filter.variance_m2() {
+            return None;
+        }
+        let (state, own_sources) = (self.state(own, now_ns), self.tracks.sources_of(own, now_ns));
+        let [x, y, _] = state.position_m();
+        let (mut best, mut seen, mut is_ambiguous): (Option<(f64, SystemSlot)>, SourceSet, bool) =
+            (None, own_sources, false);
+        self.tracks.systems.grid.near(x, y, size_m, SEARCH_CELLS_MAX, |system| {
+            if system == own || is_ambiguous {
+                return;
+            }
+            let sources = self.tracks.sources_of(system, now_ns);
+            if sources.is_empty() {
+                return;
+            }
+            let (other, theirs) = (self.tracks.systems.get(system), self.state(system, now_ns));
+            let metres = length([state.mean[0] - theirs.mean[0], state.mean[1] - theirs.mean[1]]);
+            let heights = entry.filter.has_height && other.filter.has_height;
+            let is_level = !heights
+                || height_distance(&state, &theirs) <= gate
+                    && (state.mean[2] - theirs.mean[2]).abs() <= self.settings.association.height_gate_m;
+            if metres > size_m || !is_level || !move_alike(&state, &theirs) {
+                return;
+            }
+            is_ambiguous |= sources.meets(seen);
+            seen |= sources;
+            // A source that has followed a target as one with others does not see another point of it.
+            let has_followed = |one: &SystemEntry, others: SourceSet| !one.has_points && one.contributors.meets(others);
+            let may_be_one = !other.is_foreign
+                && !has_followed(entry, sources)
+                && !has_followed(other, own_sources)
+                && entry.bond != Bond::Apart(other.number)
+                && !self.are_two_targets(own, system);
+            if may_be_one && best.is_none_or(|(least, _)| metres < least) {
+                best = Some((metres, system));
+            }
+        });
+        let (_, system) = best.filter(|_| !is_ambiguous)?;
+        let other = self.tracks.systems.get(system);
+        let began_ns = entry.first_seen_ns.max(other.first_seen_ns);
+        let silence = |sources: SourceSet, place_m: [f64; 3]| {
+            sources
+                .iter()
+                .map(|source| {
+                    let period_ns = self.settings.sources[usize::from(source)].period_ns;
+                    let had_time = now_ns - began_ns >= period_ns + self.tracks.sources.late_ns(source);
+                    let detection = self.tracks.sources.follows_at(source, place_m, now_ns);
+                    let shown = detection.map_or(0.0, |detection| detection.shown);
+                    if had_time {
+                        -(1.0 - shown).ln()
+                    } else {
+                        f64::NEG_INFINITY
+                    }
+                })
+                .sum::<f64>()
+        };
+        let theirs = silence(
+            self.tracks.sources_of(system, now_ns),
+            entry.filter.estimate.position_m(),
+        );
+        let ratio = theirs + silence(own_sources, other.filter.estimate.position_m());
+        let least = self.settings.life.confirm_reports;
+        // Two false tracks near each other would bear witness to each other.
+        let is_believed = self.is_shown(own) || self.is_shown(system);
+        let is_ready = is_believed && entry.reports >= least && other.reports >= least;
+        Some((system, if is_ready { ratio } else { f64::NEG_INFINITY }))
+    }
+
+    /// Returns whether a sensor track apart from its system track is of another target: another source of the system
+    /// track follows a target there, or its own source follows a target at the place of the system track.
+    #[cold]
+    pub(crate) fn is_apart_from_two(&self, own: SensorSlot) -> bool {
+        let entry = self.tracks.sensors.get(own);
+        let now_ns = entry.time_ns;
+        let sources = self.tracks.sources_of(entry.system, now_ns);
+        let others = sources.without(SourceSet::of(entry.source));
+        let mut are_two = false;
+        self.admissible(own, |system, _| {
+            are_two |= self.tracks.sources_of(system, now_ns).meets(others)
+        });
+        let target = self.state(entry.system, now_ns);
+        let [x, y, _] = target.position_m();
+        let reach_m = self.reach(&target, 0.0);
+        self.tracks
+            .systems
+            .grid
+            .near(x, y, reach_m, SEARCH_CELLS_MAX, |system| {
+                are_two |= system != entry.system
+                    && self.tracks.sources_of(system, now_ns).contains(entry.source)
+                    && self.compare(&target, &self.state(system, now_ns), false, 0.0).is_some();
+            });
+        are_two
     }
 
     /// Calls `visit` with every system track some `reach_m` from `own` that moves alike, at the same height if both are

@@ -80,7 +80,7 @@ impl Engine {
             Some((system, d2)) if is_unlinked => self.join_assigned(sensor, system, d2, sink),
             Some((system, d2)) => self.vote_to_merge(sensor, system, d2, sink),
             None if is_unlinked => self.place_alone(sensor, sink),
-            None => self.tracks.sensors.get_mut(sensor).competing = None,
+            None => self.stay_alone(sensor, sink),
         }
     }
 
@@ -105,6 +105,24 @@ impl Engine {
             tracks: &mut self.tracks,
         };
         if let Some(next) = linking.vote_to_merge(sensor, system, d2, out) {
+            self.follow_up(sensor, next, sink);
+            self.tracks.assign_role(sensor);
+        }
+    }
+
+    /// Keeps a sensor track that fits no other system track where it is alone, unless another system track is of its
+    /// target.
+    fn stay_alone(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
+        let entry = self.tracks.sensors.get_mut(sensor);
+        entry.competing = None;
+        let (system, now_ns) = (entry.system, entry.time_ns);
+        let out = &mut self.outbox.to(sink);
+        let mut linking = Linking {
+            settings: &self.settings,
+            tracks: &mut self.tracks,
+        };
+        let next = linking.look_for_other_point(system, now_ns, out);
+        if next != Next::Done {
             self.follow_up(sensor, next, sink);
             self.tracks.assign_role(sensor);
         }

@@ -5,7 +5,14 @@
 //! - its innovations repeatedly deviate to the same side (a wrong association, or the sensor has swapped targets);
 //! - it repeatedly appears crossed with another track of its source, on a neighbouring target ([`crossing`]);
 //! - the sensor track, or its whole system track, repeatedly agrees with another system track without a common source
-//!   (a target started twice).
+//!   (a target started twice);
+//! - its system track repeatedly lies beside another one that may be of the same target, no farther off than the target
+//!   may be large, and each source follows one of the two only (two points of a long ship).
+//!
+//! The points of a long ship keep their distance in the frame of its course. The first source by priority gives the
+//! reference point (module `reference_point`). Until two such tracks are one, the covariance of the shown one contains
+//! the way to the point of the first source. If a source turns out to follow a target at both places, the two were
+//! two targets, and the sensor track leaves.
 //!
 //! Two system tracks with different addresses are two targets, however well they agree, and are never merged: a sensor
 //! track without an address that fits the other system track better goes there alone.
@@ -13,20 +20,29 @@
 use messages::{Counter, Decision, DecisionKind, NO_SOURCE, SensorTrack, TrackState};
 
 use estimation::{ComparedComponents, statistical_distance};
-use source_models::{DetectionPoint, gaussian_of};
+use source_models::{DetectionPoint, gaussian_of, to_body};
 
 use crate::associate::association_step::Search;
 use crate::associate::crossing::{self, CROSSED};
 use crate::explanation::Sink;
 use crate::publish::outlet::Outlet;
 use crate::settings::{Settings, SourceSet};
-use crate::tables::sensor_tracks::{NO_SYSTEM, Role, SensorSlot};
+use crate::tables::sensor_tracks::{NO_SYSTEM, Role, SensorEntry, SensorSlot};
 use crate::tables::system_tracks::{Bond, SystemEntry, SystemSlot};
 use crate::tables::tracks::Tracks;
 use crate::update::filter::TargetFilter;
+use crate::update::reference_point::change_to;
 
 /// Time between two checks of a system track for duplicates, nanoseconds.
 const DUPLICATE_EVERY_NS: i64 = 1_000_000_000;
+
+/// Log-likelihood ratio of one target to two from which two system tracks apart are merged.
+const OTHER_POINT: f64 = 4.0;
+/// Least part of the ratio that silence shows.
+const SILENCE_MIN: f64 = 1.5;
+/// Number of reports of a system track from which other points of its target are looked for only at every so many.
+const LONE_REPORTS: u32 = 16;
+const LONE_EVERY: u32 = 8;
 
 /// Remaining work for a sensor track.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -258,10 +274,14 @@ impl Linking<'_> {
         if entry.role == Role::Duplicate || entry.is_foreign {
             return self.part_has_split(sensor);
         }
-        let Some(d2) = self.search().offset_from_others(sensor) else {
-            return false;
+        let search = self.search();
+        let is_of_another = entry.point.is_apart && search.is_apart_from_two(sensor);
+        let d2 = match search.offset_from_others(sensor) {
+            Some(d2) => d2,
+            None if is_of_another => 0.0,
+            None => return false,
         };
-        let split = self.misfits(sensor, d2 > gate && !self.search().is_held(sensor));
+        let split = self.misfits(sensor, (d2 > gate || is_of_another) && !self.search().is_held(sensor));
         if split {
             out.decision(&self.tracks.decision(sensor, DecisionKind::Split, d2, gate));
             self.tracks.sensors.get_mut(sensor).has_left = true;
@@ -327,7 +347,11 @@ impl Linking<'_> {
     ) -> Next {
         let entry = self.tracks.systems.get(system);
         let complete = self.settings.sources.len() as u32;
-        if now_ns < entry.duplicate_due_ns || sources.count() >= complete {
+        if sources.count() >= complete {
+            self.tracks.systems.get_mut(system).aside_m = [0.0; 2];
+            return Next::Done;
+        }
+        if now_ns < entry.duplicate_due_ns {
             return Next::Done;
         }
         let found = self.search().duplicate(system, now_ns).map(|(duplicate, d2)| {
@@ -341,8 +365,117 @@ impl Linking<'_> {
             Some((duplicate, d2, _, hits)) if hits >= self.settings.association.merge_reports => {
                 self.merge(system, duplicate, now_ns, d2, out)
             }
-            _ => Next::Done,
+            Some(_) => Next::Done,
+            None => self.look_for_other_point(system, now_ns, out),
         }
+    }
+
+    /// Checks a system track that agrees with no other for another system track of its target, at another point of the
+    /// target; joins the two after repeated findings.
+    pub(crate) fn look_for_other_point<S: Sink>(
+        &mut self,
+        system: SystemSlot,
+        now_ns: i64,
+        out: &mut Outlet<'_, S>,
+    ) -> Next {
+        let entry = self.tracks.systems.get(system);
+        // A track that has long been alone seldom turns out to be of another's target; the other, younger one looks too.
+        let is_settled = entry.other_point.is_none() && entry.reports > LONE_REPORTS;
+        if is_settled && !entry.reports.is_multiple_of(LONE_EVERY) {
+            return Next::Done;
+        }
+        let found = self.search().other_point(system, now_ns).map(|(other, ratio)| {
+            let number = self.tracks.systems.get(other).number;
+            (
+                other,
+                ratio,
+                number,
+                hits_in_a_row(self.tracks.systems.get(system).other_point, number),
+            )
+        });
+        let entry = self.tracks.systems.get_mut(system);
+        entry.other_point = found.map(|(_, _, number, hits)| (number, hits));
+        let own = entry.number;
+        let Some((other, silence, _, hits)) = found else {
+            self.tracks.systems.get_mut(system).aside_m = [0.0; 2];
+            return Next::Done;
+        };
+        self.note_aside(system, other, now_ns);
+        // The other track looks likewise.
+        let theirs = self.tracks.systems.get(other).other_point;
+        let hits = hits + theirs.filter(|(number, _)| *number == own).map_or(0, |(_, hits)| hits);
+        let ratio = silence + self.settings.existence.persistence * f64::from(hits);
+        let is_shown = silence > SILENCE_MIN && ratio > OTHER_POINT;
+        if hits < self.settings.association.merge_reports || !is_shown {
+            return Next::Done;
+        }
+        self.merge_points(system, other, now_ns, out)
+    }
+
+    /// Notes with the one of two system tracks of a target whose point comes last how far away the other point is.
+    fn note_aside(&mut self, one: SystemSlot, other: SystemSlot, now_ns: i64) {
+        let rank = |system: SystemSlot| {
+            let members = self.tracks.member_entries(system);
+            members.map(|(_, member)| self.settings.rank(member.source)).min()
+        };
+        let (first, last) = if rank(one) < rank(other) {
+            (one, other)
+        } else {
+            (other, one)
+        };
+        let apart_m = self.apart_m(last, first, now_ns);
+        self.tracks.systems.get_mut(first).aside_m = [0.0; 2];
+        self.tracks.systems.get_mut(last).aside_m = apart_m.map(|way| way as f32);
+    }
+
+    /// Way from one system track to another, east and north, metres.
+    fn apart_m(&self, from: SystemSlot, to: SystemSlot, now_ns: i64) -> [f64; 2] {
+        let [from, to] = [from, to].map(|system| {
+            let filter = &self.tracks.systems.get(system).filter;
+            filter
+                .at(now_ns, self.tracks.sources.motion(filter.velocity_mps()))
+                .position_m()
+        });
+        [to[0] - from[0], to[1] - from[1]]
+    }
+
+    /// Merges two system tracks that follow different points of their target.
+    #[cold]
+    fn merge_points<S: Sink>(&mut self, a: SystemSlot, b: SystemSlot, now_ns: i64, out: &mut Outlet<'_, S>) -> Next {
+        let (into, from) = self.in_order(a, b);
+        let apart_m = to_body(self.apart_m(into, from, now_ns), self.tracks.systems.get(into).course);
+        let [first, second] = [into, from].map(|system| self.anchor(system));
+        if let Some(first) = first {
+            let point = self.tracks.sources.points().apart([0.0; 2]);
+            self.tracks.sensors.get_mut(first).point = DetectionPoint {
+                is_reference: true,
+                ..point
+            };
+        }
+        let entry = self.tracks.systems.get_mut(into);
+        (entry.has_points, entry.aside_m) = (true, [0.0; 2]);
+        let next = self.merge_at(into, from, (now_ns, f64::NAN), Some(apart_m), out);
+        let ranks = [first, second]
+            .map(|anchor| anchor.map(|sensor| self.settings.rank(self.tracks.sensors.get(sensor).source)));
+        if let (Some(second), [Some(kept), Some(other)]) = (second, ranks)
+            && other < kept
+        {
+            change_to(self.tracks, second);
+            out.input(|| self.tracks.input(second, None));
+        }
+        next
+    }
+
+    /// The sensor track whose point the filter of a system track follows: the reference, or else the first by priority
+    /// that stands not apart.
+    fn anchor(&self, system: SystemSlot) -> Option<SensorSlot> {
+        let points = self.tracks.sources.points();
+        let members = self.tracks.member_entries(system).filter(|(_, member)| {
+            member.role == Role::Primary && (member.point.is_reference || !points.follows(&member.point))
+        });
+        members
+            .min_by_key(|(_, member)| (!member.point.is_reference, self.settings.rank(member.source)))
+            .map(|(sensor, _)| sensor)
     }
 
     /// Moves a sensor track to another system track, unless the addresses differ. If nothing fresh stays behind, the
@@ -363,8 +496,7 @@ impl Linking<'_> {
         Next::Done
     }
 
-    /// Merges two system tracks, unless the addresses differ. The confirmed track survives; of two equal tracks the
-    /// older.
+    /// Merges two system tracks, unless the addresses differ.
     pub(crate) fn merge<S: Sink>(
         &mut self,
         a: SystemSlot,
@@ -376,11 +508,30 @@ impl Linking<'_> {
         if self.search().are_two_targets(a, b) {
             return Next::Done;
         }
+        let (into, from) = self.in_order(a, b);
+        self.merge_at(into, from, (now_ns, d2), None, out)
+    }
+
+    /// The one of two system tracks that survives a merge, and the other: the confirmed track survives; of two equal
+    /// tracks the older.
+    fn in_order(&self, a: SystemSlot, b: SystemSlot) -> (SystemSlot, SystemSlot) {
         let rank = |slot: SystemSlot| {
             let entry = self.tracks.systems.get(slot);
             (entry.life == TrackState::Tentative, entry.number)
         };
-        let (into, from) = if rank(a) < rank(b) { (a, b) } else { (b, a) };
+        if rank(a) < rank(b) { (a, b) } else { (b, a) }
+    }
+
+    /// Merges the system track `from` into another. Its filter follows a point `apart_m` from that of the other, along and
+    /// across the course, metres; `None` if both follow the same point.
+    fn merge_at<S: Sink>(
+        &mut self,
+        into: SystemSlot,
+        from: SystemSlot,
+        (now_ns, d2): (i64, f64),
+        apart_m: Option<[f64; 2]>,
+        out: &mut Outlet<'_, S>,
+    ) -> Next {
         let SystemEntry {
             reports,
             point_source,
@@ -393,15 +544,26 @@ impl Linking<'_> {
         let kept_source = self.tracks.systems.get(into).point_source;
         let reanchor = self.settings.comes_before(point_source, kept_source);
         while let Some(member) = self.tracks.systems.get(from).members {
-            let role = self.tracks.sensors.get(member).role;
+            let SensorEntry {
+                role, source, point, ..
+            } = *self.tracks.sensors.get(member);
             self.tracks.unlink(member);
             self.tracks.join(member, into);
-            let source = self.tracks.sensors.get(member).source;
+            if let Some(apart_m) = apart_m {
+                let points = self.tracks.sources.points();
+                let own_m = if points.follows(&point) {
+                    point.offset_m
+                } else {
+                    [0.0; 2]
+                };
+                let offset_m = std::array::from_fn(|axis| own_m[axis] + apart_m[axis]);
+                self.tracks.sensors.get_mut(member).point = points.apart(offset_m);
+            }
             if role == Role::Primary && self.tracks.primary_of(into, source, member, now_ns).is_none() {
                 self.tracks.sensors.get_mut(member).role = Role::Primary;
             }
         }
-        if reanchor {
+        if reanchor && apart_m.is_none() {
             // The filter follows the point of another source than the source that is now first: the point is chosen
             // anew.
             self.tracks
@@ -413,6 +575,7 @@ impl Linking<'_> {
         let takes_over = match (entry.is_foreign, is_foreign) {
             (true, false) => true,
             (false, true) => false,
+            _ if apart_m.is_some() => false,
             _ => filter.is_surer_than(&entry.filter),
         };
         if takes_over {

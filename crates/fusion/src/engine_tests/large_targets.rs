@@ -102,6 +102,80 @@ fn long_ships_are_shown_early_and_once() {
     assert_eq!(counts[2..], [TARGETS as usize; 10], "{counts:?}");
 }
 
+const RADAR: Reports = Reports { sigma_m: 15.0, ..EXACT };
+
+/// A ship's echoes lie too far apart to join by their distance. Silence joins them: each radar follows one of them.
+#[test]
+fn the_points_of_a_long_ship_become_one_track_at_the_point_of_the_first_source() {
+    for (size_m, periods_s) in [
+        (240.0, [3, 5, 10]),
+        (400.0, [3, 5, 10]),
+        (400.0, [1, 1, 2]),
+        (400.0, [10, 3, 3]),
+    ] {
+        let sources = periods_s.map(|period_s| Reports { period_s, ..RADAR });
+        let (harness, errors_m) = followed(size_m, sources, 150);
+        assert_eq!(harness.live(), TARGETS as usize, "{size_m} m, {periods_s:?}");
+        let last_m = errors_m[110..].iter().copied().fold(0.0, f64::max);
+        assert!(last_m < 10.0, "{size_m} m, {periods_s:?}: {errors_m:.0?}");
+    }
+}
+
+#[test]
+fn the_point_of_a_first_source_that_comes_late_lies_within_the_covariance_and_is_shown_soon() {
+    let late = Reports {
+        begins_s: 60.0,
+        ..RADAR
+    };
+    let (harness, errors_m) = followed(400.0, [late, RADAR, RADAR], 120);
+    let last_m = errors_m[90..].iter().copied().fold(0.0, f64::max);
+    assert!(last_m < 15.0, "{errors_m:.0?}");
+    for track in &harness.published {
+        let time_s = track.time_of_measurement_ns as f64 / S as f64;
+        // A first report starts no track.
+        if track.state != TrackState::Confirmed.code() || time_s < 64.0 {
+            continue;
+        }
+        let squared = (0..TARGETS).map(|target| {
+            let (sin, cos) = f64::from(target).sin_cos();
+            let way_m = (4.0 + 2.0 * f64::from(target)) * time_s;
+            let off_m = [
+                track.position_m[0] - 3000.0 * f64::from(target) - way_m * sin,
+                track.position_m[1] - way_m * cos,
+            ];
+            let of = |row: usize, column: usize| track.covariance.get(row, column);
+            association::distance::squared2(off_m, [of(0, 0), of(0, 1), of(1, 1)])
+        });
+        let least = squared.fold(f64::INFINITY, f64::min);
+        assert!(least < 9.0, "{least} at {time_s} s, {:?}", track.position_m);
+    }
+}
+
+/// Two boats abreast, which two radars follow both, are no points of a ship.
+#[test]
+fn boats_that_keep_together_stay_two() {
+    let mut settings = test_settings(2);
+    settings.rule.name = RuleName(FusionRule::Auto);
+    for source in &mut settings.sources {
+        source.coverage = Some(CoverageArea {
+            probability: 0.95,
+            ..CoverageArea::none()
+        });
+    }
+    let mut harness = Harness::new(settings);
+    for second in 0..120 {
+        // Each radar finds one boat first, and the other boat later.
+        for (source, boat, begins_s) in [(0, 0, 0), (1, 1, 0), (0, 1, 12), (1, 0, 30)] {
+            if second >= begins_s {
+                let time_s = f64::from(second) + 0.2 * f64::from(source);
+                let place_m = [200.0 * f64::from(boat), 8.0 * time_s];
+                harness.take(&report(source, boat, time_s, place_m, [0.0, 8.0]));
+            }
+        }
+    }
+    assert_eq!(harness.live(), 2);
+}
+
 #[test]
 fn all_show_the_point_of_the_first_source_also_where_it_comes_last() {
     for begins_s in [0.0, 40.0] {

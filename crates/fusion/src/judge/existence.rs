@@ -25,7 +25,8 @@
 //!
 //! While a shown target may be the same target, observed by other sources at another point, a second track waits: the
 //! sources are not silent then. Before the spread of the points is known, the points may lie as far apart as the target
-//! is large by its type and speed: of the tracks of a long ship, the track of the first source is shown. The same holds
+//! is large by its type and speed: of the tracks of a long ship, the track of the first source is shown. The reports of
+//! all of them count for it, as reports of one target, and no silent source is awaited. The same waiting holds
 //! for a source in conflict with two other sources in agreement (module `alignment`). Until the removal of its bias,
 //! its tracks are not shown beside tracks of other sources with like velocity within `identity.reach_m`. A confirmed
 //! track stays confirmed until its sources *report* the loss of the target: each miss since the last report of any

@@ -27,7 +27,7 @@ use crate::publish::system_track_message::{publish_change, publish_extrapolated}
 use crate::settings::{Settings, SourceSet, SourceSettings};
 use crate::tables::sensor_tracks::SensorEntry;
 use crate::tables::silent_tracks::SUSPENDED_MAX;
-use crate::tables::system_tracks::SystemSlot;
+use crate::tables::system_tracks::{SystemEntry, SystemSlot};
 use crate::tables::tracks::Tracks;
 
 /// Time between two looks at the followers of a system track, nanoseconds.
@@ -169,13 +169,14 @@ pub(crate) fn update_existence<S: Sink>(
             }
             tracks.systems.get_mut(system).log_odds = evidence.log_ratio;
             if evidence.is_believed && !may_be_another(settings, tracks, (system, now_ns)) {
-                tracks.systems.set_life(system, TrackState::Confirmed);
-                let first = !std::mem::replace(&mut tracks.systems.get_mut(system).was_shown, true);
-                if first {
-                    out.count(report.source, Counter::TracksConfirmed);
+                match leader_aside(settings, tracks, (system, now_ns)) {
+                    None => confirm(tracks, system, (report, evidence.stated), out),
+                    Some(leader) if (Search { settings, tracks }).may_be_large(system, now_ns) => {
+                        confirm(tracks, leader, (report, evidence.stated), out);
+                        publish_change(settings, tracks, leader, now_ns, out);
+                    }
+                    Some(_) => {}
                 }
-                let decision = tracks.decision_on(system, DecisionKind::Confirmed, now_ns, evidence.stated);
-                out.decision(&decision);
             }
         }
         TrackState::Confirmed => {
@@ -191,6 +192,23 @@ pub(crate) fn update_existence<S: Sink>(
         TrackState::Suspended | TrackState::Terminated => {}
     }
     count_target(settings, tracks, system, now_ns);
+}
+
+/// Confirms a system track with a report.
+fn confirm<S: Sink>(
+    tracks: &mut Tracks,
+    system: SystemSlot,
+    (report, stated): (&SensorTrack, f64),
+    out: &mut Outlet<'_, S>,
+) {
+    tracks.systems.set_life(system, TrackState::Confirmed);
+    let first = !std::mem::replace(&mut tracks.systems.get_mut(system).was_shown, true);
+    if first {
+        out.count(report.source, Counter::TracksConfirmed);
+    }
+    let now_ns = report.time_of_measurement_ns;
+    let decision = tracks.decision_on(system, DecisionKind::Confirmed, now_ns, stated);
+    out.decision(&decision);
 }
 
 /// Weighs the evidence for the target of a system track.
@@ -212,14 +230,23 @@ fn evidence(settings: &Settings, tracks: &Tracks, system: SystemSlot, now_ns: i6
         true => settings.life.confirm_reports.min(RECOGNISED_REPORTS),
         false => settings.life.confirm_reports,
     };
-    if reports < least || !is_established || entry.recognition.is_doubted() {
+    if !is_established || entry.recognition.is_doubted() {
         return ExistenceEvidence::NONE;
+    }
+    let search = Search { settings, tracks };
+    if reports < least {
+        // The tracks of other points are tracks of the same target.
+        let is_enough = || reports.saturating_add(search.sources_aside(system, now_ns).1) >= least;
+        if !search.may_be_large(system, now_ns) || !is_enough() {
+            return ExistenceEvidence::NONE;
+        }
     }
     let witnesses = tracks.sources.witnesses_among(sources);
     if witnesses >= 3 {
         return ExistenceEvidence::certain(f64::from(witnesses));
     }
-    let (silence, had_their_chance) = silence_of_others(settings, tracks, (system, now_ns), sources);
+    let (aside, reports_aside) = search.sources_aside(system, now_ns);
+    let (silence, had_their_chance) = silence_of_others(settings, tracks, (system, now_ns), (sources, aside));
     let (purity, awaited) = match (witnesses, sources.iter().next()) {
         // A single source, not a copy of another source.
         (1, Some(source)) => {
@@ -241,7 +268,7 @@ fn evidence(settings: &Settings, tracks: &Tracks, system: SystemSlot, now_ns: i6
         0.0
     };
     let mut log_ratio = claim.log_ratio(&settings.existence) + agreement;
-    let may_be_believed = witnesses >= 2 || had_their_chance || claim.has_address;
+    let may_be_believed = witnesses >= 2 || reports_aside > 0 || had_their_chance || claim.has_address;
     let believes = |log_ratio| settings.existence.believes(log_ratio, awaited);
     // The search for a former target is long, and seldom decides.
     if may_be_believed && !believes(log_ratio) && believes(log_ratio + settings.existence.former) {
@@ -270,19 +297,18 @@ fn return_log_ratio(settings: &Settings, tracks: &Tracks, system: SystemSlot, no
     former.map_or(0.0, |(_, ratio)| ratio.min(settings.existence.former))
 }
 
-/// Log-likelihood ratio of the silence of all sources but `sources`, and whether all of the silent sources with
-/// coverage had a chance.
+/// Log-likelihood ratio of the silence of all sources but `sources` and those `aside`, and whether all of the silent
+/// sources with coverage had a chance.
 fn silence_of_others(
     settings: &Settings,
     tracks: &Tracks,
     (system, now_ns): (SystemSlot, i64),
-    sources: SourceSet,
+    (sources, aside): (SourceSet, SourceSet),
 ) -> (f64, bool) {
     let entry = tracks.systems.get(system);
     let (filter, age_ns) = (&entry.filter, (now_ns - entry.first_seen_ns) as f64);
     let group_of = |source: u16| tracks.sources.group_of(source);
     let heard: SourceSet = sources.iter().map(group_of).collect();
-    let aside = Search { settings, tracks }.sources_aside(system, now_ns);
     let (mut silence, mut had_their_chance) = (0.0, true);
     for (index, source) in settings.sources.iter().enumerate() {
         // The silence of a source about a target above the source's ceiling is no evidence.
@@ -401,12 +427,27 @@ fn may_be_another(settings: &Settings, tracks: &Tracks, (system, now_ns): (Syste
     let search = Search { settings, tracks };
     let is_patient = (now_ns - entry.first_seen_ns) as f64 <= patience_s * NS_PER_S;
     let is_nameless = entry.identity.unique_number().is_none() && !entry.is_foreign;
-    let is_new = (now_ns - entry.first_seen_ns) as f64 <= RESTART_PERIODS * settings.longest_period_s() * NS_PER_S;
+    let is_new = is_new(settings, entry, now_ns);
     is_nameless
         && (is_patient && search.is_shown_already(system, now_ns)
             || search.is_shown_elsewhere(system, now_ns)
-            || is_new && (search.was_followed(system, now_ns) || search.has_leader_aside(system, now_ns))
+            || is_new && search.was_followed(system, now_ns)
             || search.is_shown_aside(system, now_ns, is_new))
+}
+
+/// Whether a system track began so recently that its sources may have restarted.
+fn is_new(settings: &Settings, entry: &SystemEntry, now_ns: i64) -> bool {
+    (now_ns - entry.first_seen_ns) as f64 <= RESTART_PERIODS * settings.longest_period_s() * NS_PER_S
+}
+
+/// Returns the track to be shown in place of a new tentative track: another point of the same target, of a source that
+/// comes first.
+fn leader_aside(settings: &Settings, tracks: &Tracks, (system, now_ns): (SystemSlot, i64)) -> Option<SystemSlot> {
+    let entry = tracks.systems.get(system);
+    let may_follow = entry.identity.unique_number().is_none() && !entry.is_foreign && is_new(settings, entry, now_ns);
+    may_follow
+        .then(|| Search { settings, tracks }.leader_aside(system, now_ns))
+        .flatten()
 }
 
 /// Lets a system track with a due deadline coast, rest or terminate. Returns the next deadline; `None` after

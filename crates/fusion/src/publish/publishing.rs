@@ -20,6 +20,7 @@ use crate::tables::system_tracks::SystemSlot;
 use crate::tables::tracks::Tracks;
 use crate::update::filter::TargetFilter;
 use crate::update::filter_input::UnseenErrors;
+use crate::update::reference_point::unseen_m2;
 
 /// Largest number of joined centres.
 const CENTRES_MAX: usize = 8;
@@ -221,6 +222,10 @@ impl TrackPublisher {
 
     /// Sets the state to the estimate of the target's filter, with the additional variance.
     fn take_over_filter(&self, tracks: &mut Tracks, system: SystemSlot, reference_ns: i64) {
+        let points_m2 = match tracks.systems.get(system).has_points {
+            true => unseen_m2(tracks, system),
+            false => 0.0,
+        };
         let entry = tracks.systems.get_mut(system);
         let motion = tracks.sources.motion(entry.filter.velocity_mps());
         entry.filter.write_state_at(reference_ns, motion, &mut entry.state);
@@ -228,8 +233,17 @@ impl TrackPublisher {
         let variances = &mut entry.state.covariance.upper;
         for axis in 0..2 {
             let velocity = axis + AXES;
-            variances[Covariance::index(axis, axis)] += self.unseen.per_axis_m2;
+            variances[Covariance::index(axis, axis)] += self.unseen.per_axis_m2 + points_m2;
             variances[Covariance::index(velocity, velocity)] += velocity_m2ps2;
+        }
+        // The point to be kept may soon be another.
+        let [east_m, north_m] = entry.aside_m.map(f64::from);
+        for ((row, column), m2) in [
+            ((0, 0), east_m * east_m),
+            ((0, 1), east_m * north_m),
+            ((1, 1), north_m * north_m),
+        ] {
+            variances[Covariance::index(row, column)] += m2;
         }
         let climb = 2 + AXES;
         variances[Covariance::index(climb, climb)] += climb_m2ps2;

@@ -241,10 +241,14 @@ impl SensorEntry {
         }
     }
 
-    /// Largest size of the target, metres, by its type and speed.
+    /// Largest size of the target, metres, by its type and speed. An aircraft address excludes a vessel, however slow
+    /// the target is.
     pub(crate) fn size_m(&self, sizes: &TargetSizeSettings) -> f64 {
-        let [east_mps, north_mps, _] = self.latest.velocity_mps;
-        sizes.of(&self.latest.target_type, length([east_mps, north_mps]))
+        let speed_mps = match self.latest.identity.address() {
+            Some(_) => f64::INFINITY,
+            None => length([self.latest.velocity_mps[0], self.latest.velocity_mps[1]]),
+        };
+        sizes.of(&self.latest.target_type, speed_mps)
     }
 
     /// The latest report before the next report is taken.

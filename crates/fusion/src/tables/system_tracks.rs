@@ -87,6 +87,8 @@ pub(crate) struct SystemEntry {
     pub(crate) is_foreign: bool,
     /// Whether a source leads the target off.
     pub(crate) has_led_off: bool,
+    /// Whether the sources see points of the target that stand apart.
+    pub(crate) has_points: bool,
     /// Whether measurements of a detection point that may have leapt wait.
     pub(crate) awaits_leap: bool,
     /// Sources used by the filter.
@@ -95,6 +97,10 @@ pub(crate) struct SystemEntry {
     pub(crate) duplicate: Option<(u32, u32)>,
     /// Time of the next check for such a track, nanoseconds.
     pub(crate) duplicate_due_ns: i64,
+    /// Number of the system track that may show the target at another point, and the number of successive findings.
+    pub(crate) other_point: Option<(u32, u32)>,
+    /// Way to that point, east and north, metres, if it comes first; else 0.
+    pub(crate) aside_m: [f32; 2],
     /// Time of the next note of the sources that follow the track, nanoseconds.
     pub(crate) coverage_due_ns: i64,
     /// Column while a scan is being assigned.
@@ -285,6 +291,9 @@ impl SystemEntry {
             contributors: SourceSet::EMPTY,
             duplicate: None,
             duplicate_due_ns: i64::MIN,
+            other_point: None,
+            aside_m: [0.0; 2],
+            has_points: false,
             coverage_due_ns: i64::MIN,
             column: 0,
             members: None,

@@ -21,12 +21,12 @@ impl Engine {
         let samples = known.errors(source).samples;
         let settled = REGISTRATION_SETTLED.iter().find(|(least, _)| samples > *least);
         let is_registered = |source: u16| settings.sources[usize::from(source)].is_registered;
-        let has_leapt = |entry: &SensorEntry| entry.point.has_leapt || entry.leap_watch.is_waiting();
+        let is_apart = |entry: &SensorEntry| entry.point.stands_apart() || entry.leap_watch.is_waiting();
         if !(settings.registration.enabled && is_registered(source))
             || report.state != TrackState::Confirmed as u8
             || entry.repaired
             || entry.is_foreign
-            || has_leapt(entry)
+            || is_apart(entry)
             || tracks.systems.get(system).life != TrackState::Confirmed
             || settled.is_some_and(|(_, every)| !entry.reports.is_multiple_of(*every))
         {
@@ -37,7 +37,7 @@ impl Engine {
         for (member, other) in tracks.contributing_entries(system, now_ns) {
             let is_comparable =
                 other.latest.state == TrackState::Confirmed as u8 && !other.is_foreign && is_registered(other.source);
-            if member == sensor || !is_comparable || has_leapt(other) {
+            if member == sensor || !is_comparable || is_apart(other) {
                 continue;
             }
             let key = (!known.is_young(other.source), other.time_ns, other.source);

@@ -14,7 +14,7 @@ use crate::update::point_leaps::PointMotion;
 use crate::update::reference_point::{self, ReferencePoints};
 
 /// Speed below which the course is meaningless, m/s.
-const COURSE_SPEED_MIN_MPS: f64 = 1.0;
+pub(crate) const COURSE_SPEED_MIN_MPS: f64 = 1.0;
 /// Distance between report and estimate, in combined standard deviations, beyond which either must be wrong.
 const ASTRAY_SIGMAS: f64 = 30.0;
 

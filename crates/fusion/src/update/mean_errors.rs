@@ -77,12 +77,12 @@ impl Engine {
         if !self.tracks.sources.teaches(entry.source, target.number) {
             return;
         }
-        let is_led_or_leapt = entry.is_led_off || entry.point.has_leapt;
+        let is_led_or_apart = entry.is_led_off || entry.point.stands_apart();
         let registered = |source: u16| self.settings.sources[usize::from(source)].is_registered;
         let is_compared = registered(entry.source) && target.life == TrackState::Confirmed;
         let looks = about_mean_m.is_some()
             && is_compared
-            && !is_led_or_leapt
+            && !is_led_or_apart
             && (!self.tracks.sources.knows_spread_well(entry.source) || entry.residuals.is_multiple_of(SPREAD_EVERY));
         let search = Search {
             settings: &self.settings,
@@ -97,7 +97,7 @@ impl Engine {
             nis,
             moves_mps,
             about_mean_m,
-            shows_errors: is_compared && !entry.point.has_leapt,
+            shows_errors: is_compared && !entry.point.stands_apart(),
             shows_accuracy: !is_misled && !entry.is_led_off,
             steadiness: target.filter.steadiness(),
             height: looks.then(|| search.height_apart(sensor)).flatten(),
@@ -116,13 +116,13 @@ impl Engine {
 
 impl Search<'_> {
     /// Returns the mean innovation of a sensor track, east and north, metres, without the suspected errors of the
-    /// source on all targets, and relative to the detection point after a leap.
+    /// source on all targets, and relative to a detection point that stands apart.
     pub(crate) fn mean_about_point(&self, entry: &SensorEntry) -> [f64; 2] {
         let shift_m = self
             .tracks
             .sources
             .suspected_shift_m(entry.source, entry.latest.velocity_mps);
-        let point_m = match entry.point.has_leapt {
+        let point_m = match entry.point.stands_apart() {
             true => from_body(entry.point.offset_m, self.tracks.systems.get(entry.system).course),
             false => [0.0; 2],
         };

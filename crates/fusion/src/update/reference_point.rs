@@ -7,10 +7,17 @@
 //! measurements. All sources thus continue to improve the position, and the point remains when the first source falls
 //! silent. The point of a source of higher priority replaces the reference point after a while of tracking.
 //!
+//! A long ship shows its points by itself, whatever other targets show: each source has a track of its own there until
+//! the tracks are merged (module `linking`). The merge places the points. Such points are learned relative to the
+//! innovations of the reference point, because the filter follows all points together: a common error of the filter
+//! and of all points would show in no difference. What is not known of the points, and of the course about which they
+//! turn, is added to the published covariance.
+//!
 //! A filter begins anew with the first source's state, unless the uncertainty of this state far exceeds the distance
 //! between points. The filter then keeps the previous state, with the variance between points added. Measurements of
 //! points not yet estimated improve only a filter of such uncertainty.
 
+use estimation::length;
 use messages::{AXES, DecisionKind, NS_PER_S, SensorTrack};
 use source_models::{DetectionPoint, FilterInnovation, Measurement, Referred, from_body};
 
@@ -18,9 +25,11 @@ use crate::explanation::Sink;
 use crate::publish::outlet::Outlet;
 use crate::settings::Settings;
 use crate::tables::sensor_tracks::{SensorEntry, SensorSlot};
-use crate::tables::system_tracks::SystemSlot;
+use crate::tables::system_tracks::{SystemEntry, SystemSlot};
 use crate::tables::tracks::Tracks;
+use crate::update::filtering::COURSE_SPEED_MIN_MPS;
 use crate::update::kept_measurement::UsedMeasurement;
+use crate::update::mean_errors::MEAN_REPORTS_MIN;
 
 /// Innovations before the filter may go over to a detection point.
 const CHANGE_REPORTS_MIN: u32 = 12;
@@ -53,7 +62,7 @@ impl ReferencePoints<'_> {
     ) -> Referred {
         let Self { settings, tracks } = self;
         let (points, entry) = (tracks.sources.points(), tracks.sensors.get_mut(sensor));
-        if !points.keeps_points() && !entry.point.has_leapt {
+        if !points.keeps_points() && !entry.point.stands_apart() {
             return Referred::ITSELF;
         }
         points.refresh(&mut entry.point);
@@ -97,12 +106,19 @@ impl ReferencePoints<'_> {
         known(tracks, sensor, measurement)
     }
 
-    /// Learns the position of a sensor track's detection point on the target.
+    /// Learns the position of a sensor track's detection point on the target. The filter drifts with points that it
+    /// follows far off, so their innovations count relative to that of the reference point.
     pub(crate) fn learn(&mut self, sensor: SensorSlot, innovation: &FilterInnovation) {
-        let entry = self.tracks.sensors.get_mut(sensor);
+        let entry = self.tracks.sensors.get(sensor);
         if self.tracks.sources.points().follows(&entry.point) && !entry.point.is_reference {
-            let course = self.tracks.systems.get(entry.system).course;
-            entry.point.add(innovation.residual_m, course);
+            let system = entry.system;
+            let course = self.tracks.systems.get(system).course;
+            let is_known = |member: &SensorEntry| member.point.is_reference && member.residuals >= MEAN_REPORTS_MIN;
+            let mut members = self.tracks.member_entries(system);
+            let reference = members.find(|(_, member)| entry.point.is_apart && is_known(member));
+            let drift_m = reference.map_or([0.0; 2], |(_, member)| member.residual_mean_m);
+            let residual_m = std::array::from_fn(|axis| innovation.residual_m[axis] - drift_m[axis]);
+            self.tracks.sensors.get_mut(sensor).point.add(residual_m, course);
         }
     }
 }
@@ -112,7 +128,36 @@ pub(crate) fn known(tracks: &Tracks, sensor: SensorSlot, measurement: &Measureme
     let entry = tracks.sensors.get(sensor);
     let target = tracks.systems.get(entry.system);
     let variances_m2 = (measurement.variance_m2(), target.filter.variance_m2());
-    tracks.sources.points().known(&entry.point, target.course, variances_m2)
+    let course = (target.course, course_rad2(target));
+    tracks.sources.points().known(&entry.point, course, variances_m2)
+}
+
+/// Variance of a target's course, rad²; 0 of a target that stands, which does not turn.
+fn course_rad2(target: &SystemEntry) -> f64 {
+    let filter = &target.filter;
+    let speed = length([filter.estimate.mean[AXES], filter.estimate.mean[AXES + 1]]);
+    if speed <= COURSE_SPEED_MIN_MPS {
+        return 0.0;
+    }
+    let of = |axis: usize| filter.estimate.covariance.get(axis, axis);
+    0.5 * (of(AXES) + of(AXES + 1)) / (speed * speed)
+}
+
+/// Variance per axis of a target's reference point that the filter does not contain, m²: the errors of the places of
+/// other points persist.
+pub(crate) fn unseen_m2(tracks: &Tracks, system: SystemSlot) -> f64 {
+    let (points, course_rad2) = (tracks.sources.points(), course_rad2(tracks.systems.get(system)));
+    let sigmas_m = tracks.member_entries(system).map(|(_, member)| {
+        let is_other = points.follows(&member.point) && !member.point.is_reference;
+        let variance_m2 = member.point.variance_m2(member.residual_variance_m2, course_rad2);
+        if is_other {
+            member.share * variance_m2.sqrt()
+        } else {
+            0.0
+        }
+    });
+    let sigma_m: f64 = sigmas_m.sum();
+    sigma_m * sigma_m
 }
 
 /// Whether some contributing sensor track carries the target's reference point.
@@ -137,7 +182,7 @@ fn comes_first(settings: &Settings, tracks: &Tracks, sensor: SensorSlot) -> bool
 }
 
 /// Makes the detection point of a sensor track the reference point of its target.
-fn change_to(tracks: &mut Tracks, sensor: SensorSlot) {
+pub(crate) fn change_to(tracks: &mut Tracks, sensor: SensorSlot) {
     let SensorEntry {
         system, source, point, ..
     } = *tracks.sensors.get(sensor);
@@ -146,8 +191,17 @@ fn change_to(tracks: &mut Tracks, sensor: SensorSlot) {
     entry.filter.shift(by_m);
     entry.point_source = source;
     tracks.kept.shift(system, by_m);
-    tracks.for_members(system, |member| {
+    let Tracks {
+        sensors,
+        systems,
+        sources,
+        ..
+    } = tracks;
+    sensors.for_members_from(systems.get(system).members, |member| {
         let other = &mut member.point;
+        if point.is_apart && !sources.points().follows(other) {
+            *other = sources.points().apart([0.0; 2]);
+        }
         for (offset, by) in other.offset_m.iter_mut().zip(point.offset_m) {
             *offset -= by;
         }
