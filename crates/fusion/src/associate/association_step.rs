@@ -335,11 +335,13 @@ impl Search<'_> {
             if metres > size_m || !is_level || !move_alike(&state, &theirs) {
                 return;
             }
+            // Another target near by stays in question, whatever its size: it makes the choice ambiguous.
             is_ambiguous |= sources.meets(seen);
             seen |= sources;
             // A source that has followed a target as one with others does not see another point of it.
             let has_followed = |one: &SystemEntry, others: SourceSet| !one.has_points && one.contributors.meets(others);
             let may_be_one = !other.is_foreign
+                && metres <= self.size_m(system, now_ns)
                 && !has_followed(entry, sources)
                 && !has_followed(other, own_sources)
                 && entry.bond != Bond::Apart(other.number)
