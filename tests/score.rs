@@ -329,11 +329,8 @@ fn what_cannot_be_scored_is_refused_with_file_place_and_remedy() {
         ("--areas areas.geojson --origin 41", "latitude and longitude in degrees"),
         ("--areas areas.geojson --origin 141,2", "latitude"),
         ("--areas gone.geojson --origin 41.3,2.1", "gone.geojson: cannot be read"),
-        ("--areas truth.csv --origin 41.3,2.1", "truth.csv: is no JSON"),
-        (
-            "--areas lake.geojson --origin 41.3,2.1",
-            "feature 1: the kind \"lake\" is unknown",
-        ),
+        ("--areas truth.csv --origin 41.3,2.1", "areas are GeoJSON, or airspaces"),
+        ("--areas lake.geojson --origin 41.3,2.1", "the kind \"lake\" is unknown"),
         ("--standard ed-88", "ed-87"),
         ("--reference me", "smoothed"),
     ] {

@@ -36,9 +36,9 @@ use crate::settings::Settings;
 use crate::tables::sensor_tracks::{NO_SYSTEM, Role, SensorSlot, SensorTracks};
 use crate::tables::system_tracks::{SystemSlot, SystemTracks};
 use crate::tables::tracks::Tracks;
+use crate::update::compared_means::ComparedMeans;
 use crate::update::filter_input::UnseenErrors;
 use crate::update::kept_measurements::KeptMeasurements;
-use crate::update::led_off::ComparedMeans;
 
 /// Largest time of a report ahead of the engine's time, nanoseconds. The limit holds even if the clock of the source
 /// is unknown: it bounds the lifetime of tracks and the number of steps through time.

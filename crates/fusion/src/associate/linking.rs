@@ -379,7 +379,7 @@ impl Linking<'_> {
         out: &mut Outlet<'_, S>,
     ) -> Next {
         let entry = self.tracks.systems.get(system);
-        // A track that has long been alone seldom turns out to be of another's target; the other, younger one looks too.
+        // A track that has long been alone seldom turns out to be of another target: the other, younger one looks too.
         let is_settled = entry.other_point.is_none() && entry.reports > LONE_REPORTS;
         if is_settled && !entry.reports.is_multiple_of(LONE_EVERY) {
             return Next::Done;
@@ -522,8 +522,8 @@ impl Linking<'_> {
         if rank(a) < rank(b) { (a, b) } else { (b, a) }
     }
 
-    /// Merges the system track `from` into another. Its filter follows a point `apart_m` from that of the other, along and
-    /// across the course, metres; `None` if both follow the same point.
+    /// Merges the system track `from` into another. Its filter follows a point `apart_m` from that of the other, along
+    /// and across the course, metres; `None` if both follow the same point.
     fn merge_at<S: Sink>(
         &mut self,
         into: SystemSlot,

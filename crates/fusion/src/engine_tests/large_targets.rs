@@ -176,6 +176,32 @@ fn boats_that_keep_together_stay_two() {
     assert_eq!(harness.live(), 2);
 }
 
+/// A taxiing aircraft whose radar echo lies 200 m aside is no ship: its address excludes one.
+#[test]
+fn a_slow_aircraft_is_no_point_of_a_ship() {
+    let live = |address: u32| {
+        let mut settings = test_settings(2);
+        settings.rule.name = RuleName(FusionRule::Auto);
+        for source in &mut settings.sources {
+            source.coverage = Some(CoverageArea {
+                probability: 0.95,
+                ..CoverageArea::none()
+            });
+        }
+        let mut harness = Harness::new(settings);
+        for second in 0..120 {
+            for source in 0..2u16 {
+                let time_s = f64::from(second) + 0.2 * f64::from(source);
+                let seen = report(source, 1, time_s, [200.0 * f64::from(source), 0.0], [0.0, 8.0]);
+                let has_address = source == 1 && address != 0;
+                harness.take(&if has_address { with_address(seen, address) } else { seen });
+            }
+        }
+        harness.live()
+    };
+    assert_eq!([live(0), live(0x3c_6545)], [1, 2]);
+}
+
 #[test]
 fn all_show_the_point_of_the_first_source_also_where_it_comes_last() {
     for begins_s in [0.0, 40.0] {

@@ -20,7 +20,7 @@ use crate::tables::system_tracks::SystemSlot;
 use crate::tables::tracks::Tracks;
 use crate::update::filter::TargetFilter;
 use crate::update::filter_input::UnseenErrors;
-use crate::update::reference_point::unseen_m2;
+use crate::update::point_errors::unseen_m2;
 
 /// Largest number of joined centres.
 const CENTRES_MAX: usize = 8;

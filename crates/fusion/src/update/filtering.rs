@@ -10,11 +10,10 @@ use crate::tables::sensor_tracks::SensorSlot;
 use crate::tables::system_tracks::SystemSlot;
 use crate::update::assumed::assumed_of;
 use crate::update::filter_input::FilterInput;
+use crate::update::point_errors::COURSE_SPEED_MIN_MPS;
 use crate::update::point_leaps::PointMotion;
 use crate::update::reference_point::{self, ReferencePoints};
 
-/// Speed below which the course is meaningless, m/s.
-pub(crate) const COURSE_SPEED_MIN_MPS: f64 = 1.0;
 /// Distance between report and estimate, in combined standard deviations, beyond which either must be wrong.
 const ASTRAY_SIGMAS: f64 = 30.0;
 

@@ -10,6 +10,7 @@ use source_models::{MEAN_VARIANCE, MeanInnovation, odd_one};
 use crate::associate::association_step::Search;
 use crate::engine::Engine;
 use crate::tables::sensor_tracks::SensorSlot;
+use crate::update::compared_means::ComparedMeans;
 use crate::update::mean_errors::MEAN_REPORTS_MIN;
 
 /// Squared statistical length of a mean innovation above which means are compared.
@@ -17,23 +18,6 @@ const SUSPICIOUS: f64 = 9.2;
 /// Squared statistical lengths: a source leads a target off above the first, and no longer below the second.
 const LEADS_OFF: f64 = 25.0;
 const AGREES: f64 = 9.2;
-
-/// Room for the means of a target's sensor tracks while these are compared.
-#[derive(Debug, Default)]
-pub(crate) struct ComparedMeans {
-    means: Vec<MeanInnovation>,
-    members: Vec<SensorSlot>,
-}
-
-impl ComparedMeans {
-    /// Room for a sensor track of each source.
-    pub(crate) fn new(sources: usize) -> Self {
-        Self {
-            means: Vec::with_capacity(sources),
-            members: Vec::with_capacity(sources),
-        }
-    }
-}
 
 impl Engine {
     /// Checks whether a source leads the target of a sensor track off, if the track's mean innovation is suspicious.

@@ -1,6 +1,7 @@
 //! Update: the filter of a system track, and its measurements.
 
 pub(crate) mod assumed;
+pub(crate) mod compared_means;
 pub(crate) mod comparing;
 pub(crate) mod filter;
 pub(crate) mod filter_input;
@@ -14,6 +15,7 @@ pub(crate) mod late;
 pub(crate) mod led_off;
 pub(crate) mod mean_errors;
 pub(crate) mod plane_filter;
+pub(crate) mod point_errors;
 pub(crate) mod point_leaps;
 pub(crate) mod reference_point;
 pub(crate) mod vertical_filter;

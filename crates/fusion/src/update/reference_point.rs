@@ -17,7 +17,6 @@
 //! between points. The filter then keeps the previous state, with the variance between points added. Measurements of
 //! points not yet estimated improve only a filter of such uncertainty.
 
-use estimation::length;
 use messages::{AXES, DecisionKind, NS_PER_S, SensorTrack};
 use source_models::{DetectionPoint, FilterInnovation, Measurement, Referred, from_body};
 
@@ -25,11 +24,11 @@ use crate::explanation::Sink;
 use crate::publish::outlet::Outlet;
 use crate::settings::Settings;
 use crate::tables::sensor_tracks::{SensorEntry, SensorSlot};
-use crate::tables::system_tracks::{SystemEntry, SystemSlot};
+use crate::tables::system_tracks::SystemSlot;
 use crate::tables::tracks::Tracks;
-use crate::update::filtering::COURSE_SPEED_MIN_MPS;
 use crate::update::kept_measurement::UsedMeasurement;
 use crate::update::mean_errors::MEAN_REPORTS_MIN;
+use crate::update::point_errors::course_rad2;
 
 /// Innovations before the filter may go over to a detection point.
 const CHANGE_REPORTS_MIN: u32 = 12;
@@ -130,34 +129,6 @@ pub(crate) fn known(tracks: &Tracks, sensor: SensorSlot, measurement: &Measureme
     let variances_m2 = (measurement.variance_m2(), target.filter.variance_m2());
     let course = (target.course, course_rad2(target));
     tracks.sources.points().known(&entry.point, course, variances_m2)
-}
-
-/// Variance of a target's course, rad²; 0 of a target that stands, which does not turn.
-fn course_rad2(target: &SystemEntry) -> f64 {
-    let filter = &target.filter;
-    let speed = length([filter.estimate.mean[AXES], filter.estimate.mean[AXES + 1]]);
-    if speed <= COURSE_SPEED_MIN_MPS {
-        return 0.0;
-    }
-    let of = |axis: usize| filter.estimate.covariance.get(axis, axis);
-    0.5 * (of(AXES) + of(AXES + 1)) / (speed * speed)
-}
-
-/// Variance per axis of a target's reference point that the filter does not contain, m²: the errors of the places of
-/// other points persist.
-pub(crate) fn unseen_m2(tracks: &Tracks, system: SystemSlot) -> f64 {
-    let (points, course_rad2) = (tracks.sources.points(), course_rad2(tracks.systems.get(system)));
-    let sigmas_m = tracks.member_entries(system).map(|(_, member)| {
-        let is_other = points.follows(&member.point) && !member.point.is_reference;
-        let variance_m2 = member.point.variance_m2(member.residual_variance_m2, course_rad2);
-        if is_other {
-            member.share * variance_m2.sqrt()
-        } else {
-            0.0
-        }
-    });
-    let sigma_m: f64 = sigmas_m.sum();
-    sigma_m * sigma_m
 }
 
 /// Whether some contributing sensor track carries the target's reference point.
