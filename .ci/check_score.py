@@ -346,6 +346,15 @@ def local(origin):
     return lambda place: np.array([east @ (earth(place[1], place[0]) - centre), north @ (earth(place[1], place[0]) - centre)])
 
 
+def drawn(ring, to_local):
+    """the ring in the plane: sides straight in longitude and latitude, as RFC 7946 has them, in parts of 10 km at most"""
+    places = []
+    for one, two in zip(np.array(ring, float), np.array(ring[1:], float)):
+        parts = max(1, math.ceil(np.linalg.norm(to_local(two) - to_local(one)) / 10_000))
+        places += [to_local(one + part / parts * (two - one)) for part in range(parts)]
+    return np.array([*places, to_local(ring[-1])])
+
+
 def inside(polygons, place):
     """by the winding of the outline about the place, and of no hole"""
     def winds(ring):
@@ -404,7 +413,7 @@ def main():
         for feature in json.load(open(options.areas))["features"]:
             geometry, properties = feature["geometry"], feature["properties"]
             polygons = [geometry["coordinates"]] if geometry["type"] == "Polygon" else geometry["coordinates"]
-            polygons = [[np.array([to_local(place) for place in ring]) for ring in rings] for rings in polygons]
+            polygons = [[drawn(ring, to_local) for ring in rings] for rings in polygons]
             areas.append((properties["name"], properties.get("kind"), polygons))
     compared, figures, verdicts = Comparison(), 0, set()
     compared.same("reference", options.reference, card["reference"])
