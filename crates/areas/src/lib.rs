@@ -40,6 +40,32 @@ pub struct Area {
 #[error("{0}")]
 pub struct AreaError(pub String);
 
+impl Area {
+    /// A circle about a place, longitude and latitude in degrees, with a radius in metres.
+    ///
+    /// # Errors
+    /// If the place is none, or the circle is too large or too far from the origin of the frame.
+    pub fn circle(name: &str, centre_deg: [f64; 2], radius_m: f64, ground: &Ground) -> Result<Self, AreaError> {
+        Self::of_corners(name, &ground.circle(centre_deg, radius_m)?, ground)
+    }
+
+    /// A polygon by its corners in turn, longitude and latitude in degrees.
+    ///
+    /// # Errors
+    /// If there are fewer than three corners, or one is no place or too far from the origin of the frame.
+    pub fn of_corners(name: &str, corners_deg: &[[f64; 2]], ground: &Ground) -> Result<Self, AreaError> {
+        if corners_deg.len() < 3 {
+            return Err(AreaError("a polygon has three corners or more".to_owned()));
+        }
+        Ok(Self {
+            name: name.to_owned(),
+            kind: None,
+            outline: Outline::new(vec![vec![ground.ring(corners_deg)?]]),
+            limits: VerticalLimits::default(),
+        })
+    }
+}
+
 impl AreaError {
     fn of(number: usize, fault: impl std::fmt::Display) -> Self {
         Self(format!("area {number}: {fault}"))
