@@ -34,6 +34,10 @@ template <> struct Topic<KosekiAlarm> {
   static constexpr std::uint64_t schema = KOSEKI_ALARM_SCHEMA;
   static std::string name(const std::string &) { return "system/alarms"; }
 };
+template <> struct Topic<KosekiAlert> {
+  static constexpr std::uint64_t schema = KOSEKI_ALERT_SCHEMA;
+  static std::string name(const std::string &) { return "system/alerts"; }
+};
 template <> struct Topic<KosekiOrderState> {
   static constexpr std::uint64_t schema = KOSEKI_ORDER_STATE_SCHEMA;
   static std::string name(const std::string &) { return "system/order-states"; }

@@ -310,7 +310,7 @@ def subscribe(
     """Reads a topic of the deployment called `instance` (of `koseki up --instance`, or the name in the configuration).
 
     Iterating yields record arrays, by default of system tracks; other topics are `system/alarms`,
-    `sensor/NAME/tracks`, `sensor/NAME/detections`, `wide-area/NAME/reports`, `platform/NAME/state`, `health`. Arrays
+    `system/alerts`, `sensor/NAME/tracks`, `sensor/NAME/detections`, `wide-area/NAME/reports`, `platform/NAME/state`, `health`. Arrays
     are copies; with `borrow`, arrays lie in shared memory, are read-only, and no more than two may be held at a time.
     `wait` waits for the deployment, for ever or so many seconds; `reconnect` continues with the next run after an end.
     A topic that is missing for 5 s from a deployment that runs raises NoSuchTopic all the same.

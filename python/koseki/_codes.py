@@ -154,6 +154,20 @@ class AlertBits(enum.IntFlag):
     RESOLUTION_ADVISORY = 128
 
 
+class AlertValueBits(enum.IntFlag):
+    """PREDICTED: `time_to_s` and `probability` are of the future: the event has not happened yet.
+    DISTANCE: `distance_m` and `least_distance_m` hold distances.
+    VERTICAL: `vertical_m` and `least_vertical_m` hold differences of height.
+    VALUE: `value` and `limit` hold what is compared: metres per second, metres or seconds by the kind.
+    ACKNOWLEDGED: An operator has acknowledged the alert."""
+
+    PREDICTED = 1
+    DISTANCE = 2
+    VERTICAL = 4
+    VALUE = 8
+    ACKNOWLEDGED = 16
+
+
 class RegistrationBits(enum.IntFlag):
     """EAST: The offset east is being removed from the source's reports.
     NORTH: The offset north is.
@@ -357,7 +371,8 @@ class Stream(enum.IntEnum):
     ORDERS: States of orders.
     ARRIVALS: Arrival times of a source.
     FIXES: Ready-made fixes of a source.
-    STATEMENTS: What the targets of a source state beside their motion."""
+    STATEMENTS: What the targets of a source state beside their motion.
+    ALERTS: Alerts on targets."""
 
     SENSOR_TRACKS = 1
     DETECTIONS = 2
@@ -372,6 +387,7 @@ class Stream(enum.IntEnum):
     ARRIVALS = 11
     FIXES = 12
     STATEMENTS = 13
+    ALERTS = 14
 
 
 class StepKind(enum.IntEnum):
@@ -414,7 +430,8 @@ class ProcessKind(enum.IntEnum):
     GATEWAY: Sends tracks to other systems over the network.
     KEEPER: Holds the topics for the launcher, which maps no shared memory itself.
     DISPLAY: Shows the picture in browsers.
-    LINK: Exchanges topics with deployments on other hosts."""
+    LINK: Exchanges topics with deployments on other hosts.
+    ALERTS: Finds events and dangers about targets."""
 
     ADAPTER = 0
     FUSION = 1
@@ -426,6 +443,7 @@ class ProcessKind(enum.IntEnum):
     KEEPER = 7
     DISPLAY = 8
     LINK = 9
+    ALERTS = 10
 
 
 class LifeState(enum.IntEnum):
@@ -458,6 +476,30 @@ class AlarmEvent(enum.IntEnum):
     RAISED = 1
     STANDING = 2
     CLEARED = 3
+
+
+class AlertKind(enum.IntEnum):
+    """ENTER: A target is in an area, or will be.
+    LEAVE: A target has left an area, or will leave it.
+    STAY: A target has been in an area for too long.
+    CONFLICT: Two aircraft come nearer to each other than both minima.
+    APPROACH: Two vessels come close to each other.
+    LOW: A target is below a least height, or will be.
+    SPEED: A target is too fast or too slow.
+    LEVEL: A target is outside of a band of heights.
+    LOST: A target is no longer reported.
+    EMERGENCY: A target states an emergency."""
+
+    ENTER = 1
+    LEAVE = 2
+    STAY = 3
+    CONFLICT = 4
+    APPROACH = 5
+    LOW = 6
+    SPEED = 7
+    LEVEL = 8
+    LOST = 9
+    EMERGENCY = 10
 
 
 class DecisionKind(enum.IntEnum):
@@ -823,6 +865,7 @@ __all__ = [
     "WideAreaBits",
     "ContributionBits",
     "AlertBits",
+    "AlertValueBits",
     "RegistrationBits",
     "WorkStepBits",
     "TargetStatementBits",
@@ -843,6 +886,7 @@ __all__ = [
     "LifeState",
     "AlarmSeverity",
     "AlarmEvent",
+    "AlertKind",
     "DecisionKind",
     "OrderKind",
     "OrderStatus",
@@ -865,6 +909,7 @@ CODES: dict[str, type[enum.IntEnum] | type[enum.IntFlag]] = {
     "WideAreaBits": WideAreaBits,
     "ContributionBits": ContributionBits,
     "AlertBits": AlertBits,
+    "AlertValueBits": AlertValueBits,
     "RegistrationBits": RegistrationBits,
     "WorkStepBits": WorkStepBits,
     "TargetStatementBits": TargetStatementBits,
@@ -885,6 +930,7 @@ CODES: dict[str, type[enum.IntEnum] | type[enum.IntFlag]] = {
     "LifeState": LifeState,
     "AlarmSeverity": AlarmSeverity,
     "AlarmEvent": AlarmEvent,
+    "AlertKind": AlertKind,
     "DecisionKind": DecisionKind,
     "OrderKind": OrderKind,
     "OrderStatus": OrderStatus,

@@ -56,6 +56,8 @@ pub struct Secret {
 pub struct Services {
     /// Outputs to the network; each is a gateway process.
     pub gateways: Vec<NetworkOutput>,
+    /// Whether there are alerts on targets.
+    pub alerts: bool,
     /// Whether there is a display.
     pub display: bool,
     /// Whether a recorder runs.

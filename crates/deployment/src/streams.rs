@@ -43,7 +43,8 @@ impl Deployment {
         let of_sensors = sensors.map(|sensor| (Stream::WideArea, sensor.number, sensor.name.as_str()));
         let decisions = self.decision_use().map(|_| StreamId::DECISIONS);
         let of_system = [StreamId::SYSTEM_TRACKS, StreamId::ALARMS, StreamId::ORDERS];
-        let of_system = of_system.into_iter().chain(decisions);
+        let alerts = self.services.alerts.then_some(StreamId::ALERTS);
+        let of_system = of_system.into_iter().chain(decisions).chain(alerts);
         of_sources
             .chain(of_sensors)
             .map(|(stream, number, name)| (StreamId { stream, number }, name))

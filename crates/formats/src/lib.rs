@@ -24,14 +24,15 @@
 //!   observations and sensor tracks as rows of text;
 //! - [`named_columns`]: sensor tracks from tables in degrees, with the column names of others;
 //! - [`plane`]: places in degrees in any of these tables, as places in the plane of a run;
-//! - [`platform_states_csv`], [`cues_csv`], [`alarms_csv`], [`decisions_csv`], [`orders_csv`], [`statements_csv`]: what
-//!   is written only;
+//! - [`platform_states_csv`], [`cues_csv`], [`alarms_csv`], [`alerts_csv`], [`decisions_csv`], [`orders_csv`],
+//!   [`statements_csv`]: what is written only;
 //! - [`tracks_csv`]: system tracks, and tracks of a tracker, as output.
 
 #![forbid(unsafe_code)]
 
 pub mod ais;
 pub mod alarms_csv;
+pub mod alerts_csv;
 pub mod autoferry;
 pub mod bearings_csv;
 mod cells;

@@ -32,7 +32,7 @@ pub enum Error {
 
     /// No topic has such a name.
     #[error(
-        "\"{name}\" is no topic: the system's are system/tracks, system/smoothed, system/alarms, system/decisions and system/order-states, a source's \
+        "\"{name}\" is no topic: the system's are system/tracks, system/smoothed, system/alarms, system/alerts, system/decisions and system/order-states, a source's \
          sensor/NAME/tracks, …/detections, …/bearings and …/cues; also platform/NAME/state, wide-area/NAME/reports \
          and health"
     )]

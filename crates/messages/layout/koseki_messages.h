@@ -18,6 +18,7 @@
 #define KOSEKI_CUE_SCHEMA UINT64_C(0x628bf8748d0293cc) /* BatchHeader.schema of its slices. */
 #define KOSEKI_SYSTEM_TRACK_SCHEMA UINT64_C(0xbb9fd7f5d50f9179) /* BatchHeader.schema of its slices. */
 #define KOSEKI_ALARM_SCHEMA UINT64_C(0x2f65dffd42e7c22b) /* BatchHeader.schema of its slices. */
+#define KOSEKI_ALERT_SCHEMA UINT64_C(0x58bd4799add0a0cd) /* BatchHeader.schema of its slices. */
 #define KOSEKI_DECISION_SCHEMA UINT64_C(0x9f26827141266f51) /* BatchHeader.schema of its slices. */
 #define KOSEKI_HEALTH_SCHEMA UINT64_C(0xf1efa5cf6695293f) /* BatchHeader.schema of its slices. */
 #define KOSEKI_PROGRESS_SCHEMA UINT64_C(0x724a090fd5e41882) /* BatchHeader.schema of its slices. */
@@ -80,6 +81,11 @@
 #define KOSEKI_ALERT_MINIMUM_FUEL UINT64_C(0x20) /* Minimum fuel. */
 #define KOSEKI_ALERT_TRANSPONDER_ALERT UINT64_C(0x40) /* The Mode 3/A code was changed lately, or the transponder raises its alert for another reason. */
 #define KOSEKI_ALERT_RESOLUTION_ADVISORY UINT64_C(0x80) /* A collision avoidance system advises the crew to manoeuvre. */
+#define KOSEKI_ALERT_VALUE_PREDICTED UINT64_C(0x1) /* `time_to_s` and `probability` are of the future: the event has not happened yet. */
+#define KOSEKI_ALERT_VALUE_DISTANCE UINT64_C(0x2) /* `distance_m` and `least_distance_m` hold distances. */
+#define KOSEKI_ALERT_VALUE_VERTICAL UINT64_C(0x4) /* `vertical_m` and `least_vertical_m` hold differences of height. */
+#define KOSEKI_ALERT_VALUE_VALUE UINT64_C(0x8) /* `value` and `limit` hold what is compared: metres per second, metres or seconds by the kind. */
+#define KOSEKI_ALERT_VALUE_ACKNOWLEDGED UINT64_C(0x10) /* An operator has acknowledged the alert. */
 #define KOSEKI_REGISTRATION_EAST UINT64_C(0x1) /* The offset east is being removed from the source's reports. */
 #define KOSEKI_REGISTRATION_NORTH UINT64_C(0x2) /* The offset north is. */
 #define KOSEKI_REGISTRATION_UP UINT64_C(0x4) /* The offset up is. */
@@ -160,6 +166,7 @@
 #define KOSEKI_STREAM_ARRIVALS UINT64_C(0xb) /* Arrival times of a source. */
 #define KOSEKI_STREAM_FIXES UINT64_C(0xc) /* Ready-made fixes of a source. */
 #define KOSEKI_STREAM_STATEMENTS UINT64_C(0xd) /* What the targets of a source state beside their motion. */
+#define KOSEKI_STREAM_ALERTS UINT64_C(0xe) /* Alerts on targets. */
 #define KOSEKI_STEP_BEGIN UINT64_C(0x1) /* Fusion starts from its configuration: `time_ns` is its epoch. */
 #define KOSEKI_STEP_REPORT UINT64_C(0x2) /* The report of `source` with the number `sequence` is worked off, and time has passed up to `time_ns`. */
 #define KOSEKI_STEP_PUBLISHER UINT64_C(0x3) /* The next reports of `source` come from the publisher with the incarnation `time_ns`. */
@@ -183,6 +190,7 @@
 #define KOSEKI_PROCESS_KEEPER UINT64_C(0x7) /* Holds the topics for the launcher, which maps no shared memory itself. */
 #define KOSEKI_PROCESS_DISPLAY UINT64_C(0x8) /* Shows the picture in browsers. */
 #define KOSEKI_PROCESS_LINK UINT64_C(0x9) /* Exchanges topics with deployments on other hosts. */
+#define KOSEKI_PROCESS_ALERTS UINT64_C(0xa) /* Finds events and dangers about targets. */
 #define KOSEKI_LIFE_STARTING UINT64_C(0x0) /* Opening its topics. */
 #define KOSEKI_LIFE_RUNNING UINT64_C(0x1) /* Doing its work. */
 #define KOSEKI_LIFE_FINISHED UINT64_C(0x2) /* Done: all its input is processed, and it will exit. */
@@ -193,6 +201,16 @@
 #define KOSEKI_ALARM_EVENT_RAISED UINT64_C(0x1) /* The alarm has just been raised. */
 #define KOSEKI_ALARM_EVENT_STANDING UINT64_C(0x2) /* The alarm was raised before, and stands. */
 #define KOSEKI_ALARM_EVENT_CLEARED UINT64_C(0x3) /* The alarm has just been cleared. */
+#define KOSEKI_ALERT_KIND_ENTER UINT64_C(0x1) /* A target is in an area, or will be. */
+#define KOSEKI_ALERT_KIND_LEAVE UINT64_C(0x2) /* A target has left an area, or will leave it. */
+#define KOSEKI_ALERT_KIND_STAY UINT64_C(0x3) /* A target has been in an area for too long. */
+#define KOSEKI_ALERT_KIND_CONFLICT UINT64_C(0x4) /* Two aircraft come nearer to each other than both minima. */
+#define KOSEKI_ALERT_KIND_APPROACH UINT64_C(0x5) /* Two vessels come close to each other. */
+#define KOSEKI_ALERT_KIND_LOW UINT64_C(0x6) /* A target is below a least height, or will be. */
+#define KOSEKI_ALERT_KIND_SPEED UINT64_C(0x7) /* A target is too fast or too slow. */
+#define KOSEKI_ALERT_KIND_LEVEL UINT64_C(0x8) /* A target is outside of a band of heights. */
+#define KOSEKI_ALERT_KIND_LOST UINT64_C(0x9) /* A target is no longer reported. */
+#define KOSEKI_ALERT_KIND_EMERGENCY UINT64_C(0xa) /* A target states an emergency. */
 #define KOSEKI_DECISION_KIND_STARTED UINT64_C(0x1) /* A system track was started for a sensor track that fits none. */
 #define KOSEKI_DECISION_KIND_JOINED UINT64_C(0x2) /* A sensor track joined a system track it fits: value d², limit the gate. */
 #define KOSEKI_DECISION_KIND_JOINED_BY_ADDRESS UINT64_C(0x3) /* A sensor track joined the system track of its address. */
@@ -947,6 +965,52 @@ static_assert(offsetof(KosekiAlarm, event) == 35, "offset");
 static_assert(offsetof(KosekiAlarm, reserved) == 36, "offset");
 static_assert(offsetof(KosekiAlarm, process) == 40, "offset");
 static_assert(offsetof(KosekiAlarm, text) == 72, "offset");
+
+typedef struct KosekiAlert {
+    int64_t time_ns; /* Reference time of the state from which this statement follows, UTC, nanoseconds since 1970. */
+    int64_t raised_ns; /* Reference time of the state that raised the alert, UTC, nanoseconds since 1970. */
+    uint64_t sequence; /* The sample's sequence number at its publisher. */
+    uint64_t number; /* Number of the alert: 1, 2, … in the order of raising, across restarts of the process. */
+    uint32_t tracks[2]; /* System-track numbers of the target, and of the other target; 0 for none. */
+    float probability; /* Probability of the event in [0, 1]; 1 once it has happened. */
+    float time_to_s; /* Time until the event, seconds; 0 once it has happened. */
+    float distance_m; /* Present horizontal distance from the other target, or from the area's border, metres. */
+    float least_distance_m; /* Least horizontal distance ahead, metres. */
+    float vertical_m; /* Present difference of height from the other target, metres. */
+    float least_vertical_m; /* Difference of height at the least distance, metres. */
+    float value; /* What is compared with `limit`: metres per second, metres or seconds by the kind. */
+    float limit; /* The limit that `value` has passed. */
+    uint16_t valid; /* Values that are known: see `alert_value_bits`. */
+    uint8_t kind; /* An `AlertKind` code. */
+    uint8_t event; /* An `AlarmEvent` code. */
+    uint8_t severity; /* An `AlarmSeverity` code. */
+    uint8_t reserved[3]; /* Reserved, 0. */
+    uint8_t rule[32]; /* Name of the rule, UTF-8, padded with zeros. */
+    uint8_t area[32]; /* Name of the area, UTF-8, padded with zeros; empty for none. */
+    uint8_t text[160]; /* One sentence, UTF-8, padded with zeros. */
+} KosekiAlert;
+static_assert(sizeof(KosekiAlert) == 304, "size");
+static_assert(offsetof(KosekiAlert, time_ns) == 0, "offset");
+static_assert(offsetof(KosekiAlert, raised_ns) == 8, "offset");
+static_assert(offsetof(KosekiAlert, sequence) == 16, "offset");
+static_assert(offsetof(KosekiAlert, number) == 24, "offset");
+static_assert(offsetof(KosekiAlert, tracks) == 32, "offset");
+static_assert(offsetof(KosekiAlert, probability) == 40, "offset");
+static_assert(offsetof(KosekiAlert, time_to_s) == 44, "offset");
+static_assert(offsetof(KosekiAlert, distance_m) == 48, "offset");
+static_assert(offsetof(KosekiAlert, least_distance_m) == 52, "offset");
+static_assert(offsetof(KosekiAlert, vertical_m) == 56, "offset");
+static_assert(offsetof(KosekiAlert, least_vertical_m) == 60, "offset");
+static_assert(offsetof(KosekiAlert, value) == 64, "offset");
+static_assert(offsetof(KosekiAlert, limit) == 68, "offset");
+static_assert(offsetof(KosekiAlert, valid) == 72, "offset");
+static_assert(offsetof(KosekiAlert, kind) == 74, "offset");
+static_assert(offsetof(KosekiAlert, event) == 75, "offset");
+static_assert(offsetof(KosekiAlert, severity) == 76, "offset");
+static_assert(offsetof(KosekiAlert, reserved) == 77, "offset");
+static_assert(offsetof(KosekiAlert, rule) == 80, "offset");
+static_assert(offsetof(KosekiAlert, area) == 112, "offset");
+static_assert(offsetof(KosekiAlert, text) == 144, "offset");
 
 typedef struct KosekiDecision {
     int64_t time_ns; /* Time of the data, UTC, nanoseconds since 1970. */

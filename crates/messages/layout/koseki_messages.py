@@ -20,6 +20,7 @@ WIDE_AREA_SCHEMA = 0x3b99c7106b96bc51  # BatchHeader.schema of its slices.
 CUE_SCHEMA = 0x628bf8748d0293cc  # BatchHeader.schema of its slices.
 SYSTEM_TRACK_SCHEMA = 0xbb9fd7f5d50f9179  # BatchHeader.schema of its slices.
 ALARM_SCHEMA = 0x2f65dffd42e7c22b  # BatchHeader.schema of its slices.
+ALERT_SCHEMA = 0x58bd4799add0a0cd  # BatchHeader.schema of its slices.
 DECISION_SCHEMA = 0x9f26827141266f51  # BatchHeader.schema of its slices.
 HEALTH_SCHEMA = 0xf1efa5cf6695293f  # BatchHeader.schema of its slices.
 PROGRESS_SCHEMA = 0x724a090fd5e41882  # BatchHeader.schema of its slices.
@@ -82,6 +83,11 @@ ALERT_MEDICAL = 0x10  # Medical flight.
 ALERT_MINIMUM_FUEL = 0x20  # Minimum fuel.
 ALERT_TRANSPONDER_ALERT = 0x40  # The Mode 3/A code was changed lately, or the transponder raises its alert for another reason.
 ALERT_RESOLUTION_ADVISORY = 0x80  # A collision avoidance system advises the crew to manoeuvre.
+ALERT_VALUE_PREDICTED = 0x1  # `time_to_s` and `probability` are of the future: the event has not happened yet.
+ALERT_VALUE_DISTANCE = 0x2  # `distance_m` and `least_distance_m` hold distances.
+ALERT_VALUE_VERTICAL = 0x4  # `vertical_m` and `least_vertical_m` hold differences of height.
+ALERT_VALUE_VALUE = 0x8  # `value` and `limit` hold what is compared: metres per second, metres or seconds by the kind.
+ALERT_VALUE_ACKNOWLEDGED = 0x10  # An operator has acknowledged the alert.
 REGISTRATION_EAST = 0x1  # The offset east is being removed from the source's reports.
 REGISTRATION_NORTH = 0x2  # The offset north is.
 REGISTRATION_UP = 0x4  # The offset up is.
@@ -162,6 +168,7 @@ STREAM_ORDERS = 0xa  # States of orders.
 STREAM_ARRIVALS = 0xb  # Arrival times of a source.
 STREAM_FIXES = 0xc  # Ready-made fixes of a source.
 STREAM_STATEMENTS = 0xd  # What the targets of a source state beside their motion.
+STREAM_ALERTS = 0xe  # Alerts on targets.
 STEP_BEGIN = 0x1  # Fusion starts from its configuration: `time_ns` is its epoch.
 STEP_REPORT = 0x2  # The report of `source` with the number `sequence` is worked off, and time has passed up to `time_ns`.
 STEP_PUBLISHER = 0x3  # The next reports of `source` come from the publisher with the incarnation `time_ns`.
@@ -185,6 +192,7 @@ PROCESS_GATEWAY = 0x6  # Sends tracks to other systems over the network.
 PROCESS_KEEPER = 0x7  # Holds the topics for the launcher, which maps no shared memory itself.
 PROCESS_DISPLAY = 0x8  # Shows the picture in browsers.
 PROCESS_LINK = 0x9  # Exchanges topics with deployments on other hosts.
+PROCESS_ALERTS = 0xa  # Finds events and dangers about targets.
 LIFE_STARTING = 0x0  # Opening its topics.
 LIFE_RUNNING = 0x1  # Doing its work.
 LIFE_FINISHED = 0x2  # Done: all its input is processed, and it will exit.
@@ -195,6 +203,16 @@ ALARM_SEVERITY_CRITICAL = 0x3  # The picture as a whole is not to be relied on.
 ALARM_EVENT_RAISED = 0x1  # The alarm has just been raised.
 ALARM_EVENT_STANDING = 0x2  # The alarm was raised before, and stands.
 ALARM_EVENT_CLEARED = 0x3  # The alarm has just been cleared.
+ALERT_KIND_ENTER = 0x1  # A target is in an area, or will be.
+ALERT_KIND_LEAVE = 0x2  # A target has left an area, or will leave it.
+ALERT_KIND_STAY = 0x3  # A target has been in an area for too long.
+ALERT_KIND_CONFLICT = 0x4  # Two aircraft come nearer to each other than both minima.
+ALERT_KIND_APPROACH = 0x5  # Two vessels come close to each other.
+ALERT_KIND_LOW = 0x6  # A target is below a least height, or will be.
+ALERT_KIND_SPEED = 0x7  # A target is too fast or too slow.
+ALERT_KIND_LEVEL = 0x8  # A target is outside of a band of heights.
+ALERT_KIND_LOST = 0x9  # A target is no longer reported.
+ALERT_KIND_EMERGENCY = 0xa  # A target states an emergency.
 DECISION_KIND_STARTED = 0x1  # A system track was started for a sensor track that fits none.
 DECISION_KIND_JOINED = 0x2  # A sensor track joined a system track it fits: value d², limit the gate.
 DECISION_KIND_JOINED_BY_ADDRESS = 0x3  # A sensor track joined the system track of its address.
@@ -1117,6 +1135,60 @@ assert Alarm.event.offset == 35
 assert Alarm.reserved.offset == 36
 assert Alarm.process.offset == 40
 assert Alarm.text.offset == 72
+
+
+class Alert(ctypes.Structure):
+    _fields_ = [
+        ("time_ns", ctypes.c_int64),  # Reference time of the state from which this statement follows, UTC, nanoseconds since 1970.
+        ("raised_ns", ctypes.c_int64),  # Reference time of the state that raised the alert, UTC, nanoseconds since 1970.
+        ("sequence", ctypes.c_uint64),  # The sample's sequence number at its publisher.
+        ("number", ctypes.c_uint64),  # Number of the alert: 1, 2, … in the order of raising, across restarts of the process.
+        ("tracks", ctypes.c_uint32 * 2),  # System-track numbers of the target, and of the other target; 0 for none.
+        ("probability", ctypes.c_float),  # Probability of the event in [0, 1]; 1 once it has happened.
+        ("time_to_s", ctypes.c_float),  # Time until the event, seconds; 0 once it has happened.
+        ("distance_m", ctypes.c_float),  # Present horizontal distance from the other target, or from the area's border, metres.
+        ("least_distance_m", ctypes.c_float),  # Least horizontal distance ahead, metres.
+        ("vertical_m", ctypes.c_float),  # Present difference of height from the other target, metres.
+        ("least_vertical_m", ctypes.c_float),  # Difference of height at the least distance, metres.
+        ("value", ctypes.c_float),  # What is compared with `limit`: metres per second, metres or seconds by the kind.
+        ("limit", ctypes.c_float),  # The limit that `value` has passed.
+        ("valid", ctypes.c_uint16),  # Values that are known: see `alert_value_bits`.
+        ("kind", ctypes.c_uint8),  # An `AlertKind` code.
+        ("event", ctypes.c_uint8),  # An `AlarmEvent` code.
+        ("severity", ctypes.c_uint8),  # An `AlarmSeverity` code.
+        ("reserved", ctypes.c_uint8 * 3),  # Reserved, 0.
+        ("rule", ctypes.c_uint8 * 32),  # Name of the rule, UTF-8, padded with zeros.
+        ("area", ctypes.c_uint8 * 32),  # Name of the area, UTF-8, padded with zeros; empty for none.
+        ("text", ctypes.c_uint8 * 160),  # One sentence, UTF-8, padded with zeros.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "Alert"
+
+
+assert ctypes.sizeof(Alert) == 304
+assert Alert.time_ns.offset == 0
+assert Alert.raised_ns.offset == 8
+assert Alert.sequence.offset == 16
+assert Alert.number.offset == 24
+assert Alert.tracks.offset == 32
+assert Alert.probability.offset == 40
+assert Alert.time_to_s.offset == 44
+assert Alert.distance_m.offset == 48
+assert Alert.least_distance_m.offset == 52
+assert Alert.vertical_m.offset == 56
+assert Alert.least_vertical_m.offset == 60
+assert Alert.value.offset == 64
+assert Alert.limit.offset == 68
+assert Alert.valid.offset == 72
+assert Alert.kind.offset == 74
+assert Alert.event.offset == 75
+assert Alert.severity.offset == 76
+assert Alert.reserved.offset == 77
+assert Alert.rule.offset == 80
+assert Alert.area.offset == 112
+assert Alert.text.offset == 144
 
 
 class Decision(ctypes.Structure):

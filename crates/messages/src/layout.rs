@@ -173,6 +173,7 @@ pub const ALL: &[Layout] = &[
     crate::Contribution::LAYOUT,
     crate::SystemTrack::LAYOUT,
     crate::Alarm::LAYOUT,
+    crate::Alert::LAYOUT,
     crate::Decision::LAYOUT,
     crate::Registration::LAYOUT,
     crate::Counters::LAYOUT,
@@ -412,6 +413,7 @@ pub fn code_groups() -> Vec<CodeGroup> {
         bits("WideAreaBits", "WIDE_AREA", crate::wide_area_bits::CONSTANTS),
         bits("ContributionBits", "CONTRIBUTION", crate::contribution_bits::CONSTANTS),
         bits("AlertBits", "ALERT", crate::alert_bits::CONSTANTS),
+        bits("AlertValueBits", "ALERT_VALUE", crate::alert_value_bits::CONSTANTS),
         bits("RegistrationBits", "REGISTRATION", crate::registration_bits::CONSTANTS),
         bits("WorkStepBits", "WORK_STEP", crate::work_step_bits::CONSTANTS),
         bits(
@@ -444,6 +446,7 @@ pub fn code_groups() -> Vec<CodeGroup> {
         codes("LifeState", "LIFE", crate::LifeState::constants()),
         codes("AlarmSeverity", "ALARM_SEVERITY", crate::AlarmSeverity::constants()),
         codes("AlarmEvent", "ALARM_EVENT", crate::AlarmEvent::constants()),
+        codes("AlertKind", "ALERT_KIND", crate::AlertKind::constants()),
         codes("DecisionKind", "DECISION_KIND", crate::DecisionKind::constants()),
         codes("OrderKind", "ORDER", crate::OrderKind::constants()),
         codes("OrderStatus", "ORDER_STATUS", crate::OrderStatus::constants()),

@@ -16,6 +16,7 @@
 
 pub mod admission;
 mod alarm;
+mod alert;
 mod atmosphere;
 mod batch;
 mod codes;
@@ -59,6 +60,7 @@ mod wide_area;
 mod work_step;
 
 pub use alarm::{ALARM_TEXT_MAX, Alarm, AlarmEvent, AlarmSeverity};
+pub use alert::{ALERT_TEXT_MAX, Alert, AlertKind, alert_value_bits};
 pub use atmosphere::{STANDARD_PRESSURE_HPA, pressure_correction_m};
 pub use batch::{BatchHeader, Epochs};
 pub use codes::Constant;
@@ -96,10 +98,10 @@ pub use statement::{AidKind, Emergency, NavigationStatus, TargetCategory, Target
 pub use system_track::{CONTRIBUTIONS_MAX, Contribution, MotionMode, SystemTrack, contribution_bits};
 pub use target_type::{TYPE_NAME_MAX, TargetType};
 pub use topics::{
-    Outgoing, Stream, StreamId, Streamed, Topic, TopicCapacity, TopicName, Visitor, alarms, cues, decisions, event_log,
-    frame_origin, health, order_states, orders, own_tracks, platform_states, progress, restored, sensor_arrivals,
-    sensor_bearings, sensor_detections, sensor_fixes, sensor_spectrum, sensor_tracks, smoothed_tracks, system_tracks,
-    target_statements, visit, wide_area,
+    Outgoing, Stream, StreamId, Streamed, Topic, TopicCapacity, TopicName, Visitor, alarms, alerts, cues, decisions,
+    event_log, frame_origin, health, order_states, orders, own_tracks, platform_states, progress, restored,
+    sensor_arrivals, sensor_bearings, sensor_detections, sensor_fixes, sensor_spectrum, sensor_tracks, smoothed_tracks,
+    system_tracks, target_statements, visit, wide_area,
 };
 pub use unknown::{UNKNOWN_CLIMB_SIGMA_MPS, UNKNOWN_HEIGHT_SIGMA_M, UNKNOWN_VELOCITY_SIGMA_MPS};
 pub use wide_area::{Cue, WideArea, wide_area_bits};

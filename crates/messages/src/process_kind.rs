@@ -25,5 +25,7 @@ codes! {
         Display = 8, "display";
         /// Exchanges topics with deployments on other hosts.
         Link = 9, "link";
+        /// Finds events and dangers about targets.
+        Alerts = 10, "alerts";
     }
 }

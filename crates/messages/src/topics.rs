@@ -10,9 +10,9 @@ use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 use crate::codes;
 use crate::layout::Sample;
 use crate::{
-    Alarm, Cue, Decision, FrameOrigin, Health, Order, OrderState, PlatformState, Progress, Restored, SensorArrival,
-    SensorBearing, SensorDetection, SensorFix, SensorSpectrum, SensorTrack, SystemTrack, TargetStatement, WideArea,
-    WorkStep,
+    Alarm, Alert, Cue, Decision, FrameOrigin, Health, Order, OrderState, PlatformState, Progress, Restored,
+    SensorArrival, SensorBearing, SensorDetection, SensorFix, SensorSpectrum, SensorTrack, SystemTrack,
+    TargetStatement, WideArea, WorkStep,
 };
 
 /// Name of a topic in shared memory.
@@ -75,6 +75,8 @@ codes! {
         Fixes = 12, "fixes";
         /// What the targets of a source state beside their motion.
         Statements = 13, "statements";
+        /// Alerts on targets.
+        Alerts = 14, "alerts";
     }
 }
 
@@ -104,6 +106,11 @@ impl StreamId {
     /// Alarms.
     pub const ALARMS: Self = Self {
         stream: Stream::Alarms,
+        number: 0,
+    };
+    /// Alerts on targets.
+    pub const ALERTS: Self = Self {
+        stream: Stream::Alerts,
         number: 0,
     };
     /// Decisions of fusion.
@@ -185,6 +192,7 @@ streamed! {
     WideArea: WideArea, wide_area, time_of_observation_ns;
     SystemTrack: SystemTracks, |_| system_tracks(), reference_time_ns;
     Alarm: Alarms, |_| alarms(), time_ns;
+    Alert: Alerts, |_| alerts(), time_ns;
     Decision: Decisions, |_| decisions(), time_ns;
     OrderState: Orders, |_| order_states(), time_ns;
 }
@@ -333,6 +341,10 @@ topics! {
     /// Alarms from the monitor. Each slice replaces the previous slice, and slices are sent twice a second, so a
     /// late subscriber has the standing alarms after half a second.
     alarms() -> Alarm: "system/alarms", 16 slices of 64, 2 to 32;
+
+    /// Alerts on targets, by the rules of `[[alert]]`. Each slice replaces the previous slice; a slice is sent after
+    /// each change, and twice a second, so a late subscriber has all alerts in force after half a second.
+    alerts() -> Alert: "system/alerts", 16 slices of 256, 2 to 32;
 
     /// Decisions of fusion, if `[fusion] decisions` requests them: a few hundredths of a second after the resulting
     /// states.

@@ -208,6 +208,7 @@ pub fn each_stream(deployment: &Deployment, publishers: usize, visit: &mut impl 
             Stream::WideArea => visit.visit(&messages::wide_area(name), publishers)?,
             Stream::SystemTracks => visit.visit(&deployment.system_tracks_topic(), publishers)?,
             Stream::Alarms => visit.visit(&messages::alarms(), publishers)?,
+            Stream::Alerts => visit.visit(&messages::alerts(), publishers)?,
             Stream::Decisions => visit.visit(&messages::decisions(), publishers)?,
             Stream::Orders => visit.visit(&messages::order_states(), publishers)?,
         }

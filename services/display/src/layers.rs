@@ -88,7 +88,7 @@ displayed! {
     Decisions: Decision, |world, (_, decisions), _| world.hear_decisions(decisions);
     Orders: OrderState, |world, (_, orders), _| world.observed.take_orders(orders);
     Statements: TargetStatement, |world, (_, stated), _| world.hear_statements(stated);
-    ; hidden: PlatformStates, Arrivals, Fixes
+    ; hidden: Alerts, PlatformStates, Arrivals, Fixes
 }
 
 #[cfg(test)]

@@ -153,7 +153,12 @@ impl<S: Transport> Agent for RecorderAgent<S> {
             }
             let is_of_process = matches!(
                 id.stream,
-                Stream::SystemTracks | Stream::WideArea | Stream::Alarms | Stream::Decisions | Stream::Orders
+                Stream::SystemTracks
+                    | Stream::WideArea
+                    | Stream::Alarms
+                    | Stream::Alerts
+                    | Stream::Decisions
+                    | Stream::Orders
             );
             let of = if is_of_process { first } else { entries.len() - 1 };
             let entry = &mut entries[of];

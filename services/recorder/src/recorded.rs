@@ -9,13 +9,14 @@ use std::io;
 use alarms::AlarmKind;
 use bus::Payload;
 use formats::alarms_csv::AlarmRow;
+use formats::alerts_csv::AlertRow;
 use formats::cues_csv::CueRow;
 use formats::rows::{Row, RowWriter};
 use formats::scan_rows_csv::{EmptyScan, RepliedScanRow, ScanRow};
 use formats::tracks_csv::PlacedTrack;
 use frames::SystemFrame;
 use messages::{
-    Alarm, AlarmEvent, Cue, Decision, OrderState, PlatformState, SensorArrival, SensorBearing, SensorDetection,
+    Alarm, AlarmEvent, Alert, Cue, Decision, OrderState, PlatformState, SensorArrival, SensorBearing, SensorDetection,
     SensorFix, SensorTrack, Stream, Streamed, SystemTrack, TargetStatement, WideArea,
 };
 use observations::{Arrival, Bearing, ReadyFix, Sampled as _, SensorEvent, WideAreaReport, sensor_id};
@@ -56,6 +57,7 @@ pub(crate) fn for_samples<F: ForSamples>(stream: Stream, task: F) -> F::Done {
         Stream::WideArea => task.of::<WideArea>("wide_area"),
         Stream::SystemTracks => task.of::<SystemTrack>("system_tracks"),
         Stream::Alarms => task.of::<Alarm>("alarms"),
+        Stream::Alerts => task.of::<Alert>("alerts"),
         Stream::Decisions => task.of::<Decision>("decisions"),
         Stream::Orders => task.of::<OrderState>("orders"),
     }
@@ -241,6 +243,15 @@ impl RecordedSample for SystemTrack {
 
     fn row(&self, _: u16, frame: &SystemFrame) -> Option<PlacedTrack> {
         Some(PlacedTrack::new(self, frame))
+    }
+}
+
+impl RecordedSample for Alert {
+    type Row = AlertRow;
+
+    /// An alert that stands as before makes no row.
+    fn row(&self, _: u16, _: &SystemFrame) -> Option<AlertRow> {
+        AlertRow::of(self)
     }
 }
 

@@ -31,7 +31,7 @@ this program are reported on standard error.";
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("socket").args(["unix", "serve"])))]
 pub(crate) struct Tap {
-    /// The topic: also system/alarms, system/decisions, sensor/NAME/tracks, health, …
+    /// The topic: also system/alarms, system/alerts, system/decisions, sensor/NAME/tracks, health, …
     #[arg(value_name = "TOPIC", default_value = "system/tracks")]
     topic: String,
     /// The topic, as an option
