@@ -12,6 +12,7 @@ mod documents;
 mod requirements;
 
 // Commands on files.
+mod alerts;
 mod bearings;
 mod decode;
 mod encode;

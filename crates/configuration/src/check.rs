@@ -5,6 +5,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use alerts::AlertRules;
 use frames::SystemFrame;
 use fusion_settings::Settings as Engine;
 use settings::SettingsError;
@@ -30,6 +31,7 @@ pub(super) struct CheckedDeployment {
     pub(super) engine: Engine,
     pub(super) readings: Readings,
     pub(super) world: World,
+    pub(super) alerts: AlertRules,
 }
 
 /// The checked deployment that `raw`, read from `path`, describes, with the settings of its algorithms.
@@ -128,6 +130,11 @@ pub(super) fn check(path: &Path, mut raw: DeploymentTable) -> Checked<CheckedDep
         // No report is late; files may have late ones, unless that is excluded.
         ReportOrder::Time => engine.late_window_s = engine.late_window_s.filter(|window| window.ns() == 0),
     }
+    let alerts = AlertRules {
+        rules: raw.alerts,
+        areas: raw.areas,
+    };
+    alerts.check()?;
     engine.qnh = check_qnh(&raw.qnh, &frame)?;
     engine.border.regions = check_regions(&raw.regions, (raw.origin, engine.exchange), &frame)?;
     let own = messages::own_tracks().name;
@@ -165,7 +172,10 @@ pub(super) fn check(path: &Path, mut raw: DeploymentTable) -> Checked<CheckedDep
             rule: engine.rule.name.0,
             queue: engine.capacity.queue,
         },
-        services: Services::default(),
+        services: Services {
+            alerts: !alerts.rules.is_empty(),
+            ..Services::default()
+        },
     };
     check_platform_names(&deployment)?;
     Ok(CheckedDeployment {
@@ -177,6 +187,7 @@ pub(super) fn check(path: &Path, mut raw: DeploymentTable) -> Checked<CheckedDep
             counted,
         },
         world,
+        alerts,
     })
 }
 

@@ -28,6 +28,7 @@ use std::fmt;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
 
+use alerts::AlertRules;
 use checked::Checked;
 use deployment::{Deployment, IN_INSTANCE, Parts, Source};
 use scenario::World;
@@ -71,6 +72,8 @@ pub struct ConfigWith<P> {
     pub readings: Readings,
     /// The simulated world, and what observes it.
     pub world: World,
+    /// Rules of alerts on targets, and their areas.
+    pub alerts: AlertRules,
     /// Settings of services.
     pub parts: P,
 }
@@ -187,6 +190,7 @@ impl<P: Parts> ConfigWith<P> {
             engine,
             readings,
             world,
+            alerts,
         } = read.map_err(located)?;
         parts.join(&mut deployment).map_err(located)?;
         let whole = &mut deployment.text;
@@ -197,6 +201,7 @@ impl<P: Parts> ConfigWith<P> {
             engine,
             readings,
             world,
+            alerts,
             parts,
         })
     }
@@ -229,6 +234,7 @@ impl<P: Parts> ConfigWith<P> {
             engine: self.engine,
             readings: self.readings,
             world: self.world,
+            alerts: self.alerts,
             parts: (),
         }
     }

@@ -5,6 +5,7 @@
 
 use std::collections::BTreeMap;
 
+use alerts::{AlertSettings, AreaSettings};
 use deployment::Technology;
 use net::AllowedSenders;
 use platform::{Assumed, JumpLimits, Mount};
@@ -50,6 +51,10 @@ settings::settings! {
         regions as "region": Vec<RegionTable> = Vec::new();
         /// Pressure at sea level in a region, for altitudes below the transition level.
         qnh: Vec<QnhTable> = Vec::new();
+        /// Areas that alerts are about.
+        areas as "area": Vec<AreaSettings> = Vec::new();
+        /// Alerts on targets: events and dangers, found by a process of its own.
+        alerts as "alert": Vec<AlertSettings> = Vec::new();
         /// World that simulated sources observe.
         scenario: Option<scenario::ScenarioSettings> = None;
         /// Fusion process.

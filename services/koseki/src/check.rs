@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
+use alerts::NamedArea;
 use deployment::{Input, ReportOrder, Source, TrackFeed, WaitWord, WideAreaInput, WideAreaSensor};
 use fusion::settings::StampRounding;
 use monitor::MonitorWait;
@@ -66,6 +67,7 @@ struct Side<'a> {
     path: &'a Path,
     config: Config,
     found: Vec<RecordingFindings>,
+    areas: Vec<NamedArea>,
 }
 
 impl<'a> Side<'a> {
@@ -74,11 +76,42 @@ impl<'a> Side<'a> {
         let found = recordings::inspect(&config, data, Depth::Records)?;
         display::check_maps(config.parts.display(), &config.frame, data).map_err(Usage)?;
         display::check_views(config.parts.display(), data).map_err(Usage)?;
-        Ok(Self { path, config, found })
+        let areas = alerts_service::read_areas(&config.alerts, config.frame, data)
+            .map_err(|refusal| Usage(format!("{}: {refusal}", path.display())))?;
+        Ok(Self {
+            path,
+            config,
+            found,
+            areas,
+        })
     }
 
     fn summary(&self, free_bytes: Option<u64>) -> String {
-        summary(self.path, &self.config, &self.found, free_bytes)
+        let mut text = summary(self.path, &self.config, &self.found, free_bytes);
+        self.write_alerts(&mut text);
+        text
+    }
+
+    /// Writes the rules of alerts, and the areas with their limits: what a file lacks is unlimited.
+    fn write_alerts(&self, text: &mut String) {
+        let rules = self.config.alerts.rules.iter();
+        let rules = rules.map(|rule| ("alert", rule.title().to_owned()));
+        let areas = self.areas.iter().map(|named| {
+            let limits = &named.area.limits;
+            let [floor, ceiling] = [limits.floor, limits.ceiling].map(|level| level.map(|level| level.to_string()));
+            let (floor, ceiling) = (
+                floor.as_deref().unwrap_or("no floor"),
+                ceiling.as_deref().unwrap_or("no ceiling"),
+            );
+            (
+                "area",
+                format!("{}: {floor} to {ceiling}", messages::printable(&named.area.name, 60)),
+            )
+        });
+        for (title, row) in rules.chain(areas) {
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "{title:<12} {row}");
+        }
     }
 
     fn json(&self, free_bytes: Option<u64>, links: &LinkFindings) -> Value {

@@ -114,6 +114,8 @@ fn run(command: Command) -> anyhow::Result<()> {
             }
             display::check_maps(config.parts.display(), &config.frame, &options.data).map_err(Usage)?;
             display::check_views(config.parts.display(), &options.data).map_err(Usage)?;
+            let areas = alerts_service::read_areas(&config.alerts, config.frame, &options.data);
+            areas.map_err(|refusal| Usage(format!("{}: {refusal}", config.path.display())))?;
             launch(&config, options, up.seconds, up.fresh)
         }
         Command::Open(opened) => open::run(&opened),
@@ -162,6 +164,9 @@ fn run(command: Command) -> anyhow::Result<()> {
         }),
         Command::Gateway(serve) => run_service(ProcessKind::Gateway, serve, |process, config| {
             gateway::run(process, &config.parts.gateway)
+        }),
+        Command::Alerts(serve) => run_service(ProcessKind::Alerts, serve, |process, config| {
+            alerts_service::run(process, &config.alerts)
         }),
         Command::Link(serve) => link::run(serve),
         Command::Display(command) => show_picture(command),

@@ -32,6 +32,7 @@ pub(crate) const START_ORDER: [&[ProcessKind]; 4] = [
         ProcessKind::Recorder,
         ProcessKind::Gateway,
         ProcessKind::Display,
+        ProcessKind::Alerts,
         ProcessKind::Link,
         ProcessKind::Fusion,
     ],
@@ -41,10 +42,11 @@ pub(crate) const START_ORDER: [&[ProcessKind]; 4] = [
 
 /// Kinds in the order of the stop: sources first, then the monitor, which still observes the end of the others, and
 /// last the keeper, which holds all topics.
-pub(crate) const STOP_ORDER: [ProcessKind; 9] = [
+pub(crate) const STOP_ORDER: [ProcessKind; 10] = [
     ProcessKind::Simulator,
     ProcessKind::Adapter,
     ProcessKind::Fusion,
+    ProcessKind::Alerts,
     ProcessKind::Recorder,
     ProcessKind::Gateway,
     ProcessKind::Display,
@@ -62,6 +64,7 @@ pub(crate) fn parts(config: &Deployment) -> Vec<ProcessPart> {
     parts.extend(gateways.map(|name| ProcessPart::named(ProcessKind::Gateway, name)));
     let links = config.links.iter().map(|link| &link.name);
     parts.extend(links.map(|name| ProcessPart::named(ProcessKind::Link, name)));
+    parts.extend(config.services.alerts.then(|| service(ProcessKind::Alerts)));
     parts.extend(config.services.display.then(|| service(ProcessKind::Display)));
     parts.push(ProcessPart::leader());
     parts.extend(config.has_standby().then(|| ProcessPart {
@@ -164,7 +167,7 @@ mod tests {
         use ProcessKind::{Adapter, Display, Fusion, Keeper, Monitor, Recorder};
         assert_eq!(kinds[..6], [Keeper, Monitor, Recorder, Display, Fusion, Adapter]);
         assert_eq!(kinds.len(), 5 + config.sources.len() + 1, "and the simulator");
-        assert_eq!(STOP_ORDER[7..], [Monitor, Keeper]);
+        assert_eq!(STOP_ORDER[8..], [Monitor, Keeper]);
     }
 
     #[test]

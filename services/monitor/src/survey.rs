@@ -411,6 +411,7 @@ fn expected(config: &deployment::Deployment, monitor: &str) -> Vec<(ProcessKind,
     let links = config.links.iter().map(|link| (ProcessKind::Link, link.name.clone()));
     expected.extend(links);
     expected.extend(config.is_simulated().then(|| service(ProcessKind::Simulator)));
+    expected.extend(config.services.alerts.then(|| service(ProcessKind::Alerts)));
     expected.extend(config.services.recorder.then(|| service(ProcessKind::Recorder)));
     expected.push((ProcessKind::Monitor, monitor.to_owned()));
     expected

@@ -9,6 +9,7 @@ use clap::{Args, Command, Parser, Subcommand};
 use command_line::refusal;
 use command_line::values::above_zero;
 use csv_table::{NamedColumn, SENSOR_COLUMNS, TARGET_COLUMNS, named_columns_help};
+use formats::alerts_csv::AlertRow;
 use formats::cues_csv::CueRow;
 use formats::rows::Row as _;
 use frames::Geodetic;
@@ -187,6 +188,8 @@ FILE     or a table with columns of these names, in any case and order: time,
 --explain {DECISION}
          decision: started, joined, split, merged, confirmed, coasted, ended,
          hand_over and more; value was compared with limit.
+--alerts  {ALERT}
+         docs/alerts.md has the rules and what each column is.
 --smoothed rows as in --out. A state has the age of --smoothing-lag, or up to a
          quarter more. Without --refresh there are at most two a second of a
          track.
@@ -237,6 +240,7 @@ fn fuse_examples() -> String {
     let text = FUSE_EXAMPLES.replace("{KEYS}", configuration::sensor_help().trim_end());
     let text = text.replace("{NAMED}", &names_of(TARGET_COLUMNS));
     text.replace("{DECISION}", &in_lines(&Decision::columns()))
+        .replace("{ALERT}", &in_lines(&AlertRow::columns()))
 }
 
 /// `koseki fuse`.
@@ -256,6 +260,9 @@ pub struct Fuse {
     /// File for decisions with their reasons, a row per decision
     #[arg(long, value_name = "FILE")]
     pub(crate) explain: Option<PathBuf>,
+    /// File for alerts on targets, by the [[alert]] tables of the deployment in --config
+    #[arg(long, value_name = "FILE", requires = "config")]
+    pub(crate) alerts: Option<PathBuf>,
     /// File for the system tracks of some seconds ago, smoothed with the measurements since then
     #[arg(long, value_name = "FILE")]
     pub(crate) smoothed: Option<PathBuf>,

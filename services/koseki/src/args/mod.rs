@@ -195,6 +195,9 @@ pub(crate) enum Command {
     /// Run the recorder in a running deployment: tracks as CSV files
     #[command(after_help = SERVE_EXAMPLES)]
     Recorder(Serve),
+    /// Find events and dangers about targets in a running deployment: conflicts, closest approach, areas, lost targets
+    #[command(after_help = SERVE_EXAMPLES)]
+    Alerts(Serve),
     /// Run a gateway in a running deployment: tracks to other systems, in ASTERIX
     #[command(after_help = SERVE_EXAMPLES)]
     Gateway(Serve),
@@ -509,7 +512,7 @@ link/Cargo.toml). Search order: $KOSEKI_LINK, the folder of koseki, link/target
 and target of the checkout in which koseki was built, PATH. docs/hosts.md
 describes links.";
 
-/// `koseki adapter`, `fusion`, `monitor`, `recorder`, `gateway`, `link`, `simulator`.
+/// `koseki adapter`, `fusion`, `alerts`, `monitor`, `recorder`, `gateway`, `link`, `simulator`.
 #[derive(Debug, Args)]
 pub(crate) struct Serve {
     /// Configuration of the deployment, a TOML file

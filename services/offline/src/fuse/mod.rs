@@ -4,6 +4,7 @@
 //! same bytes. The command reads the files twice; the first pass determines the engine's settings for the sensors
 //! ([`crate::reading`]).
 
+mod alerts;
 mod lagging;
 mod picture;
 pub(crate) mod rows;
@@ -22,6 +23,7 @@ use crate::args::Fuse;
 use crate::files::{OutputFile, check_answer, check_outputs};
 use crate::host::Host;
 use crate::reading::{EngineReader, Setup, drive_into, rule};
+use alerts::AlertTable;
 use lagging::LaggingRows;
 use picture::TrackDrawing;
 use rows::StateSink;
@@ -36,6 +38,7 @@ pub(crate) fn run(fuse: &Fuse, host: &dyn Host) -> anyhow::Result<()> {
     let outputs = [
         ("--out", Some(&fuse.out)),
         ("--explain", fuse.explain.as_ref()),
+        ("--alerts", fuse.alerts.as_ref()),
         ("--picture", fuse.picture.as_ref()),
         ("--smoothed", fuse.smoothed.as_ref()),
     ];
@@ -60,10 +63,15 @@ pub(crate) fn run(fuse: &Fuse, host: &dyn Host) -> anyhow::Result<()> {
         anyhow::Ok(table.with_sensor_ids(setup.sensor_ids.clone()))
     };
     let decisions = fuse.explain.as_ref().map(begin).transpose()?;
+    let alerts = fuse
+        .alerts
+        .as_ref()
+        .map(|path| AlertTable::begin(host.begin(path)?, &setup, host));
     let picture_file = fuse.picture.as_deref().map(OutputFile::begin).transpose()?;
     let mut outputs = FuseOutputs {
         rows,
         decisions,
+        alerts: alerts.transpose()?,
         picture: fuse.picture.as_ref().map(|_| TrackDrawing::new(fuse.track)),
         lagging: fuse
             .smoothed
@@ -75,6 +83,7 @@ pub(crate) fn run(fuse: &Fuse, host: &dyn Host) -> anyhow::Result<()> {
     let FuseOutputs {
         rows,
         decisions,
+        alerts,
         picture,
         lagging,
     } = outputs;
@@ -86,6 +95,14 @@ pub(crate) fn run(fuse: &Fuse, host: &dyn Host) -> anyhow::Result<()> {
     if let Some(decisions) = decisions {
         decisions.into_inner().finish()?;
     }
+    let alerts = match alerts {
+        Some(table) => {
+            let (file, raised) = table.finish();
+            file.finish()?;
+            Some(raised)
+        }
+        None => None,
+    };
     if let (Some(mut picture), Some(file)) = (picture, picture_file) {
         let mut again = setup.reports()?;
         while let Some(report) = again.next()? {
@@ -100,6 +117,7 @@ pub(crate) fn run(fuse: &Fuse, host: &dyn Host) -> anyhow::Result<()> {
         refusals: &reports.refusals,
         driven,
         written,
+        alerts,
     };
     summary.show(host, fuse.json)?;
     // A table without a row looks like a picture without targets.
@@ -116,6 +134,7 @@ pub(crate) fn run(fuse: &Fuse, host: &dyn Host) -> anyhow::Result<()> {
 struct FuseOutputs<W: Write> {
     rows: StateSink<W>,
     decisions: Option<DecisionWriter<W>>,
+    alerts: Option<AlertTable<W>>,
     picture: Option<TrackDrawing>,
     lagging: Option<LaggingRows<W>>,
 }
@@ -124,6 +143,9 @@ impl<W: Write> EngineReader for FuseOutputs<W> {
     fn state(&mut self, state: &SystemTrack) -> io::Result<()> {
         if let Some(picture) = &mut self.picture {
             picture.state(state);
+        }
+        if let Some(alerts) = &mut self.alerts {
+            alerts.state(state)?;
         }
         if let Some(lagging) = &mut self.lagging {
             lagging.state(state)?;

@@ -21,6 +21,8 @@ pub(crate) struct FuseSummary<'a> {
     pub(crate) driven: DriveTotals,
     /// Rows written.
     pub(crate) written: u64,
+    /// Alerts raised, if they were asked for.
+    pub(crate) alerts: Option<u64>,
 }
 
 /// Counters shown if nonzero: outcome of the reports, by sensor.
@@ -172,6 +174,9 @@ impl FuseSummary<'_> {
             "engine_s": self.driven.engine_ns as f64 / NS_PER_S,
             "reports_per_s": self.rate(),
         });
+        if let Some(raised) = self.alerts {
+            summary["alerts_raised"] = raised.into();
+        }
         if self.setup.named.any() {
             summary["assumed"] = self.setup.named.assumptions.as_slice().into();
         }
@@ -254,6 +259,9 @@ impl FuseSummary<'_> {
             tracks.join(", "),
             self.live()
         )?;
+        if let Some(raised) = self.alerts {
+            writeln!(text, "alerts: {raised} raised")?;
+        }
         writeln!(
             text,
             "rule {}: {} reports in {:.3} s of the engine, {:.0} a second",

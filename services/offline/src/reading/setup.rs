@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use alerts::AlertRules;
 use configuration::{Config, Offline};
 use deployment::Deployment;
 use frames::SystemFrame;
@@ -28,6 +29,8 @@ pub(crate) struct Setup<'a> {
     pub(crate) settings: Settings,
     /// The deployment, if the configuration is a deployment's.
     pub(crate) deployment: Option<Deployment>,
+    /// Rules of alerts, if the configuration is a deployment's.
+    pub(crate) alerts: Option<AlertRules>,
     /// The tables of named columns among the files.
     pub(crate) named: NamedTables,
     /// Sensors with configured accuracy, so that the positions need no variances; `None`: all.
@@ -80,13 +83,18 @@ impl<'a> Setup<'a> {
         let accurate = given.accurate();
         let named = NamedTables::of(host, input, given.facts())?;
         let survey = FileSurvey::of(host, (&input.tracks, &named), accurate.clone())?;
-        let (sensor_ids, mut settings, deployment) = match given {
+        let (sensor_ids, mut settings, deployment, alerts) = match given {
             FuseConfiguration::Deployment(config) => {
                 let ids = config
                     .sources
                     .iter()
                     .map(|source| observations::sensor_id(source.number));
-                (ids.collect(), config.engine, Some(config.deployment))
+                (
+                    ids.collect(),
+                    config.engine,
+                    Some(config.deployment),
+                    Some(config.alerts),
+                )
             }
             FuseConfiguration::Offline(config) => {
                 check(input, &survey)?;
@@ -96,7 +104,7 @@ impl<'a> Setup<'a> {
                         source.name = name;
                     }
                 }
-                (found.sensor_ids, found.engine, None)
+                (found.sensor_ids, found.engine, None, None)
             }
         };
         if survey.has_arrivals {
@@ -110,6 +118,7 @@ impl<'a> Setup<'a> {
             sensor_ids,
             settings,
             deployment,
+            alerts,
             named,
             accurate,
             kept: survey.kept,
