@@ -2,13 +2,13 @@
 //!
 //! A threshold on an extrapolated state raises an alert for every error of a velocity. The states of Koseki have
 //! covariances, so an alert is a statement about *futures*: a target's state is drawn many times from its Gaussian and
-//! its motion models ([`futures`]), every draw goes on as its model does, and the share of draws in which the event
+//! its motion models (`futures`), every draw goes on as its model does, and the share of draws in which the event
 //! happens within the look-ahead is the probability of the event. An alert is raised at the rule's `probability`, and
 //! cleared below half of it. So it neither comes and goes with the noise, nor waits for a number of repetitions.
 //!
-//! 1. A state becomes a [`Target`](target::Target): its place on the ground, its height, and their uncertainty.
-//! 2. The rules judge it: one target ([`area_rules`], [`own_rules`]), or with each of its neighbours ([`pair_rules`]).
-//! 3. The [`board`] raises, keeps and clears: one alert for a rule, an area and a target or pair.
+//! 1. A state becomes a `Target`: its place on the ground, its height, and their uncertainty.
+//! 2. The rules judge it: one target (`area_rules`, `own_rules`), or with each of its neighbours (`pair_rules`).
+//! 3. The `board` raises, keeps and clears: one alert for a rule, an area and a target or pair.
 //!
 //! The engine reads no clock and no topic. Its time is the reference time of the states, and the order is theirs: the
 //! same states give the same alerts to the bit, whether they come from shared memory, a recording or a file.

@@ -18,6 +18,8 @@ const STEP_S: f64 = 1.0;
 const AIRBORNE_MPS: f64 = 40.0;
 /// Speed up to which a target with an address may be a vehicle or taxi, metres per second.
 const TAXI_MPS: f64 = 25.0;
+/// Standard deviations by which it is faster, as a new track of a vehicle is not.
+const TAXI_SIGMAS: f64 = 2.0;
 /// Rate of turn below which there is no turn to continue, radians per second.
 const TURN_MIN_RADPS: f64 = 2e-3;
 /// Metres of pressure altitude in a flight level.
@@ -127,7 +129,10 @@ impl Target {
     /// Whether the target counts for a rule about such traffic.
     pub(crate) fn is_of(&self, traffic: Traffic) -> bool {
         match traffic {
-            Traffic::Air => self.is_aircraft && !self.is_on_ground && self.speed_mps() > TAXI_MPS,
+            Traffic::Air => {
+                let slowest_mps = self.speed_mps() - TAXI_SIGMAS * self.speed_sigma_mps();
+                self.is_aircraft && !self.is_on_ground && slowest_mps > TAXI_MPS
+            }
             Traffic::Sea => !self.is_aircraft && !self.is_on_ground,
             Traffic::All => true,
         }
