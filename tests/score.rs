@@ -387,3 +387,78 @@ fn fixes_are_scored_by_the_case_that_stands_beside_the_truth() {
     let line = files.refusal("score fixes --truth truth.csv --fixes fixes.csv");
     assert!(line.contains("meta.json: ") && line.contains("`loop`"), "{line}");
 }
+
+/// Two aircraft meet head on at 200 s, from 177 s on nearer than 5 NM.
+#[test]
+fn alerts_are_scored_as_text_and_as_json_and_bad_ones_refused() {
+    let rows = |id: &str| {
+        let row = |second: i32| {
+            let x = 200 * (second - 200);
+            format!("{second},1,{x},0,9000,200,0,0\n{second},2,{},0,9000,-200,0,0\n", -x)
+        };
+        let all: String = (0..=400).map(row).collect();
+        format!("time_s,{id},x,y,z,vx,vy,vz\n{all}")
+    };
+    let header = "t,event,alert,rule,kind,track,other,area,probability,time_to_s";
+    let zone =
+        &r#"{"type": "Feature", "properties": {"name": "Zone", "ceiling": "FL310"}, "geometry": {"type": "Polygon",
+        "coordinates": [[[2.0, 41.2], [2.2, 41.2], [2.2, 41.4], [2.0, 41.4], [2.0, 41.2]]]}}"#
+            .to_owned();
+    let files = Folder::with(&[
+        ("truth.csv", &rows("target_id")),
+        ("fused.csv", &rows("system_track_id")),
+        (
+            "alerts.csv",
+            &format!(
+                "{header}\n77,raised,3,stca,conflict,1,2,,0.6,100\n90,raised,4,low,low,1,,,1,\n\
+                 150,raised,5,zone,enter,2,,Zone,1,\n160,predicted,,stca,conflict,2,1,,0.75,17\n"
+            ),
+        ),
+        (
+            "broken.csv",
+            &format!("{header}\n77,raised,3,stca,conflct,1,2,,0.6,100\n"),
+        ),
+        (
+            "other.csv",
+            &format!("{header}\n77,raised,3,zone,enter,1,,Elsewhere,0.6,100\n"),
+        ),
+        ("zone.json", zone),
+    ]);
+    let score = "score alerts --truth truth.csv --tracks fused.csv --alerts";
+    let found = files.json(&format!(
+        "{score} alerts.csv --areas zone.json --origin 41.3,2.1 --json"
+    ));
+    let kinds = found["kinds"].as_array().unwrap();
+    let of = |word: &str| kinds.iter().find(|kind| kind["kind"] == word).unwrap();
+    assert_eq!(
+        (&of("conflict")["hits"], &of("conflict")["misses"]),
+        (&1.into(), &0.into())
+    );
+    assert!(
+        (of("conflict")["lead_s_median"].as_f64().unwrap() - 99.85).abs() < 0.1,
+        "{found}"
+    );
+    assert_eq!((&of("enter")["events"], &of("enter")["hits"]), (&2.into(), &1.into()));
+    assert_eq!((&of("low")["alerts"], of("low").get("hits")), (&1.into(), None));
+    assert_eq!(found["reliability"][0]["bins"][7]["violated"], 1);
+
+    let output = files.run(&format!("{score} alerts.csv --minimum-nm 1 --minimum-ft 300"));
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        text.contains("give --origin") && text.contains("\nlow: 1 alerts\nnot judged\n"),
+        "{text}"
+    );
+    for (rest, expected) in [
+        ("broken.csv", "is no kind; write enter, leave"),
+        (
+            "other.csv --areas zone.json --origin 41.3,2.1",
+            "has no area \"Elsewhere\"",
+        ),
+        ("alerts.csv --areas zone.json", "--origin"),
+        ("absent.csv", "absent.csv"),
+    ] {
+        let output = files.run(&format!("{score} {rest}"));
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert!(!output.status.success() && text.contains(expected), "{text}");
+    }
+}

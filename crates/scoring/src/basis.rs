@@ -60,6 +60,14 @@ impl FileBasis {
         }
     }
 
+    /// Returns the frame of x, y, z, if its origin is known.
+    pub(crate) fn known_frame(&self) -> Option<SystemFrame> {
+        match self.frame {
+            FrameBasis::Known(frame) | FrameBasis::Chosen(frame) => Some(frame),
+            FrameBasis::Open | FrameBasis::Unknown => None,
+        }
+    }
+
     /// Returns the basis for the second file, of which the first one begins at `first_s` seconds.
     pub(crate) fn for_another(self, first_s: Option<f64>) -> Self {
         Self {

@@ -103,6 +103,11 @@ impl Continuity {
         self.measure_direction(&pairs);
     }
 
+    /// Returns the track of a target in the latest second that has this target; `None` if it had none.
+    pub(crate) fn track_of(&self, target: i64) -> Option<i64> {
+        self.followed.get(&target).filter(|followed| followed.now)?.track
+    }
+
     /// Returns the number of tracks paired with a target in less than half of their displayed seconds.
     pub(crate) fn spurious(&self) -> u64 {
         let spurious = |seconds: &&TrackSeconds| 2 * seconds.paired < seconds.shown;

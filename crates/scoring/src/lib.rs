@@ -10,6 +10,7 @@
 //! - [`ResolutionScore`]: the resolution of targets that fly close to each other, and its delay;
 //! - [`AccuracySums`]: running figures of a picture, available at any time;
 //! - [`NumberTally`]: the stability of track numbers through failures;
+//! - [`score_alerts`]: alerts on targets, judged by what the truth does afterwards;
 //! - [`FixRuns`]: the fixes of a bearings-only locator, compared with the best possible.
 //!
 //! Everything is a pure function of the given rows: no file, no clock. [`csv_table`] reads the rows, so columns are
@@ -18,6 +19,7 @@
 #![forbid(unsafe_code)]
 
 mod accuracy;
+mod alerts;
 pub mod assignment;
 mod basis;
 mod bound;
@@ -37,6 +39,10 @@ mod statistics;
 mod words;
 
 pub use accuracy::{AccuracyReport, AccuracySums, PictureTarget, PictureTrack};
+pub use alerts::{
+    ALERT_KINDS, AlertFigures, AlertScore, AlertScoreSettings, AlertTable, KindReliability, KindScore, Minima,
+    MissedEvent, ReliabilityBin, score_alerts,
+};
 pub use basis::FileBasis;
 pub use fixes::{
     BroadsideFigures, CaseSettings, CourseFigures, FIX_WORDS, FixCase, FixError, FixFigures, FixInputError, FixRuns,

@@ -21,6 +21,7 @@ Examples:
   koseki score tracks --truth run1/truth.csv run2/truth.csv \\
       --tracks run1/tracks.csv run2/tracks.csv --since 40
   koseki score fixes --truth case/truth.csv --fixes case/fixes.csv
+  koseki score alerts --truth truth.csv --tracks fused.csv --alerts alerts.csv
 
 At each whole second for which the truth has a row, the newest state of each
 track is extrapolated to this second and compared with the targets. Heights and
@@ -159,6 +160,13 @@ pub(crate) enum ScoreWhat {
     /// Score the fixes of a bearings-only locator in a scripted case, over one or more sets of runs
     #[command(after_help = SCORE_FIXES_EXAMPLES)]
     Fixes(ScoreFixes),
+    /// Score alerts on tracks by what the targets of the truth do afterwards
+    #[command(
+        after_help = SCORE_ALERTS_EXAMPLES,
+        override_usage = "koseki score alerts [OPTIONS] --truth <FILE> --tracks <FILE>\n         \
+                          --alerts <FILE>"
+    )]
+    Alerts(ScoreAlerts),
 }
 
 const SCORE_TRACKS_EXAMPLES: &str = "\
@@ -232,6 +240,92 @@ pub(crate) struct ScoreFixes {
     /// The fixes of each set of runs, in the same order
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     pub(crate) fixes: Vec<PathBuf>,
+    /// Print a JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+const SCORE_ALERTS_EXAMPLES: &str = "\
+Examples:
+  koseki score alerts --truth truth.csv --tracks fused.csv --alerts alerts.csv
+  koseki score alerts --truth truth.csv --tracks fused.csv --alerts alerts.csv \\
+      --areas zones.geojson --origin 41.2971,2.0785 --json
+
+The truth decides: pairs of aircraft nearer than both minima (conflict), pairs of
+ships nearer than theirs (approach), targets inside areas (enter). An alert is
+right if this happens to its targets from its raising until its clearing plus the
+look-ahead, else it is a nuisance; it is undecided if the truth ends before. A
+violation with a right alert is a hit. The lead is the time from the first right
+alert to the violation. A hit is in time with a lead of a minute, or if the alert
+came within 5 s of the first state of both tracks. Further alerts of a violation
+are duplicates. Violations of the same targets less than 30 s apart are one.
+Alerts of other kinds are counted.
+
+A target that stays below 100 m and 35 m/s is a ship. Aircraft on the ground, and
+two ships that lie still (1 kn), violate no minimum.
+
+truth:   as for `koseki score`
+tracks:  as for `koseki score`: the tracks that the alerts name
+alerts:  t,event,alert,kind,track[,other,area,probability,horizon_s]
+         t counts as the times of the tracks do; rows in the order of time
+         event: raised, cleared or predicted
+         alert: number, which may come again after its clearing
+         kind: enter, leave, stay, conflict, approach, low, speed, level, lost or
+         emergency
+         track,other: numbers of the tracks; other is empty for one track
+         area: name of the entered area; empty for any
+         A row predicted has the probability (0 to 1) of a violation within
+         horizon_s seconds [default: the look-ahead]; the predictions of each
+         kind are compared with frequencies in ten bins.
+areas:   airspaces (OpenAir), or GeoJSON; with floors and ceilings
+Heights count above the ellipsoid if --origin is given or the tracks state places
+in degrees, too; else above the plane of the frame, which is wrong far out.
+Columns are found by name, other columns are ignored. A figure that cannot be
+computed is null in JSON, which has the misses and the nuisances one by one.";
+
+/// `koseki score alerts`.
+#[derive(Debug, Args)]
+pub(crate) struct ScoreAlerts {
+    /// Positions of the targets: a CSV file
+    #[arg(long, value_name = "FILE")]
+    pub(crate) truth: PathBuf,
+    /// The tracks that have the alerts: a CSV file
+    #[arg(long, value_name = "FILE")]
+    pub(crate) tracks: PathBuf,
+    /// The alerts to score: a CSV file
+    #[arg(long, value_name = "FILE")]
+    pub(crate) alerts: PathBuf,
+    /// Areas for alerts of the kind enter: airspaces (OpenAir) or GeoJSON
+    #[arg(long, value_name = "FILE", requires = "origin")]
+    pub(crate) areas: Option<PathBuf>,
+    /// Origin of the frame of x,y,z: latitude and longitude, degrees
+    #[arg(long, value_name = "LATITUDE,LONGITUDE", value_parser = origin, allow_hyphen_values = true)]
+    pub(crate) origin: Option<Geodetic>,
+    /// Time after the clearing of an alert in which a violation makes it right, seconds [default: conflict 120,
+    /// approach 900, enter 0]
+    #[arg(long, value_name = "SECONDS", value_parser = not_negative)]
+    pub(crate) look_ahead: Option<f64>,
+    /// Horizontal minimum of two aircraft, nautical miles
+    #[arg(long, value_name = "NM", default_value_t = 5.0, value_parser = above_zero)]
+    pub(crate) minimum_nm: f64,
+    /// Vertical minimum of two aircraft, feet
+    #[arg(long, value_name = "FEET", default_value_t = 1000.0, value_parser = above_zero)]
+    pub(crate) minimum_ft: f64,
+    /// The same if one of both is above flight level 410, feet
+    #[arg(long, value_name = "FEET", default_value_t = 2000.0, value_parser = above_zero)]
+    pub(crate) minimum_high_ft: f64,
+    /// Minimum of two ships, nautical miles
+    #[arg(long, value_name = "NM", default_value_t = 0.5, value_parser = above_zero)]
+    pub(crate) minimum_ships_nm: f64,
+    /// Largest distance at which a track follows a target, metres
+    #[arg(long, value_name = "METRES", default_value_t = 1000.0, value_parser = above_zero)]
+    pub(crate) gate: f64,
+    /// Largest age of a state of a track, seconds
+    #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = above_zero)]
+    pub(crate) max_age: f64,
+    /// Origin of --truth
+    #[arg(long, value_name = "REFERENCE", default_value = "truth", value_parser = references())]
+    pub(crate) reference: CardReference,
     /// Print a JSON object
     #[arg(long)]
     pub(crate) json: bool,

@@ -4,6 +4,7 @@
 //! meaning, or a JSON object with the same names. A scorecard follows: [`card`] has the scorecard as text and JSON,
 //! [`html`] as a page.
 
+mod alerts;
 mod areas;
 mod card;
 mod chart;
@@ -38,6 +39,7 @@ pub(crate) fn run(score: &Score, host: &dyn Host) -> anyhow::Result<()> {
         None => picture(score, host),
         Some(ScoreWhat::Tracks(tracks)) => resolution(tracks, host),
         Some(ScoreWhat::Fixes(fixes)) => self::fixes(fixes, host),
+        Some(ScoreWhat::Alerts(asked)) => alerts::run(asked, host),
     }
 }
 
@@ -48,15 +50,7 @@ fn picture(score: &Score, host: &dyn Host) -> anyhow::Result<()> {
     let basis = score.card.origin.map(FileBasis::at).unwrap_or_default();
     let tracks = Timeline::tracks_on(basis, host.open(tracks_file)?, score.max_age)
         .map_err(|error| InputError::new(tracks_file, error))?;
-    let (basis, truth) = (tracks.basis(), host.open(truth_file)?);
-    let truth = match score.card.reference {
-        CardReference::Truth => Timeline::truth_on(basis, truth),
-        CardReference::Independent | CardReference::Smoothed => Timeline::reference_on(basis, truth),
-    };
-    let truth = truth.map_err(|error| InputError::new(truth_file, with_remedy(&error)))?;
-    truth
-        .check_times(&tracks)
-        .map_err(|error| InputError::new(truth_file, format!("{error}; both must count from the same midnight")))?;
+    let truth = truth_for(host, truth_file, score.card.reference, &tracks)?;
     let first_s = score.t0.or(truth.compared_from_s()).unwrap_or_default();
     let settings = PictureSettings {
         cut_off_m: score.c,
@@ -97,6 +91,25 @@ fn picture(score: &Score, host: &dyn Host) -> anyhow::Result<()> {
         compared_text(&found.compared),
         card::text(&card)
     ))
+}
+
+/// Reads the truth for tracks.
+fn truth_for(
+    host: &dyn Host,
+    file: &Path,
+    reference: CardReference,
+    tracks: &Timeline,
+) -> Result<Timeline, InputError> {
+    let (basis, rows) = (tracks.basis(), host.open(file)?);
+    let truth = match reference {
+        CardReference::Truth => Timeline::truth_on(basis, rows),
+        CardReference::Independent | CardReference::Smoothed => Timeline::reference_on(basis, rows),
+    };
+    let truth = truth.map_err(|error| InputError::new(file, with_remedy(&error)))?;
+    truth
+        .check_times(tracks)
+        .map_err(|error| InputError::new(file, format!("{error}; both must count from the same midnight")))?;
+    Ok(truth)
 }
 
 /// Returns the error of a truth file with a remedy for the file of an instrument.
