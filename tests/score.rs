@@ -399,7 +399,7 @@ fn alerts_are_scored_as_text_and_as_json_and_bad_ones_refused() {
         let all: String = (0..=400).map(row).collect();
         format!("time_s,{id},x,y,z,vx,vy,vz\n{all}")
     };
-    let header = "t,event,alert,rule,kind,track,other,area,probability,time_to_s";
+    let header = "time_s,event,alert,rule,kind,system_track_id,other_system_track_id,area,probability,time_to_s";
     let zone =
         &r#"{"type": "Feature", "properties": {"name": "Zone", "ceiling": "FL310"}, "geometry": {"type": "Polygon",
         "coordinates": [[[2.0, 41.2], [2.2, 41.2], [2.2, 41.4], [2.0, 41.4], [2.0, 41.2]]]}}"#

@@ -266,13 +266,14 @@ two ships that lie still (1 kn), violate no minimum.
 
 truth:   as for `koseki score`
 tracks:  as for `koseki score`: the tracks that the alerts name
-alerts:  t,event,alert,kind,track[,other,area,probability,horizon_s]
-         t counts as the times of the tracks do; rows in the order of time
+alerts:  time_s,event,alert,kind,system_track_id[,other_system_track_id,area,
+         probability,horizon_s]: as `koseki fuse --alerts` and recorders write them
+         time_s counts as the times of the tracks do; rows in the order of time
          event: raised, cleared or predicted
          alert: number, which may come again after its clearing
          kind: enter, leave, stay, conflict, approach, low, speed, level, lost or
          emergency
-         track,other: numbers of the tracks; other is empty for one track
+         system_track_id,other_system_track_id: the tracks; empty for none
          area: name of the entered area; empty for any
          A row predicted has the probability (0 to 1) of a violation within
          horizon_s seconds [default: the look-ahead]; the predictions of each

@@ -58,8 +58,9 @@ struct AlertColumns {
 }
 
 impl AlertTable {
-    /// Reads `t,event,alert,kind,track[,other,area,probability,horizon_s]` by name, in the order of time; other columns
-    /// are ignored. `t` counts as the times of the tracks do ([`crate::Timeline::basis`]).
+    /// Reads `time_s,event,alert,kind,system_track_id[,other_system_track_id,area,probability,horizon_s]` by name, in
+    /// the order of time; other columns are ignored. `time_s` counts as the times of the tracks do
+    /// ([`crate::Timeline::basis`]).
     ///
     /// `event` is `raised`, `cleared` or `predicted`. A row `predicted` has the `probability` (0 to 1) of a violation
     /// within `horizon_s` seconds, and needs no number of an alert.
@@ -70,12 +71,12 @@ impl AlertTable {
     pub fn read(mut basis: FileBasis, input: impl Read) -> Result<Self, CsvError> {
         let mut table = Table::new(input)?;
         let columns = AlertColumns {
-            time: table.required("t")?,
+            time: table.required("time_s")?,
             event: table.required("event")?,
             number: table.spelled("alert")?,
             kind: table.required("kind")?,
-            track: table.required("track")?,
-            other: table.spelled("other")?,
+            track: table.required("system_track_id")?,
+            other: table.spelled("other_system_track_id")?,
             area: table.spelled("area")?,
             probability: table.spelled("probability")?,
             horizon: table.spelled("horizon_s")?,
@@ -171,7 +172,9 @@ mod tests {
     use super::*;
 
     fn read(rows: &str) -> Result<AlertTable, String> {
-        let text = format!("t,event,alert,rule,kind,track,other,area,probability,time_to_s,horizon_s\n{rows}");
+        let text = format!(
+            "time_s,event,alert,rule,kind,system_track_id,other_system_track_id,area,probability,time_to_s,horizon_s\n{rows}"
+        );
         AlertTable::read(FileBasis::default(), text.as_bytes()).map_err(|error| error.to_string())
     }
 

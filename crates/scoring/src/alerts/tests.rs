@@ -5,7 +5,8 @@ use areas::{Area, Level, Outline, VerticalLimits};
 use super::*;
 use crate::basis::FileBasis;
 
-const HEADER: &str = "t,event,alert,rule,kind,track,other,area,probability,time_to_s,horizon_s\n";
+const HEADER: &str =
+    "time_s,event,alert,rule,kind,system_track_id,other_system_track_id,area,probability,time_to_s,horizon_s\n";
 
 /// Straight flights from `first_s` to 600 s: number, place at 300 s, velocity.
 type Flight = (i64, i64, [f64; 3], [f64; 3]);
