@@ -3,9 +3,8 @@
 use std::collections::BTreeMap;
 
 use areas::Level;
-use association::Grid;
 use frames::SystemFrame;
-use messages::{Alert, AlertKind, Identity, SystemTrack, TrackState};
+use messages::{Alert, AlertKind, SystemTrack, TrackState};
 
 use crate::area_rules::{crossing, inside};
 use crate::areas_of::NamedArea;
@@ -15,15 +14,10 @@ use crate::pair_rules::{PairRule, PairWork};
 use crate::sentence::{label, sentence};
 use crate::settings::{AlertSettings, KNOT_MPS};
 use crate::target::Target;
+use crate::targets::{Known, Targets};
 
-/// Side of a cell of the grid of targets, metres.
-const CELL_M: f64 = 10_000.0;
-/// Greatest width of a search for neighbours, cells.
-const CELLS_MAX: i32 = 64;
 /// Greatest speed that widens the search for neighbours, metres per second.
 const SPEED_MAX_MPS: f64 = 700.0;
-/// Weight of a new interval in the usual interval of a target's reports.
-const INTERVAL_WEIGHT: f64 = 0.2;
 /// Reports after which a target that ends counts as lost.
 const REPORTS_MIN: u32 = 8;
 /// Least time without a report after which a target's rhythm is broken, seconds.
@@ -44,20 +38,6 @@ struct Rule {
     highest: Option<Level>,
 }
 
-/// What is kept of a target.
-#[derive(Clone, Debug)]
-struct Known {
-    target: Target,
-    identity: Identity,
-    /// Place in the grid.
-    slot: u32,
-    updates: u32,
-    /// Reference time of the state with the last report, UTC, nanoseconds.
-    reported_ns: i64,
-    /// Usual interval of its reports, seconds; 0 before the second one.
-    interval_s: f64,
-}
-
 /// Findings about a target, and what the target itself states.
 type Found = Vec<(AlertKey, Finding, &'static str)>;
 
@@ -67,13 +47,9 @@ pub struct AlertEngine {
     frame: SystemFrame,
     rules: Vec<Rule>,
     areas: Vec<NamedArea>,
-    targets: BTreeMap<u32, Known>,
+    targets: Targets,
     /// Since when a target is in an area, by its number, rule and area: UTC, nanoseconds.
     since_ns: BTreeMap<(u32, u16, u16), i64>,
-    grid: Grid,
-    /// Track numbers by places in the grid.
-    numbers: Vec<u32>,
-    free: Vec<u32>,
     board: Board,
     work: PairWork,
     /// Alerts that were taken over, and the times until which their targets may come back, UTC, nanoseconds.
@@ -140,11 +116,8 @@ impl AlertEngine {
             frame,
             rules: rules.iter().map(rule).collect(),
             areas,
-            targets: BTreeMap::new(),
+            targets: Targets::new(capacity),
             since_ns: BTreeMap::new(),
-            grid: Grid::new(CELL_M, capacity),
-            numbers: vec![0; capacity],
-            free: (0..capacity as u32).rev().collect(),
             board: Board::default(),
             work: PairWork::new(),
             awaited: Vec::new(),
@@ -170,8 +143,10 @@ impl AlertEngine {
         }
         match Target::of(track, &self.frame) {
             Some(target) => {
-                if let Some(slot) = self.keep(track, target) {
-                    self.judge(track, slot, changed);
+                self.fastest_mps = self.fastest_mps.max(target.speed_mps().min(SPEED_MAX_MPS));
+                match self.targets.keep(track, target) {
+                    Some(slot) => self.judge(track, slot, changed),
+                    None => self.refused += 1,
                 }
             }
             None if TrackState::is_off(track.state) => self.end(track, changed),
@@ -240,46 +215,6 @@ impl AlertEngine {
         self.targets.len()
     }
 
-    /// Keeps the state of a target; returns its place in the grid, `None` without room.
-    fn keep(&mut self, track: &SystemTrack, target: Target) -> Option<u32> {
-        let number = target.number;
-        let (place_m, now_ns) = (target.place_m, target.time_ns);
-        self.fastest_mps = self.fastest_mps.max(target.speed_mps().min(SPEED_MAX_MPS));
-        let slot = match self.targets.get_mut(&number) {
-            Some(known) => {
-                if track.updates != known.updates {
-                    let interval_s = (now_ns - known.reported_ns) as f64 * 1e-9;
-                    known.interval_s = match known.interval_s > 0.0 {
-                        true => known.interval_s + INTERVAL_WEIGHT * (interval_s - known.interval_s),
-                        false => interval_s,
-                    };
-                    (known.updates, known.reported_ns) = (track.updates, now_ns);
-                }
-                (known.target, known.identity) = (target, track.identity);
-                known.slot
-            }
-            None => {
-                let Some(slot) = self.free.pop() else {
-                    self.refused += 1;
-                    return None;
-                };
-                self.numbers[slot as usize] = number;
-                let known = Known {
-                    target,
-                    identity: track.identity,
-                    slot,
-                    updates: track.updates,
-                    reported_ns: now_ns,
-                    interval_s: 0.0,
-                };
-                self.targets.insert(number, known);
-                slot
-            }
-        };
-        self.grid.place(slot, place_m[0], place_m[1]);
-        Some(slot)
-    }
-
     /// Judges a target that has a new state.
     fn judge(&mut self, track: &SystemTrack, slot: u32, changed: &mut Vec<Alert>) {
         let number = track.track_number;
@@ -304,7 +239,7 @@ impl AlertEngine {
     }
 
     fn judge_rule(&mut self, rule: u16, track: &SystemTrack, slot: u32, found: &mut Found) {
-        let Some(known) = self.targets.get(&track.track_number) else {
+        let Some(known) = self.targets.at(slot) else {
             return;
         };
         let (of, target) = (&self.rules[usize::from(rule)], &known.target);
@@ -313,7 +248,7 @@ impl AlertEngine {
         }
         let kind = of.settings.kind.0;
         if let AlertKind::Enter | AlertKind::Leave | AlertKind::Stay = kind {
-            return self.judge_areas(rule, track.track_number, found);
+            return self.judge_areas(rule, slot, found);
         }
         let key = |area: u16| AlertKey {
             rule,
@@ -325,9 +260,7 @@ impl AlertEngine {
             return;
         };
         match kind {
-            AlertKind::Conflict | AlertKind::Approach => {
-                self.judge_neighbours(rule, area, (track.track_number, slot), found)
-            }
+            AlertKind::Conflict | AlertKind::Approach => self.judge_neighbours(rule, slot, found),
             AlertKind::Emergency => {
                 found.extend(emergency(track).map(|event| (key(area), Finding::happened(), event)));
             }
@@ -336,20 +269,16 @@ impl AlertEngine {
     }
 
     /// Judges whether a target is in the areas of a rule, or out of them.
-    fn judge_areas(&mut self, rule: u16, number: u32, found: &mut Found) {
-        let target = &self.targets[&number].target;
-        for area in self.active_areas(&self.rules[usize::from(rule)], target.time_ns) {
-            let (of, target) = (&self.rules[usize::from(rule)], &self.targets[&number].target);
-            let finding = match of.settings.kind.0 {
-                AlertKind::Enter => crossing(
-                    target,
-                    &self.areas[usize::from(area)],
-                    true,
-                    of.ahead(),
-                    &self.work.draws,
-                ),
-                _ => self.since_inside(rule, area, number),
-            };
+    fn judge_areas(&mut self, rule: u16, slot: u32, found: &mut Found) {
+        let Some((number, time_ns)) = self
+            .targets
+            .at(slot)
+            .map(|known| (known.target.number, known.target.time_ns))
+        else {
+            return;
+        };
+        for area in self.active_areas(&self.rules[usize::from(rule)], time_ns) {
+            let finding = self.judge_area(rule, area, slot);
             let key = AlertKey {
                 rule,
                 area,
@@ -380,22 +309,20 @@ impl AlertEngine {
         inside(target, &self.areas[usize::from(area)], 0.0).is_some_and(|(probability, _)| probability >= IN_AREA)
     }
 
-    /// Judges `stay`, and `leave` of a target that has been inside.
-    fn since_inside(&mut self, rule: u16, area: u16, number: u32) -> Option<Finding> {
-        let (of, target) = (&self.rules[usize::from(rule)], &self.targets.get(&number)?.target);
-        let (key, is_inside) = ((number, rule, area), self.is_inside(target, area));
+    /// Judges `enter`, `stay`, and `leave` of a target that has been inside.
+    fn judge_area(&mut self, rule: u16, area: u16, slot: u32) -> Option<Finding> {
+        let (of, target) = (&self.rules[usize::from(rule)], &self.targets.at(slot)?.target);
+        let (kind, zone) = (of.settings.kind.0, &self.areas[usize::from(area)]);
+        if kind == AlertKind::Enter {
+            return crossing(target, zone, true, of.ahead(), &self.work.draws);
+        }
+        let (key, is_inside) = ((target.number, rule, area), self.is_inside(target, area));
         if is_inside {
             self.since_ns.entry(key).or_insert(target.time_ns);
         }
         let since_ns = *self.since_ns.get(&key)?;
-        if of.settings.kind.0 == AlertKind::Leave {
-            return crossing(
-                target,
-                &self.areas[usize::from(area)],
-                false,
-                of.ahead(),
-                &self.work.draws,
-            );
+        if kind == AlertKind::Leave {
+            return crossing(target, zone, false, of.ahead(), &self.work.draws);
         }
         if !is_inside {
             self.since_ns.remove(&key);
@@ -405,40 +332,39 @@ impl AlertEngine {
         (stayed_s >= limit_s).then(|| Finding::passed(stayed_s, limit_s))
     }
 
-    /// Judges a target with each target that may come near.
-    fn judge_neighbours(&mut self, rule: u16, area: u16, (number, slot): (u32, u32), found: &mut Found) {
-        let (of, target) = (&self.rules[usize::from(rule)], &self.targets[&number].target);
+    /// Judges a target with each target that may come near. The area of a pair is that of its first target.
+    fn judge_neighbours(&mut self, rule: u16, slot: u32, found: &mut Found) {
+        let of = &self.rules[usize::from(rule)];
+        let Some(target) = self.targets.at(slot).map(|known| &known.target) else {
+            return;
+        };
+        let mut near = std::mem::take(&mut self.near);
         let reach_m = of.pair.reach_m(target.speed_mps() + self.fastest_mps);
-        let (near, numbers) = (&mut self.near, &self.numbers);
-        near.clear();
-        self.grid
-            .near(target.place_m[0], target.place_m[1], reach_m, CELLS_MAX, |other| {
-                if other != slot {
-                    near.push(numbers[other as usize]);
-                }
-            });
-        for other in std::mem::take(&mut self.near) {
-            let (of, target, other) = (
-                &self.rules[usize::from(rule)],
-                &self.targets[&number].target,
-                &self.targets[&other].target,
-            );
+        self.targets.near(slot, target.place_m, reach_m, &mut near);
+        for other in near
+            .iter()
+            .filter_map(|other| self.targets.at(*other))
+            .map(|known| &known.target)
+        {
             if !other.is_of(of.settings.traffic()) || self.area_of(of, other).is_none() {
                 continue;
             }
-            let (one, two) = if number < other.number {
-                (target, other)
+            let [one, two] = if target.number < other.number {
+                [target, other]
             } else {
-                (other, target)
+                [other, target]
             };
             let judged = of.pair.judge(one, two, self.now_ns, &mut self.work);
-            let key = AlertKey {
-                rule,
-                area,
-                tracks: [one.number, two.number],
-            };
-            found.extend(judged.map(|finding| (key, finding, "")));
+            if let Some((area, finding)) = self.area_of(of, one).zip(judged) {
+                let key = AlertKey {
+                    rule,
+                    area,
+                    tracks: [one.number, two.number],
+                };
+                found.push((key, finding, ""));
+            }
         }
+        self.near = near;
     }
 
     /// States a finding on the board; returns the alert if it was raised or cleared.
@@ -450,7 +376,7 @@ impl AlertEngine {
         };
         let targets = &self.targets;
         let labels = key.tracks.map(|track| {
-            let known = targets.get(&track);
+            let known = targets.get(track);
             known.map_or(String::new(), |known| label(&known.identity, track))
         });
         let write = |alert: &mut Alert| {
@@ -466,7 +392,7 @@ impl AlertEngine {
     /// Ends a target.
     fn end(&mut self, track: &SystemTrack, changed: &mut Vec<Alert>) {
         let number = track.track_number;
-        let Some(known) = self.targets.get(&number) else {
+        let Some(known) = self.targets.get(number).cloned() else {
             return;
         };
         let was_reported = known.updates >= REPORTS_MIN;
@@ -496,7 +422,7 @@ impl AlertEngine {
             changed.extend(self.board.clear(key, self.now_ns));
         }
         for key in lost {
-            let silent_s = (self.now_ns - self.targets[&number].reported_ns) as f64 * 1e-9;
+            let silent_s = (self.now_ns - known.reported_ns) as f64 * 1e-9;
             let finding = Finding::passed(silent_s, 0.0);
             changed.extend(self.state(key, &finding, ""));
             let keep_ns = self.rules[usize::from(key.rule)].settings.keep_s.ns();
@@ -509,18 +435,15 @@ impl AlertEngine {
         for key in areas {
             self.since_ns.remove(&key);
         }
-        if let Some(known) = self.targets.remove(&number) {
-            self.grid.remove(known.slot);
-            self.free.push(known.slot);
-        }
+        self.targets.remove(number);
     }
 }
 
 /// Whether all targets of an alert are there.
-fn has_all(targets: &BTreeMap<u32, Known>, key: AlertKey) -> bool {
+fn has_all(targets: &Targets, key: AlertKey) -> bool {
     key.tracks
         .iter()
-        .all(|track| *track == 0 || targets.contains_key(track))
+        .all(|track| *track == 0 || targets.get(*track).is_some())
 }
 
 #[cfg(test)]
@@ -546,16 +469,18 @@ mod tests {
     }
 
     fn engine(text: &str) -> AlertEngine {
-        let circle = AreaSettings {
-            name: "zone".to_owned(),
+        let circle = |name: &str, longitude_deg| AreaSettings {
+            name: name.to_owned(),
             circle: Some(CircleSettings {
                 latitude_deg: 46.0,
-                longitude_deg: 7.0,
+                longitude_deg,
                 radius_nm: 5.0,
             }),
             ..AreaSettings::default()
         };
-        let areas = named_areas(&[circle], &areas::Ground::of(frame()), &|_| unreachable!()).unwrap();
+        // The second one begins where the first one ends.
+        let circles = [circle("zone", 7.0), circle("beside", 7.24)];
+        let areas = named_areas(&circles, &areas::Ground::of(frame()), &|_| unreachable!()).unwrap();
         AlertEngine::new(&rules(text), areas, frame(), 100)
     }
 
@@ -695,6 +620,19 @@ mod tests {
         let mut other = engine("[[alert]]\nkind = \"emergency\"");
         other.resume(3, &in_force);
         assert_eq!(other.in_force().count(), 0);
+    }
+
+    #[test]
+    fn a_pair_in_two_areas_has_one_alert() {
+        let mut engine = engine("[[alert]]\nkind = \"conflict\"\nareas = [\"beside\", \"zone\"]");
+        let at = |number, x, time_s| flight(number, [x, 0.0, 9_000.0], [0.0, 100.0, 0.0], time_s);
+        let states = (0..10).flat_map(|time_s| [at(1, 8_000.0, time_s), at(2, 12_000.0, time_s)]);
+        assert_eq!(run(&mut engine, states), [(0, "raised", 1)]);
+        assert_eq!(
+            engine.in_force().next().map(Alert::area),
+            Some("zone"),
+            "that of the first target"
+        );
     }
 
     #[test]

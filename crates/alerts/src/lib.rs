@@ -29,6 +29,7 @@ mod pair_rules;
 mod sentence;
 mod settings;
 mod target;
+mod targets;
 
 pub use areas_of::{AreaFile, AreaRefusal, NamedArea, named_areas};
 pub use board::IN_FORCE_MAX;
